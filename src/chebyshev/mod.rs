@@ -1,0 +1,1 @@
+//! What a cell is worth: the Chebyshev energy of convex pieces about a center.

@@ -1,0 +1,1 @@
+//! What a run leaves behind: sites, cells and run descriptions as files.

@@ -1,0 +1,83 @@
+//! Axis-aligned boxes.
+
+use nalgebra::{Point, SVector};
+
+/// An axis-aligned box `min ≤ y ≤ max` in `D` dimensions (lengths in L).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bounds<const D: usize> {
+    /// The corner with the least coordinates.
+    pub min: Point<f64, D>,
+    /// The corner with the greatest coordinates.
+    pub max: Point<f64, D>,
+}
+
+impl<const D: usize> Bounds<D> {
+    /// The box that holds nothing: `min = +∞`, `max = −∞`.
+    #[must_use]
+    pub fn empty() -> Self {
+        Self {
+            min: Point::from(SVector::repeat(f64::INFINITY)),
+            max: Point::from(SVector::repeat(f64::NEG_INFINITY)),
+        }
+    }
+
+    /// The least box that holds all `points`; [`Bounds::empty`] of none.
+    pub fn of<'a>(points: impl IntoIterator<Item = &'a Point<f64, D>>) -> Self {
+        let mut bounds = Self::empty();
+        for point in points {
+            bounds.include(point);
+        }
+        bounds
+    }
+
+    /// Grows the box so that it holds `point`.
+    pub fn include(&mut self, point: &Point<f64, D>) {
+        self.min = self.min.inf(point);
+        self.max = self.max.sup(point);
+    }
+
+    /// `max − min` per axis (L).
+    #[must_use]
+    pub fn extent(&self) -> SVector<f64, D> {
+        self.max - self.min
+    }
+
+    /// The box's midpoint.
+    #[must_use]
+    pub fn center(&self) -> Point<f64, D> {
+        nalgebra::center(&self.min, &self.max)
+    }
+
+    /// The product of the extents (L^D); zero for a box that is empty along an axis.
+    #[must_use]
+    pub fn volume(&self) -> f64 {
+        self.extent().iter().map(|length| length.max(0.0)).product()
+    }
+
+    /// Whether `point` lies in the closed box.
+    #[must_use]
+    pub fn contains(&self, point: &Point<f64, D>) -> bool {
+        (0..D).all(|axis| self.min[axis] <= point[axis] && point[axis] <= self.max[axis])
+    }
+
+    /// Whether the two closed boxes have a point in common.
+    #[must_use]
+    pub fn overlaps(&self, other: &Self) -> bool {
+        (0..D).all(|axis| self.min[axis] <= other.max[axis] && other.min[axis] <= self.max[axis])
+    }
+
+    /// The part common to both boxes.
+    #[must_use]
+    pub fn intersection(&self, other: &Self) -> Self {
+        Self {
+            min: self.min.sup(&other.min),
+            max: self.max.inf(&other.max),
+        }
+    }
+
+    /// The point of the box nearest to `point`.
+    #[must_use]
+    pub fn clamp(&self, point: &Point<f64, D>) -> Point<f64, D> {
+        point.sup(&self.min).inf(&self.max)
+    }
+}

@@ -1,0 +1,3 @@
+//! Half-spaces, convex polyhedra and the clipping of one by the other.
+
+pub mod bounds;

@@ -1,0 +1,1 @@
+//! Closed forms: exact integrals of polynomials over simplices and polyhedra.

@@ -1,0 +1,44 @@
+//! Chebyshev Lloyd relaxation: point sets whose Voronoi cells become near-cubic.
+//!
+//! The method is the L2∣∞ Lloyd relaxation of Bukenberger & Lensch, *Tetrahedra of Varying
+//! Density and their Applications* \[BL\]: build the L2 Voronoi cell of every site clipped to
+//! the domain, integrate the Chebyshev distance d∞ over it exactly, move the site to the
+//! minimizer of that energy (its *center*), repeat.
+//!
+//! # The house
+//!
+//! ```text
+//! floor 8   main.rs                             parse, run, print the error once, exit code
+//! floor 7   cli/                                one file per subcommand, thin (binary only)
+//! floor 6   scene/        export/      plot/    what comes in, what goes out
+//! floor 5   relax/                              the loops and their records
+//! floor 4   voronoi/      chebyshev/            where a cell comes from │ what a cell is worth
+//! floor 3   domain/                    mass/    which pieces overlap a cell │ mass properties
+//! floor 2   mesh/         integrals/            meshes read from files │ closed forms
+//! floor 1   geometry/     minimize/             half-spaces, polyhedra, clip │ projected Newton
+//! ```
+//!
+//! Data goes up once: scene → diagram → fragments → energy → new sites → record → files. A
+//! module imports only from the floors below it, and only what `tests/architecture.rs` lists.
+//! Two wings stand on one ground: `voronoi` builds cells, `chebyshev` says what they are worth
+//! (it takes a center and convex pieces and never sees a diagram), `relax` is where they meet.
+//!
+//! # Conventions
+//!
+//! Lengths are in the unit of the input (L), volumes in L³ (L² in the plane), energies of order
+//! p in L^(3+p). Positions are `nalgebra::Point`, displacements are vectors, all in `f64`.
+//! Site indices count from zero. The library never prints and never panics on bad input; long
+//! work reports to an observer.
+
+pub mod chebyshev;
+pub mod domain;
+pub mod export;
+pub mod geometry;
+pub mod integrals;
+pub mod mass;
+pub mod mesh;
+pub mod minimize;
+pub mod plot;
+pub mod relax;
+pub mod scene;
+pub mod voronoi;

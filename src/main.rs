@@ -1,0 +1,3 @@
+//! The `chebloyd` program.
+
+fn main() {}

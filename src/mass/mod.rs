@@ -1,0 +1,1 @@
+//! Mass properties of solids with varying density.

@@ -1,0 +1,1 @@
+//! Bound-constrained minimization on the traits of argmin.

@@ -1,0 +1,1 @@
+//! Convergence curves and pictures of cells.
