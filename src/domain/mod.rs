@@ -1,3 +1,2 @@
 //! Where sites may live: domains as signed sums of convex pieces.
 
-pub mod label;

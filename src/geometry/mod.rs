@@ -1,3 +1,4 @@
 //! Half-spaces, convex polyhedra and the clipping of one by the other.
 
 pub mod bounds;
+pub mod label;

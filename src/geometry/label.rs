@@ -1,0 +1,5 @@
+//! The mark a facet carries from below.
+
+/// An opaque facet mark: geometry carries it through every clip and never reads it. The domain
+/// floor says which marks are walls, the Voronoi floor which are neighbors.
+pub type Label = u64;
