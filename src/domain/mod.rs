@@ -1,2 +1,1 @@
 //! Where sites may live: domains as signed sums of convex pieces.
-
