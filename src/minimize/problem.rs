@@ -1,0 +1,86 @@
+//! What is asked of a minimizer and what it answers.
+//!
+//! A problem is a closure and a box `lower ≤ x ≤ upper` (infinite bounds allowed). A minimizer
+//! never panics on a bad closure: values that are not finite are rejected trials, and why a run
+//! ended is a value with a sentence.
+
+use std::fmt;
+
+use nalgebra::{SMatrix, SVector};
+
+/// A function's value and derivatives at one point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Evaluation<const D: usize> {
+    /// `f(x)`.
+    pub value: f64,
+    /// `∂f/∂x_k`.
+    pub gradient: SVector<f64, D>,
+    /// `∂²f/∂x_j∂x_k`, symmetric.
+    pub hessian: SMatrix<f64, D, D>,
+}
+
+/// Where a minimization in `D` variables ended.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Minimum<const D: usize> {
+    /// The best point found, inside the box.
+    pub point: SVector<f64, D>,
+    /// `f(point)`; by the last quadratic model if it ended with [`Ended::StepNegligible`].
+    pub value: f64,
+    /// `∇f(point)`, not projected; by the model in the same case.
+    pub gradient: SVector<f64, D>,
+    /// How many times the function was evaluated.
+    pub evaluations: u32,
+    /// Why it ended.
+    pub ended: Ended,
+}
+
+/// Why a minimization ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ended {
+    /// The projected gradient is below the tolerance.
+    GradientSmall,
+    /// The last step was so short, and shorter than the one before by so much, that the point
+    /// it leads to was taken without another evaluation.
+    StepNegligible,
+    /// The next step would not change the value or the point by more than rounding does.
+    AtRounding,
+    /// The allowed evaluations are spent.
+    EvaluationLimit,
+    /// The function is not finite at the start.
+    NotFinite,
+    /// No lower value was found along a descent direction: the gradient does not fit the value.
+    NoDescent,
+    /// The observer asked to stop.
+    Stopped,
+}
+
+impl Ended {
+    /// Whether the point is a minimum to the accuracy asked for or to what `f64` can tell.
+    #[must_use]
+    pub fn converged(self) -> bool {
+        matches!(
+            self,
+            Self::GradientSmall | Self::StepNegligible | Self::AtRounding
+        )
+    }
+
+    /// The reason as a sentence.
+    #[must_use]
+    pub fn sentence(self) -> &'static str {
+        match self {
+            Self::GradientSmall => "the projected gradient is below the tolerance",
+            Self::StepNegligible => "the last step was too short to be worth checking",
+            Self::AtRounding => "a further step would be lost in rounding",
+            Self::EvaluationLimit => "the allowed evaluations are spent",
+            Self::NotFinite => "the function is not finite at the start",
+            Self::NoDescent => "no lower value was found along a descent direction",
+            Self::Stopped => "the observer asked to stop",
+        }
+    }
+}
+
+impl fmt::Display for Ended {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(self.sentence())
+    }
+}
