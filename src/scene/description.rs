@@ -1,0 +1,110 @@
+//! The scene: everything a run is told.
+
+use std::path::Path;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::scene::domain::Domain;
+use crate::scene::method::Method;
+use crate::scene::norm::Norm;
+use crate::scene::output::Output;
+use crate::scene::sites::Sites;
+
+/// The scene that runs when none is given: the paper's main job, kept beside the others.
+const EMBEDDED: &str = include_str!("../../scenes/cube.json");
+
+/// A relaxation: which sites, in which domain, by which method, leaving what.
+///
+/// Only `sites` has no default.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Scene {
+    /// 3, or 2 for sites in the plane.
+    #[serde(default = "three")]
+    pub dimension: usize,
+    /// Where the sites live; the unit cube (in the plane: the unit square) unless told.
+    #[serde(default)]
+    pub domain: Domain,
+    /// The sites to start from.
+    pub sites: Sites,
+    /// The distance a site minimizes over its cell.
+    #[serde(default)]
+    pub norm: Norm,
+    /// The order p ≥ 1 of the Chebyshev energy ∫ d∞^p; the paper's case is 1.
+    #[serde(default = "one")]
+    pub order: u32,
+    /// How the sites move.
+    #[serde(default)]
+    pub method: Method,
+    /// Which files a run leaves besides its log and its sites.
+    #[serde(default)]
+    pub output: Output,
+}
+
+impl Scene {
+    /// The embedded scene: 1000 uniform random sites in the unit cube, 50 iterations of L2∣∞
+    /// Lloyd. Its defaults are filled in.
+    ///
+    /// # Panics
+    /// Never: a test reads the embedded text.
+    #[must_use]
+    pub fn embedded() -> Self {
+        let mut scene: Self = serde_json::from_str(EMBEDDED).expect("the embedded scene is valid");
+        scene.fill_defaults();
+        scene
+    }
+
+    /// Fills in the defaults that depend on the dimension.
+    pub(crate) fn fill_defaults(&mut self) {
+        self.domain.fill_defaults(self.dimension);
+    }
+
+    /// Makes every relative path of the scene start at `folder`.
+    pub(crate) fn anchor(&mut self, folder: &Path) {
+        self.sites.anchor(folder);
+    }
+}
+
+fn three() -> usize {
+    3
+}
+
+fn one() -> u32 {
+    1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_embedded_scene_is_the_main_job() {
+        let scene = Scene::embedded();
+        let text = serde_json::to_value(&scene).expect("a scene is JSON");
+        assert_eq!(
+            text,
+            serde_json::json!({
+                "dimension": 3,
+                "domain": { "box": {
+                    "min": [0.0, 0.0, 0.0], "max": [1.0, 1.0, 1.0],
+                    "periodic": [false, false, false],
+                }},
+                "sites": { "random": { "count": 1000, "seed": 1 } },
+                "norm": "linf",
+                "order": 1,
+                "method": { "lloyd": { "iterations": 50, "tolerance": 0.0, "minimizer": "newton" } },
+                "output": { "cells": true, "plot": true },
+            })
+        );
+    }
+
+    #[test]
+    fn a_resolved_scene_reads_back_as_itself() {
+        let scene = Scene::embedded();
+        let text = serde_json::to_string(&scene).expect("a scene is JSON");
+        let mut again: Scene = serde_json::from_str(&text).expect("what was written reads");
+        again.fill_defaults();
+        assert_eq!(scene, again);
+    }
+}

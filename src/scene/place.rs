@@ -1,0 +1,33 @@
+//! From a scene's `sites` to points, checked.
+
+use nalgebra::Point;
+
+use crate::scene::check;
+use crate::scene::error::Error;
+use crate::scene::region::Region;
+use crate::scene::sites::Sites;
+use crate::scene::{grid, random, site_file};
+
+/// The points that `sites` names, in their order, each finite, in the region, and alone at its
+/// place.
+///
+/// # Errors
+/// When a site file cannot be read, or [`check::sites`] refuses a point.
+pub fn place<const D: usize>(
+    sites: &Sites,
+    region: &Region<'_, D>,
+) -> Result<Vec<Point<f64, D>>, Error> {
+    let points = match sites {
+        Sites::Random(random) => random::sites(random.count, random.seed, region)?,
+        Sites::Grid(grid) => grid::sites(grid, region)?,
+        Sites::List(list) => list.iter().map(|row| point(row)).collect(),
+        Sites::File(path) => site_file::read::sites(path)?,
+    };
+    check::sites(&points, region)?;
+    Ok(points)
+}
+
+/// `row` has `D` numbers: the scene has been validated.
+fn point<const D: usize>(row: &[f64]) -> Point<f64, D> {
+    Point::from(std::array::from_fn::<f64, D, _>(|axis| row[axis]))
+}

@@ -1,0 +1,96 @@
+//! The scene's `sites`: where the points to relax come from.
+
+use std::path::{Path, PathBuf};
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::scene::error::Error;
+use crate::scene::validate::dimensions_match;
+
+/// A source of sites by its scene key.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum Sites {
+    /// Uniformly distributed over the domain.
+    Random(Random),
+    /// A grid over the domain's bounding box, those of its points that the domain holds.
+    Grid(Grid),
+    /// The points themselves.
+    List(Vec<Vec<f64>>),
+    /// A `.csv`, `.npy`, `.xyz`, `.txt` or `.json` file, relative to the scene's folder.
+    File(PathBuf),
+}
+
+/// Uniform random sites.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Random {
+    /// How many.
+    pub count: usize,
+    /// The same seed gives the same sites everywhere.
+    #[serde(default = "one")]
+    pub seed: u64,
+}
+
+/// Sites on a grid.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Grid {
+    /// Grid cells per axis; a site stands in the middle of each.
+    pub counts: Vec<usize>,
+    /// The width of the box around a grid cell's middle, in grid cells, over which its site is
+    /// spread uniformly: 0 for the exact grid, 1 for anywhere in the grid cell.
+    #[serde(default)]
+    pub jitter: f64,
+    /// The same seed gives the same jitter everywhere.
+    #[serde(default = "one")]
+    pub seed: u64,
+}
+
+impl Sites {
+    pub(crate) fn anchor(&mut self, folder: &Path) {
+        if let Self::File(path) = self {
+            *path = folder.join(&path);
+        }
+    }
+
+    pub(crate) fn validate(&self, dimension: usize) -> Result<(), Error> {
+        match self {
+            Self::Random(random) if random.count == 0 => {
+                Err(Error::value("sites.random.count", "0 sites have no cells"))
+            }
+            Self::Grid(grid) => grid.validate(dimension),
+            Self::List(list) => validate_list(list, dimension),
+            Self::Random(_) | Self::File(_) => Ok(()),
+        }
+    }
+}
+
+impl Grid {
+    fn validate(&self, dimension: usize) -> Result<(), Error> {
+        dimensions_match("sites.grid.counts", self.counts.len(), dimension)?;
+        if self.counts.contains(&0) {
+            return Err(Error::value("sites.grid.counts", "0 sites have no cells"));
+        }
+        if !(0.0..=1.0).contains(&self.jitter) {
+            let message = format!("{:?} is not between 0 and 1", self.jitter);
+            return Err(Error::value("sites.grid.jitter", message));
+        }
+        Ok(())
+    }
+}
+
+fn validate_list(list: &[Vec<f64>], dimension: usize) -> Result<(), Error> {
+    if list.is_empty() {
+        return Err(Error::value("sites.list", "0 sites have no cells"));
+    }
+    for (index, point) in list.iter().enumerate() {
+        dimensions_match(&format!("sites.list[{index}]"), point.len(), dimension)?;
+    }
+    Ok(())
+}
+
+fn one() -> u64 {
+    1
+}
