@@ -1,0 +1,319 @@
+//! An axis: its range, its scale and where its ticks stand.
+
+use nalgebra::Point2;
+
+use crate::plot::color::Color;
+use crate::plot::figure::{Anchor, Figure, Stroke};
+
+/// A labelled tick.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tick {
+    /// Where it stands on the axis.
+    pub value: f64,
+    /// What is written beside it.
+    pub label: String,
+}
+
+/// A range of values with its ticks.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Axis {
+    /// The value at the beginning; positive on a logarithmic axis.
+    pub min: f64,
+    /// The value at the end, above `min`.
+    pub max: f64,
+    /// Whether equal ratios instead of equal differences are equally long.
+    pub logarithmic: bool,
+    /// The labelled ticks inside the range.
+    pub ticks: Vec<Tick>,
+    /// Unlabelled ticks between them.
+    pub minor: Vec<f64>,
+}
+
+/// About as many labelled ticks as fit one of our panels.
+const TICKS: f64 = 6.0;
+
+/// The room left free beyond the data at either end, as a share of the range.
+const MARGIN: f64 = 0.04;
+
+/// The least range of a linear axis relative to its values: a constant still gets an axis whose
+/// labels differ within seven digits.
+const LEAST_RANGE: f64 = 1e-5;
+
+/// Below this many decades a logarithmic axis also labels 2 and 5.
+const FEW_DECADES: f64 = 2.0;
+
+/// The digits that powers of ten are raised by: U+207B and U+2070…
+const SUPERSCRIPTS: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
+
+impl Axis {
+    /// An axis of equal differences around `[low, high]` with ticks on round numbers.
+    #[must_use]
+    pub fn linear(low: f64, high: f64) -> Self {
+        let middle = 0.5 * (low + high);
+        let half = (0.5 * (high - low))
+            .max(LEAST_RANGE * middle.abs())
+            .max(f64::MIN_POSITIVE.sqrt());
+        let reach = half * (1.0 + 2.0 * MARGIN);
+        let step = round_step(2.0 * half / TICKS);
+        Self::stepped(middle - reach, middle + reach, step)
+    }
+
+    /// An axis for counts from `low` to `high`; ticks on whole numbers.
+    #[must_use]
+    pub fn counts(low: f64, high: f64) -> Self {
+        let high = high.max(low + 1.0);
+        let margin = 0.5 * MARGIN * (high - low);
+        let step = round_step((high - low) / TICKS).max(1.0);
+        Self::stepped(low - margin, high + margin, step)
+    }
+
+    /// An axis of equal ratios around `[low, high]`, both positive, with ticks on decades.
+    #[must_use]
+    pub fn logarithmic(low: f64, high: f64) -> Self {
+        let decades = (high / low).log10().max(0.1);
+        let margin = 10_f64.powf(MARGIN * decades);
+        let (min, max) = (low / margin, high.max(low * 10_f64.powf(0.1)) * margin);
+        let stride = (decades / TICKS).ceil().max(1.0) as i32;
+        let (first, last) = (min.log10().floor() as i32, max.log10().ceil() as i32);
+        let labelled: &[f64] = if decades < FEW_DECADES {
+            &[1.0, 2.0, 5.0]
+        } else {
+            &[1.0]
+        };
+        let plain = first >= -4 && last <= 4;
+        let inside = |v: &f64| (min..=max).contains(v);
+        let decade_starts = (first..=last).filter(|exponent| exponent % stride == 0);
+        let ticks = decade_starts
+            .flat_map(|exponent| labelled.iter().map(move |digit| (*digit, exponent)))
+            .map(|(digit, exponent)| Tick {
+                value: digit * 10_f64.powi(exponent),
+                label: power_label(digit, exponent, plain),
+            })
+            .filter(|tick| inside(&tick.value))
+            .collect();
+        let digits = if stride > 1 { 1..2 } else { 1..10 };
+        let minor = (first..=last)
+            .flat_map(|exponent| {
+                digits
+                    .clone()
+                    .map(move |d| f64::from(d) * 10_f64.powi(exponent))
+            })
+            .filter(inside)
+            .collect();
+        Self {
+            min,
+            max,
+            logarithmic: true,
+            ticks,
+            minor,
+        }
+    }
+
+    /// How far along the axis `value` lies: 0 at `min`, 1 at `max`.
+    #[must_use]
+    pub fn share(&self, value: f64) -> f64 {
+        if self.logarithmic {
+            (value / self.min).ln() / (self.max / self.min).ln()
+        } else {
+            (value - self.min) / (self.max - self.min)
+        }
+    }
+
+    fn stepped(min: f64, max: f64, step: f64) -> Self {
+        let decimals = (-step.log10().floor()).clamp(0.0, 15.0) as usize;
+        // The slack keeps a tick that rounding puts just beyond an end.
+        let (first, last) = ((min / step - 1e-9).ceil(), (max / step + 1e-9).floor());
+        let count = (last - first).clamp(-1.0, 100.0) as i64;
+        let ticks = (0..=count)
+            .map(|k| {
+                let value = (first + k as f64) * step;
+                let label = format!("{value:.decimals$}");
+                Tick {
+                    value,
+                    label: label.replace('-', "−"),
+                }
+            })
+            .collect();
+        Self {
+            min,
+            max,
+            logarithmic: false,
+            ticks,
+            minor: Vec::new(),
+        }
+    }
+}
+
+/// The least of 1, 2, 5 times a power of ten that is no smaller than `step`.
+fn round_step(step: f64) -> f64 {
+    let power = 10_f64.powf(step.log10().floor());
+    let digit = [1.0, 2.0, 5.0, 10.0]
+        .into_iter()
+        .find(|digit| digit * power >= step * (1.0 - 1e-9));
+    digit.unwrap_or(10.0) * power
+}
+
+/// `digit · 10^exponent`, in plain decimals or as a power of ten.
+fn power_label(digit: f64, exponent: i32, plain: bool) -> String {
+    if plain {
+        let decimals = (-exponent).max(0) as usize;
+        return format!("{:.decimals$}", digit * 10_f64.powi(exponent));
+    }
+    let sign = if exponent < 0 { "⁻" } else { "" };
+    let raised = exponent.unsigned_abs().to_string();
+    let raised: String = raised
+        .bytes()
+        .map(|letter| SUPERSCRIPTS[usize::from(letter - b'0')])
+        .collect();
+    let factor = if digit > 1.0 {
+        format!("{digit}·")
+    } else {
+        String::new()
+    };
+    format!("{factor}10{sign}{raised}")
+}
+
+/// A framed area with a horizontal and a vertical axis.
+#[derive(Clone, Debug)]
+pub struct Panel {
+    /// The frame's upper left and lower right corner.
+    pub frame: [Point2<f64>; 2],
+    /// The horizontal axis.
+    pub x: Axis,
+    /// The vertical axis, upward.
+    pub y: Axis,
+}
+
+/// The font size of tick labels; other texts are larger.
+pub const TICK_SIZE: f64 = 11.0;
+/// The font size of axis labels.
+pub const LABEL_SIZE: f64 = 12.0;
+/// The font size of titles.
+pub const TITLE_SIZE: f64 = 14.0;
+/// How far tick labels stand off the frame.
+const STANDOFF: f64 = 7.0;
+/// How long ticks are.
+const TICK_LENGTH: f64 = 4.0;
+
+impl Panel {
+    /// Where the data point `(x, y)` stands in the figure.
+    #[must_use]
+    pub fn place(&self, x: f64, y: f64) -> Point2<f64> {
+        let [min, max] = self.frame;
+        Point2::new(
+            min.x + self.x.share(x) * (max.x - min.x),
+            max.y + self.y.share(y) * (min.y - max.y),
+        )
+    }
+
+    /// Draws grid, ticks and tick labels.
+    pub fn draw_grid(&self, figure: &mut Figure) {
+        let [min, max] = self.frame;
+        let grid = Stroke::solid(Color::GRID, 0.8);
+        let ink = Stroke::solid(Color::INK, 0.8);
+        for tick in &self.x.ticks {
+            let x = self.place(tick.value, self.y.min).x;
+            figure.line(Point2::new(x, min.y), Point2::new(x, max.y), grid);
+            figure.line(
+                Point2::new(x, max.y - TICK_LENGTH),
+                Point2::new(x, max.y),
+                ink,
+            );
+            let below = Point2::new(x, max.y + STANDOFF + 0.8 * TICK_SIZE);
+            figure.text(below, &tick.label, TICK_SIZE, Anchor::Middle);
+        }
+        for tick in &self.y.ticks {
+            let y = self.place(self.x.min, tick.value).y;
+            figure.line(Point2::new(min.x, y), Point2::new(max.x, y), grid);
+            figure.line(
+                Point2::new(min.x, y),
+                Point2::new(min.x + TICK_LENGTH, y),
+                ink,
+            );
+            let beside = Point2::new(min.x - STANDOFF, y + 0.36 * TICK_SIZE);
+            figure.text(beside, &tick.label, TICK_SIZE, Anchor::End);
+        }
+        for value in &self.y.minor {
+            let y = self.place(self.x.min, *value).y;
+            let end = Point2::new(min.x + 0.6 * TICK_LENGTH, y);
+            figure.line(Point2::new(min.x, y), end, ink);
+        }
+    }
+
+    /// Draws the frame, the title above it and the axes' names.
+    pub fn draw_frame(&self, figure: &mut Figure, title: &str, x_name: &str, y_name: &str) {
+        let [min, max] = self.frame;
+        let middle = nalgebra::center(&min, &max);
+        figure.rectangle(self.frame, None, Some(Stroke::solid(Color::INK, 1.0)));
+        let above = Point2::new(middle.x, min.y - 10.0);
+        figure.text(above, title, TITLE_SIZE, Anchor::Middle);
+        let below = Point2::new(middle.x, max.y + 38.0);
+        figure.text(below, x_name, LABEL_SIZE, Anchor::Middle);
+        let widest = self
+            .y
+            .ticks
+            .iter()
+            .map(|tick| crate::plot::font::width(&tick.label, TICK_SIZE));
+        let left = min.x - STANDOFF - widest.fold(0.0, f64::max) - 9.0;
+        figure.upward_text(Point2::new(left, middle.y), y_name, LABEL_SIZE);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn labels(axis: &Axis) -> Vec<&str> {
+        axis.ticks.iter().map(|tick| tick.label.as_str()).collect()
+    }
+
+    #[test]
+    fn linear_ticks_are_round() {
+        assert_eq!(
+            labels(&Axis::linear(100.0, 126.4)),
+            ["100", "105", "110", "115", "120", "125"]
+        );
+        assert_eq!(
+            labels(&Axis::linear(-0.02, 0.02)),
+            ["−0.02", "−0.01", "0.00", "0.01", "0.02"]
+        );
+        assert_eq!(labels(&Axis::counts(0.0, 3.0)), ["0", "1", "2", "3"]);
+    }
+
+    #[test]
+    fn logarithmic_ticks_fit_their_range() {
+        assert_eq!(
+            labels(&Axis::logarithmic(0.003, 12.0)),
+            ["0.01", "0.1", "1", "10"]
+        );
+        assert_eq!(
+            labels(&Axis::logarithmic(0.3, 12.0)),
+            ["0.5", "1", "2", "5", "10"]
+        );
+        assert_eq!(
+            labels(&Axis::logarithmic(1e-9, 1.0)),
+            ["10⁻⁸", "10⁻⁶", "10⁻⁴", "10⁻²", "10⁰"]
+        );
+    }
+
+    #[test]
+    fn every_range_gets_a_few_ticks() {
+        for (low, high) in [
+            (0.0, 0.0),
+            (100.0, 100.0),
+            (1e-300, 1e300),
+            (99.9999, 100.0),
+        ] {
+            let axis = Axis::linear(low, high);
+            assert!(
+                (2..=9).contains(&axis.ticks.len()),
+                "{low} {high}: {:?}",
+                labels(&axis)
+            );
+        }
+        for ratio in [1.0, 1.5, 10.0, 1e3, 1e12, 1e200] {
+            let axis = Axis::logarithmic(1e-12, 1e-12 * ratio);
+            assert!(axis.ticks.len() <= 9, "{ratio}: {:?}", labels(&axis));
+        }
+    }
+}

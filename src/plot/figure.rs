@@ -1,0 +1,166 @@
+//! A figure as a list of shapes, before it becomes a file.
+//!
+//! Every picture of this crate is first a plain list of polygons, lines, discs and texts in
+//! figure units, the origin in the upper left corner and y downward; [`crate::plot::svg`] and
+//! [`crate::plot::png`] turn the same list into their formats. Shapes later in the list cover
+//! earlier ones.
+
+use nalgebra::Point2;
+
+use crate::plot::color::Color;
+
+/// A line's look.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stroke {
+    /// The line's color.
+    pub color: Color,
+    /// Its width in figure units.
+    pub width: f64,
+    /// Lengths of dash and gap in figure units; `None` is a solid line.
+    pub dash: Option<[f64; 2]>,
+}
+
+impl Stroke {
+    /// A solid line.
+    #[must_use]
+    pub fn solid(color: Color, width: f64) -> Self {
+        Self {
+            color,
+            width,
+            dash: None,
+        }
+    }
+}
+
+/// Which point of a text stands at its position, along the direction of reading.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Anchor {
+    /// The text's beginning.
+    Start,
+    /// Its middle.
+    Middle,
+    /// Its end.
+    End,
+}
+
+/// A line of text whose baseline starts, is centered or ends at `position`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Text {
+    /// Where the anchor stands, on the baseline.
+    pub position: Point2<f64>,
+    /// What is written.
+    pub content: String,
+    /// The font size in figure units.
+    pub size: f64,
+    /// Which part of the text stands at the position.
+    pub anchor: Anchor,
+    /// Whether the text reads from bottom to top instead of left to right.
+    pub upward: bool,
+    /// The ink.
+    pub color: Color,
+}
+
+/// One shape of a figure.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Shape {
+    /// Closed contours, filled by the even-odd rule and outlined.
+    Polygon {
+        /// The contours' corners.
+        contours: Vec<Vec<Point2<f64>>>,
+        /// The filling, if any.
+        fill: Option<Color>,
+        /// The outline, if any.
+        stroke: Option<Stroke>,
+    },
+    /// An open line through points.
+    Polyline {
+        /// The points in order.
+        points: Vec<Point2<f64>>,
+        /// The line's look.
+        stroke: Stroke,
+    },
+    /// A filled circle.
+    Disc {
+        /// The middle.
+        center: Point2<f64>,
+        /// The radius in figure units.
+        radius: f64,
+        /// The filling.
+        fill: Color,
+    },
+    /// A line of text.
+    Text(Text),
+}
+
+/// A white sheet with shapes on it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Figure {
+    /// Width in figure units (SVG pixels).
+    pub width: f64,
+    /// Height in figure units.
+    pub height: f64,
+    /// What is drawn, from the back to the front.
+    pub shapes: Vec<Shape>,
+}
+
+impl Figure {
+    /// An empty sheet.
+    #[must_use]
+    pub fn new(width: f64, height: f64) -> Self {
+        Self {
+            width,
+            height,
+            shapes: Vec::new(),
+        }
+    }
+
+    /// Adds a straight line.
+    pub fn line(&mut self, from: Point2<f64>, to: Point2<f64>, stroke: Stroke) {
+        let points = vec![from, to];
+        self.shapes.push(Shape::Polyline { points, stroke });
+    }
+
+    /// Adds a rectangle given by two opposite corners.
+    pub fn rectangle(
+        &mut self,
+        [min, max]: [Point2<f64>; 2],
+        fill: Option<Color>,
+        stroke: Option<Stroke>,
+    ) {
+        let corners = vec![
+            min,
+            Point2::new(max.x, min.y),
+            max,
+            Point2::new(min.x, max.y),
+        ];
+        self.shapes.push(Shape::Polygon {
+            contours: vec![corners],
+            fill,
+            stroke,
+        });
+    }
+
+    /// Adds a horizontal line of text.
+    pub fn text(&mut self, position: Point2<f64>, content: &str, size: f64, anchor: Anchor) {
+        self.shapes.push(Shape::Text(Text {
+            position,
+            content: content.to_owned(),
+            size,
+            anchor,
+            upward: false,
+            color: Color::INK,
+        }));
+    }
+
+    /// Adds a line of text that reads upward, centered at `position`.
+    pub fn upward_text(&mut self, position: Point2<f64>, content: &str, size: f64) {
+        self.shapes.push(Shape::Text(Text {
+            position,
+            content: content.to_owned(),
+            size,
+            anchor: Anchor::Middle,
+            upward: true,
+            color: Color::INK,
+        }));
+    }
+}
