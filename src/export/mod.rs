@@ -1,3 +1,6 @@
 //! What a run leaves behind: sites, cells and run descriptions as files.
 
 pub mod log;
+pub mod run;
+pub mod sites;
+pub mod whole_file;

@@ -1,0 +1,186 @@
+//! The sites of one iteration, to the bit: where a resumed run starts.
+//!
+//! `checkpoint.bin` is a line of JSON (the [`Header`]) followed by the coordinates, site by site,
+//! as little-endian f64.
+//!
+//! Everything after a checkpoint can be computed again, so they need not be frequent: a
+//! [`Pace`] spaces them so that writing them takes little of a run's time.
+
+use std::io::{self, Write};
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use nalgebra::Point;
+use serde::{Deserialize, Serialize};
+
+use crate::export::run::error::RunError;
+use crate::export::whole_file;
+
+/// The version of the file's layout.
+const FORMAT: u32 = 1;
+
+/// Checkpoints are at least this far apart: what a killed run loses at most, beside one iteration.
+const LEAST_INTERVAL: Duration = Duration::from_secs(1);
+
+/// And this many times as far apart as one takes to write: 4 % of a run's time.
+const INTERVAL_PER_WRITE: u32 = 25;
+
+/// Where a run stands, beside its sites.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Header {
+    format: u32,
+    dimension: usize,
+    sites: usize,
+    /// Moves made so far.
+    pub iteration: u64,
+    /// Energy evaluations so far, per site.
+    pub evaluations: f64,
+}
+
+/// A run's state after some iteration.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Checkpoint<const D: usize> {
+    /// Moves made so far.
+    pub iteration: u64,
+    /// Energy evaluations so far, per site.
+    pub evaluations: f64,
+    /// Where the sites stand.
+    pub sites: Vec<Point<f64, D>>,
+}
+
+/// Writes a checkpoint at `path`, whole or not at all.
+///
+/// # Errors
+/// [`RunError::File`].
+pub fn write<const D: usize>(
+    path: &Path,
+    iteration: u64,
+    evaluations: f64,
+    sites: &[Point<f64, D>],
+) -> Result<(), RunError> {
+    let header = Header {
+        format: FORMAT,
+        dimension: D,
+        sites: sites.len(),
+        iteration,
+        evaluations,
+    };
+    let written = whole_file::write(path, |file| {
+        serde_json::to_writer(&mut *file, &header).map_err(io::Error::from)?;
+        file.write_all(b"\n")?;
+        for value in sites.iter().flat_map(|site| site.iter()) {
+            file.write_all(&value.to_le_bytes())?;
+        }
+        Ok(())
+    });
+    written.map_err(RunError::file("write", path))
+}
+
+/// Reads the checkpoint at `path`; none if there is no such file.
+///
+/// # Errors
+/// [`RunError::File`], or [`RunError::Damaged`] when it is not one of `D` dimensions.
+pub fn read<const D: usize>(path: &Path) -> Result<Option<Checkpoint<D>>, RunError> {
+    let bytes = match std::fs::read(path) {
+        Ok(bytes) => bytes,
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
+        Err(error) => return Err(RunError::file("read", path)(error)),
+    };
+    parse(&bytes)
+        .map(Some)
+        .map_err(|message| RunError::damaged(path, message))
+}
+
+fn parse<const D: usize>(bytes: &[u8]) -> Result<Checkpoint<D>, String> {
+    let end = bytes.iter().position(|&byte| byte == b'\n');
+    let end = end.ok_or("it has no header")?;
+    let header: Header =
+        serde_json::from_slice(&bytes[..end]).map_err(|error| error.to_string())?;
+    let data = &bytes[end + 1..];
+    if header.format != FORMAT || header.dimension != D {
+        return Err(format!(
+            "it has format {} and dimension {} where {FORMAT} and {D} are expected",
+            header.format, header.dimension
+        ));
+    }
+    if Some(data.len()) != header.sites.checked_mul(8 * D) {
+        return Err(format!("it does not hold {} sites", header.sites));
+    }
+    Ok(Checkpoint {
+        iteration: header.iteration,
+        evaluations: header.evaluations,
+        sites: data.chunks_exact(8 * D).map(point).collect(),
+    })
+}
+
+fn point<const D: usize>(bytes: &[u8]) -> Point<f64, D> {
+    let coordinate = |axis: usize| {
+        let mut value = [0; 8];
+        value.copy_from_slice(&bytes[8 * axis..8 * axis + 8]);
+        f64::from_le_bytes(value)
+    };
+    Point::from(std::array::from_fn::<f64, D, _>(coordinate))
+}
+
+/// When the next checkpoint is due.
+#[derive(Clone, Copy, Debug)]
+pub struct Pace {
+    last: Instant,
+    interval: Duration,
+}
+
+impl Pace {
+    /// The pace after a checkpoint just written that took `cost`.
+    #[must_use]
+    pub fn after(cost: Duration) -> Self {
+        Self {
+            last: Instant::now(),
+            interval: LEAST_INTERVAL.max(cost * INTERVAL_PER_WRITE),
+        }
+    }
+
+    /// Whether the next checkpoint is due.
+    #[must_use]
+    pub fn is_due(&self) -> bool {
+        self.last.elapsed() >= self.interval
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_checkpoint_reads_back_to_the_bit() {
+        let folder = tempfile::tempdir().expect("a folder for the test");
+        let path = folder.path().join("checkpoint.bin");
+        assert_eq!(read::<3>(&path).expect("nothing is not an error"), None);
+        let sites = vec![
+            Point::from([0.1, -0.0, 1e-300]),
+            Point::from([0.2, 0.3, 0.1 + 0.2]),
+        ];
+        write(&path, 7, 31.0 / 3.0, &sites).expect("room for a checkpoint");
+        let again = read::<3>(&path)
+            .expect("what was written reads")
+            .expect("a file");
+        assert_eq!((again.iteration, again.evaluations), (7, 31.0 / 3.0));
+        let bits = |sites: &[Point<f64, 3>]| -> Vec<u64> {
+            let values = sites.iter().flat_map(|site| site.iter().copied());
+            values.map(f64::to_bits).collect()
+        };
+        assert_eq!(bits(&again.sites), bits(&sites));
+        assert!(read::<2>(&path).is_err());
+    }
+
+    #[test]
+    fn a_damaged_checkpoint_is_refused() {
+        for bytes in [
+            &b""[..],
+            b"{}\n",
+            b"no header",
+            b"{\"format\":1,\"dimension\":3,\"sites\":2,\"iteration\":1,\"evaluations\":0}\n1234",
+        ] {
+            assert!(parse::<3>(bytes).is_err());
+        }
+    }
+}

@@ -1,0 +1,196 @@
+//! The directory of one run, held by one process at a time.
+
+use std::fs::{self, TryLockError};
+use std::io;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use nalgebra::Point;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+use crate::export::run::checkpoint::{self, Checkpoint, Pace};
+use crate::export::run::error::RunError;
+use crate::export::run::log::Log;
+use crate::export::whole_file;
+use crate::relax::record::Record;
+
+const LOG: &str = "log.jsonl";
+const DESCRIPTION: &str = "run.json";
+const CHECKPOINT: &str = "checkpoint.bin";
+
+/// What a run leaves beside its log; a new run in the same place removes them.
+const OUTPUTS: [&str; 6] = [
+    "sites.csv",
+    "cells.vtu",
+    "cells.svg",
+    "cells.png",
+    "convergence.svg",
+    CHECKPOINT,
+];
+
+/// A run's directory, locked until this is dropped or the process ends.
+#[derive(Debug)]
+pub struct RunDirectory {
+    path: PathBuf,
+    log: Log,
+    pace: Pace,
+}
+
+/// A run found in its directory.
+#[derive(Debug)]
+pub struct Found<T> {
+    /// Where.
+    pub directory: RunDirectory,
+    /// Its `run.json`.
+    pub description: T,
+}
+
+impl RunDirectory {
+    /// Refuses a directory that holds a run or can hold none; changes nothing.
+    ///
+    /// # Errors
+    /// [`RunError::Occupied`] or [`RunError::NotADirectory`].
+    pub fn check_vacant(path: &Path) -> Result<(), RunError> {
+        let path_owned = || path.to_owned();
+        if path.exists() && !path.is_dir() {
+            return Err(RunError::NotADirectory { path: path_owned() });
+        }
+        if [LOG, DESCRIPTION]
+            .iter()
+            .any(|name| path.join(name).exists())
+        {
+            return Err(RunError::Occupied { path: path_owned() });
+        }
+        Ok(())
+    }
+
+    /// Makes the directory of a new run, and its parents; what an older run left there is removed.
+    ///
+    /// # Errors
+    /// [`RunError::InUse`] while another process runs there, [`RunError::File`] when it cannot be
+    /// made or written.
+    pub fn create(path: &Path, description: &impl Serialize) -> Result<Self, RunError> {
+        fs::create_dir_all(path).map_err(RunError::file("make the directory", path))?;
+        let mut directory = Self::lock(path)?;
+        for name in OUTPUTS {
+            directory.remove(name)?;
+        }
+        directory.describe(description)?;
+        directory.log.clear()?;
+        Ok(directory)
+    }
+
+    /// Opens the directory of a run to go on with.
+    ///
+    /// # Errors
+    /// [`RunError::NoRun`], [`RunError::InUse`], [`RunError::Damaged`] or [`RunError::File`].
+    pub fn reopen<T: DeserializeOwned>(path: &Path) -> Result<Found<T>, RunError> {
+        let description_path = path.join(DESCRIPTION);
+        let text = match fs::read(&description_path) {
+            Ok(text) => text,
+            Err(error) if error.kind() == io::ErrorKind::NotFound => {
+                return Err(RunError::NoRun {
+                    path: path.to_owned(),
+                });
+            }
+            Err(error) => return Err(RunError::file("read", &description_path)(error)),
+        };
+        let description = serde_json::from_slice(&text)
+            .map_err(|error| RunError::damaged(&description_path, error.to_string()))?;
+        Ok(Found {
+            directory: Self::lock(path)?,
+            description,
+        })
+    }
+
+    /// The run's last checkpoint; none if it was killed before the first.
+    ///
+    /// # Errors
+    /// [`RunError::Damaged`] or [`RunError::File`].
+    pub fn checkpoint<const D: usize>(&self) -> Result<Option<Checkpoint<D>>, RunError> {
+        checkpoint::read(&self.file(CHECKPOINT))
+    }
+
+    /// The run's log.
+    pub fn log(&mut self) -> &mut Log {
+        &mut self.log
+    }
+
+    /// The path of the file `name` in the directory.
+    #[must_use]
+    pub fn file(&self, name: &str) -> PathBuf {
+        self.path.join(name)
+    }
+
+    /// Writes `run.json`.
+    ///
+    /// # Errors
+    /// [`RunError::File`].
+    pub fn describe(&self, description: &impl Serialize) -> Result<(), RunError> {
+        let path = self.file(DESCRIPTION);
+        whole_file::write(&path, |file| {
+            serde_json::to_writer_pretty(&mut *file, description)?;
+            io::Write::write_all(file, b"\n")
+        })
+        .map_err(RunError::file("write", &path))
+    }
+
+    /// Appends a record to the log and, if it is time for one, writes a checkpoint.
+    ///
+    /// # Errors
+    /// [`RunError::File`].
+    pub fn record<const D: usize>(
+        &mut self,
+        record: &Record,
+        sites: &[Point<f64, D>],
+    ) -> Result<(), RunError> {
+        self.log.append(record)?;
+        if record.iteration == 0 || self.pace.is_due() {
+            self.keep(record, sites)?;
+        }
+        Ok(())
+    }
+
+    /// Writes the checkpoint of a `record` that is in the log, whether it is time or not.
+    ///
+    /// # Errors
+    /// [`RunError::File`].
+    pub fn keep<const D: usize>(
+        &mut self,
+        record: &Record,
+        sites: &[Point<f64, D>],
+    ) -> Result<(), RunError> {
+        let start = Instant::now();
+        self.log.sync()?;
+        let path = self.file(CHECKPOINT);
+        checkpoint::write(&path, record.iteration, record.evaluations, sites)?;
+        self.pace = Pace::after(start.elapsed());
+        Ok(())
+    }
+
+    fn lock(path: &Path) -> Result<Self, RunError> {
+        let log = Log::open(&path.join(LOG))?;
+        // A file system that cannot lock is no reason not to run.
+        if let Err(TryLockError::WouldBlock) = log.file().try_lock() {
+            return Err(RunError::InUse {
+                path: path.to_owned(),
+            });
+        }
+        Ok(Self {
+            path: path.to_owned(),
+            log,
+            pace: Pace::after(std::time::Duration::ZERO),
+        })
+    }
+
+    fn remove(&self, name: &str) -> Result<(), RunError> {
+        let path = self.file(name);
+        match fs::remove_file(&path) {
+            Err(error) if error.kind() != io::ErrorKind::NotFound => {
+                Err(RunError::file("remove", &path)(error))
+            }
+            _ => Ok(()),
+        }
+    }
+}

@@ -1,0 +1,64 @@
+//! Files that are there whole or not at all.
+
+use std::fs::{self, File};
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+/// Writes `path` through `content` so that whoever opens it, even after a kill or a crash of the
+/// machine, finds what was there before or all of what is there now: the bytes go to a partial
+/// file beside it, are synced to the disk, and take the name last.
+///
+/// # Errors
+/// What the system says; `path` is then as it was.
+pub fn write(
+    path: &Path,
+    content: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
+) -> io::Result<()> {
+    let partial = partial(path);
+    let written = write_synced(&partial, content).and_then(|()| fs::rename(&partial, path));
+    if written.is_err() {
+        // The first error is the one to tell.
+        let _ = fs::remove_file(&partial);
+    }
+    written
+}
+
+/// Where the bytes of `path` gather before they are all there: `.NAME.partial` beside it.
+#[must_use]
+pub fn partial(path: &Path) -> PathBuf {
+    let mut name = std::ffi::OsString::from(".");
+    name.push(path.file_name().unwrap_or_default());
+    name.push(".partial");
+    path.with_file_name(name)
+}
+
+fn write_synced(
+    path: &Path,
+    content: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
+) -> io::Result<()> {
+    let mut file = BufWriter::new(File::create(path)?);
+    content(&mut file)?;
+    file.flush()?;
+    file.get_ref().sync_data()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_failure_leaves_the_old_file_alone() {
+        let folder = tempfile::tempdir().expect("a folder for the test");
+        let path = folder.path().join("a.txt");
+        write(&path, |file| file.write_all(b"old")).expect("room for three bytes");
+        let failure = write(&path, |file| {
+            file.write_all(b"new")?;
+            Err(io::Error::other("no more room"))
+        });
+        assert!(failure.is_err());
+        assert_eq!(fs::read(&path).expect("the file is there"), b"old");
+        assert_eq!(fs::read_dir(folder.path()).expect("a folder").count(), 1);
+        write(&path, |file| file.write_all(b"new")).expect("room for three bytes");
+        assert_eq!(fs::read(&path).expect("the file is there"), b"new");
+    }
+}
