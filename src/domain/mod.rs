@@ -1,1 +1,3 @@
 //! Where sites may live: domains as signed sums of convex pieces.
+
+pub mod plane;

@@ -1,4 +1,6 @@
 //! The loops that move sites, and the records they leave.
 
+pub mod measure_plane;
+pub mod plane;
 pub mod record;
 pub mod tessellation;

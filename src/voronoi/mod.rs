@@ -1,1 +1,4 @@
 //! Where a cell comes from: L2 Voronoi cells clipped to a domain.
+
+pub mod plane;
+mod plane_grid;

@@ -1,0 +1,303 @@
+//! L2 Voronoi cells of the plane, clipped to a rectangle or convex polygon.
+//!
+//! The crate `voronator` finds which sites are neighbors; every cell is then the domain's polygon
+//! cut by the bisectors with these neighbors, so each edge knows what lies behind it. A neighbor
+//! that `voronator` overlooks can only make cells too large, never too small: their areas add up
+//! to the domain's if and only if nothing was overlooked. That sum is checked, and when it fails
+//! (or `voronator` does, or there are too few sites for it) all cells are cut by the bisectors of
+//! ever farther sites of a grid instead, until none can matter: beyond twice the distance to the
+//! cell's farthest vertex, the security radius of \[RSL\].
+//!
+//! What `voronator` 0.2.1 needs to be trusted: no duplicates (it would give one of them an empty
+//! cell), coordinates near the unit square (it merges points by absolute distances), and a
+//! counter-clockwise bounding rectangle far larger than the domain (its four helper points beyond
+//! that rectangle take area from the sites otherwise). Neighbors numbered n and above are these
+//! helpers.
+//!
+//! Cells are kept relative to their sites: bisectors and cuts are then as exact for a small domain
+//! far from the origin as for one around it.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use nalgebra::{Point2, Vector2};
+use rayon::prelude::*;
+use thiserror::Error;
+use voronator::VoronoiDiagram;
+use voronator::delaunator::Point;
+use voronator::polygon::Polygon;
+
+use crate::domain::plane::{PlaneDomain, WALL};
+use crate::geometry::half_plane::HalfPlane;
+use crate::geometry::label::Label;
+use crate::geometry::polygon::ConvexPolygon;
+use crate::voronoi::plane_grid::PlaneGrid;
+
+/// The half side of `voronator`'s bounding square, in units of the domain's largest extent. Its
+/// helpers stand three times as far out: no point of the domain is nearer to one than to a site.
+const BOUNDING_SQUARE: f64 = 5.0;
+
+/// How closely the areas of the cells must add up to the domain's, relative to it.
+const AREA_AGREES: f64 = 1e-13;
+
+/// Fewest sites for which `voronator` is right.
+const FEWEST_SITES: usize = 3;
+
+/// Why sites have no diagram.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum PlaneDiagramError {
+    /// There is no site.
+    #[error("there are no sites: a diagram needs at least one")]
+    NoSites,
+    /// A coordinate is NaN or infinite.
+    #[error("site {site} is not finite: ({x}, {y})")]
+    NotFinite {
+        /// Which site, from zero.
+        site: usize,
+        /// Its x.
+        x: f64,
+        /// Its y.
+        y: f64,
+    },
+    /// A site lies outside the domain.
+    #[error("site {site} lies outside the domain: ({x}, {y})")]
+    Outside {
+        /// Which site, from zero.
+        site: usize,
+        /// Its x (L).
+        x: f64,
+        /// Its y (L).
+        y: f64,
+    },
+    /// Two sites coincide.
+    #[error("sites {first} and {second} are the same point ({x}, {y}): remove one")]
+    Duplicate {
+        /// The lesser index, from zero.
+        first: usize,
+        /// The greater index.
+        second: usize,
+        /// Their x (L).
+        x: f64,
+        /// Their y (L).
+        y: f64,
+    },
+}
+
+/// One cell of a diagram.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlaneCell {
+    /// The site.
+    pub site: Point2<f64>,
+    /// The cell with the site as origin. Edges carry the neighbor's index, or a wall's label of
+    /// [`crate::domain::plane`].
+    pub polygon: ConvexPolygon,
+}
+
+impl PlaneCell {
+    /// The cell's vertices in the domain's coordinates, counter-clockwise.
+    pub fn outline(&self) -> impl Iterator<Item = Point2<f64>> + '_ {
+        let origin = self.site.coords;
+        self.polygon.vertices().iter().map(move |v| v + origin)
+    }
+}
+
+/// The site behind an edge; none behind a wall.
+#[must_use]
+pub fn neighbor(label: Label) -> Option<usize> {
+    (label < WALL).then_some(label as usize)
+}
+
+/// The Voronoi diagram of sites in a domain of the plane.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlaneDiagram {
+    /// The cells, in site order.
+    pub cells: Vec<PlaneCell>,
+}
+
+impl PlaneDiagram {
+    /// Builds the diagram. The result does not depend on the number of threads.
+    ///
+    /// # Errors
+    /// If there are no sites, or one is not finite, outside the domain or the same as another.
+    pub fn new(domain: &PlaneDomain, sites: &[Point2<f64>]) -> Result<Self, PlaneDiagramError> {
+        check(domain, sites)?;
+        let through_voronator = delaunay_neighbors(domain, sites)
+            .map(|neighbors| cut_by_neighbors(domain, sites, &neighbors))
+            .filter(|diagram| diagram.fills(domain));
+        Ok(through_voronator.unwrap_or_else(|| cut_by_rings(domain, sites)))
+    }
+
+    /// Builds the diagram without `voronator`, by the bisectors of ever farther sites alone.
+    ///
+    /// # Errors
+    /// As [`PlaneDiagram::new`].
+    pub fn by_bisectors(
+        domain: &PlaneDomain,
+        sites: &[Point2<f64>],
+    ) -> Result<Self, PlaneDiagramError> {
+        check(domain, sites)?;
+        Ok(cut_by_rings(domain, sites))
+    }
+
+    /// The sum of the cells' areas (L²), which is the domain's up to rounding.
+    #[must_use]
+    pub fn area(&self) -> f64 {
+        compensated_sum(self.cells.iter().map(|cell| cell.polygon.area()))
+    }
+
+    fn fills(&self, domain: &PlaneDomain) -> bool {
+        (self.area() - domain.area()).abs() <= AREA_AGREES * domain.area()
+    }
+}
+
+fn check(domain: &PlaneDomain, sites: &[Point2<f64>]) -> Result<(), PlaneDiagramError> {
+    if sites.is_empty() {
+        return Err(PlaneDiagramError::NoSites);
+    }
+    for (site, point) in sites.iter().enumerate() {
+        let Point2 { coords } = point;
+        let (x, y) = (coords.x, coords.y);
+        if !(x.is_finite() && y.is_finite()) {
+            return Err(PlaneDiagramError::NotFinite { site, x, y });
+        }
+        if !domain.contains(point) {
+            return Err(PlaneDiagramError::Outside { site, x, y });
+        }
+    }
+    check_distinct(sites)
+}
+
+fn check_distinct(sites: &[Point2<f64>]) -> Result<(), PlaneDiagramError> {
+    // Adding zero makes −0 and 0 equal in the total order as well.
+    let key = |&site: &usize| (sites[site].x + 0.0, sites[site].y + 0.0);
+    let mut order: Vec<usize> = (0..sites.len()).collect();
+    order.sort_by(|a, b| {
+        let ((ax, ay), (bx, by)) = (key(a), key(b));
+        ax.total_cmp(&bx).then(ay.total_cmp(&by)).then(a.cmp(b))
+    });
+    let pair = order
+        .windows(2)
+        .filter(|pair| sites[pair[0]] == sites[pair[1]])
+        .min();
+    match pair {
+        Some(pair) => Err(PlaneDiagramError::Duplicate {
+            first: pair[0],
+            second: pair[1],
+            x: sites[pair[0]].x,
+            y: sites[pair[0]].y,
+        }),
+        None => Ok(()),
+    }
+}
+
+/// The neighbors of every site in the Delaunay triangulation, helpers left out; none if
+/// `voronator` cannot say.
+fn delaunay_neighbors(domain: &PlaneDomain, sites: &[Point2<f64>]) -> Option<Vec<Vec<usize>>> {
+    if sites.len() < FEWEST_SITES {
+        return None;
+    }
+    let bounds = domain.bounds();
+    let (center, unit) = (bounds.center(), bounds.extent().amax());
+    let points: Vec<Point> = sites
+        .iter()
+        .map(|site| (site - center) / unit)
+        .map(|v| Point { x: v.x, y: v.y })
+        .collect();
+    let square = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
+        .map(|(x, y)| Point {
+            x: BOUNDING_SQUARE * x,
+            y: BOUNDING_SQUARE * y,
+        })
+        .to_vec();
+    // `voronator` panics where its hull breaks down; for us that is one more way to fail.
+    let diagram = catch_unwind(AssertUnwindSafe(|| {
+        VoronoiDiagram::with_bounding_polygon(points, &Polygon::from_points(square))
+    }));
+    let mut neighbors = diagram.ok()??.neighbors;
+    neighbors.truncate(sites.len());
+    for around in &mut neighbors {
+        around.retain(|&other| other < sites.len());
+    }
+    Some(neighbors)
+}
+
+fn cut_by_neighbors(
+    domain: &PlaneDomain,
+    sites: &[Point2<f64>],
+    neighbors: &[Vec<usize>],
+) -> PlaneDiagram {
+    let cells = sites.par_iter().zip(neighbors).map(|(site, around)| {
+        let mut cell = uncut(domain, site);
+        for &other in around {
+            cut(&mut cell, sites, other);
+        }
+        cell
+    });
+    PlaneDiagram {
+        cells: cells.collect(),
+    }
+}
+
+fn cut_by_rings(domain: &PlaneDomain, sites: &[Point2<f64>]) -> PlaneDiagram {
+    let grid = PlaneGrid::new(&domain.bounds(), sites);
+    let cells = (0..sites.len())
+        .into_par_iter()
+        .map(|index| cell_by_rings(domain, sites, &grid, index));
+    PlaneDiagram {
+        cells: cells.collect(),
+    }
+}
+
+fn cell_by_rings(
+    domain: &PlaneDomain,
+    sites: &[Point2<f64>],
+    grid: &PlaneGrid,
+    index: usize,
+) -> PlaneCell {
+    let mut cell = uncut(domain, &sites[index]);
+    for ring in 0..=grid.rings() {
+        if grid.distance(ring) > security_radius(&cell.polygon) {
+            break;
+        }
+        for other in grid.ring(&sites[index], ring) {
+            if other != index {
+                cut(&mut cell, sites, other);
+            }
+        }
+    }
+    cell
+}
+
+fn uncut(domain: &PlaneDomain, site: &Point2<f64>) -> PlaneCell {
+    PlaneCell {
+        site: *site,
+        polygon: domain.polygon().translated(&-site.coords),
+    }
+}
+
+fn cut(cell: &mut PlaneCell, sites: &[Point2<f64>], other: usize) {
+    let displacement: Vector2<f64> = sites[other] - cell.site;
+    cell.polygon
+        .clip(&HalfPlane::nearer_to_origin(&displacement), other as Label);
+}
+
+/// No site farther than this from a cell's own can cut the cell.
+fn security_radius(polygon: &ConvexPolygon) -> f64 {
+    let farthest = polygon.vertices().iter().map(|v| v.coords.norm_squared());
+    2.0 * farthest.fold(0.0, f64::max).sqrt()
+}
+
+/// Neumaier, *Rundungsfehleranalyse einiger Verfahren zur Summation endlicher Summen*, 1974.
+fn compensated_sum(terms: impl Iterator<Item = f64>) -> f64 {
+    let (mut sum, mut lost) = (0.0_f64, 0.0);
+    for term in terms {
+        let next = sum + term;
+        lost += if sum.abs() >= term.abs() {
+            (sum - next) + term
+        } else {
+            (term - next) + sum
+        };
+        sum = next;
+    }
+    sum + lost
+}
