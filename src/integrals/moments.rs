@@ -1,0 +1,96 @@
+//! The ten numbers that every mass property is made of.
+
+use nalgebra::{Matrix3, Vector3};
+use std::ops::{Add, AddAssign, Mul};
+
+/// ∫ρ dV, ∫ρ y dV and ∫ρ y yᵀ dV of a body of density ρ, y measured from an origin the caller
+/// keeps: the integrals of \[M\] eq. 18-27, weighted.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Moments {
+    /// ∫ρ dV (mass; the volume where ρ = 1).
+    pub mass: f64,
+    /// ∫ρ y dV (mass · L).
+    pub first: Vector3<f64>,
+    /// ∫ρ y yᵀ dV, symmetric (mass · L²).
+    pub second: Matrix3<f64>,
+}
+
+impl Moments {
+    /// From ∫ρ·{1, x, y, z, x², y², z², xy, yz, zx}, the order of \[M\] Table 1.
+    #[must_use]
+    pub fn from_ten(ten: [f64; 10]) -> Self {
+        let [mass, x, y, z, xx, yy, zz, xy, yz, zx] = ten;
+        Self {
+            mass,
+            first: Vector3::new(x, y, z),
+            second: Matrix3::new(xx, xy, zx, xy, yy, yz, zx, yz, zz),
+        }
+    }
+
+    /// ∫ρ·{1, x, y, z, x², y², z², xy, yz, zx}, the order of \[M\] Table 1.
+    #[must_use]
+    pub fn ten(&self) -> [f64; 10] {
+        let (f, s) = (&self.first, &self.second);
+        [
+            self.mass, f.x, f.y, f.z, s.m11, s.m22, s.m33, s.m12, s.m23, s.m13,
+        ]
+    }
+
+    /// The mass center's offset from the origin (L); not finite for a body without mass.
+    #[must_use]
+    pub fn center(&self) -> Vector3<f64> {
+        self.first / self.mass
+    }
+
+    /// The inertia tensor about the origin (mass · L²), \[M\] eq. 3 and 6-11: off-diagonals are
+    /// the negative products of inertia.
+    #[must_use]
+    pub fn inertia(&self) -> Matrix3<f64> {
+        Matrix3::from_diagonal_element(self.second.trace()) - self.second
+    }
+
+    /// The same body carried by `offset`, equally the same body measured from an origin moved by
+    /// −`offset`.
+    #[must_use]
+    pub fn moved(&self, offset: &Vector3<f64>) -> Self {
+        let mixed = self.first * offset.transpose();
+        Self {
+            mass: self.mass,
+            first: self.first + offset * self.mass,
+            second: self.second
+                + mixed
+                + mixed.transpose()
+                + offset * offset.transpose() * self.mass,
+        }
+    }
+}
+
+impl Add for Moments {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self {
+            mass: self.mass + other.mass,
+            first: self.first + other.first,
+            second: self.second + other.second,
+        }
+    }
+}
+
+impl AddAssign for Moments {
+    fn add_assign(&mut self, other: Self) {
+        *self = *self + other;
+    }
+}
+
+impl Mul<f64> for Moments {
+    type Output = Self;
+
+    fn mul(self, factor: f64) -> Self {
+        Self {
+            mass: self.mass * factor,
+            first: self.first * factor,
+            second: self.second * factor,
+        }
+    }
+}

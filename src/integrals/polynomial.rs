@@ -1,0 +1,133 @@
+//! Polynomials in x, y and z.
+
+use crate::integrals::series::{Exponents, degree};
+use nalgebra::{Point3, Vector3};
+use std::collections::BTreeMap;
+use std::ops::{Add, Mul, Neg};
+
+/// Σ a_{αβγ} x^α y^β z^γ, kept sorted by powers so that sums over its terms have one order.
+///
+/// Reads from text such as `1 + 2*x - 0.5*y*z` or `x^2*(1 - z)` by [`str::parse`].
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Polynomial {
+    terms: BTreeMap<Exponents, f64>,
+}
+
+impl Polynomial {
+    /// The polynomial with one term.
+    #[must_use]
+    pub fn monomial(coefficient: f64, exponents: Exponents) -> Self {
+        Self {
+            terms: BTreeMap::from([(exponents, coefficient)]),
+        }
+    }
+
+    /// A constant.
+    #[must_use]
+    pub fn constant(value: f64) -> Self {
+        Self::monomial(value, [0; 3])
+    }
+
+    /// The linear function with this value at the origin and this gradient.
+    #[must_use]
+    pub fn linear(value: f64, gradient: &Vector3<f64>) -> Self {
+        Self::constant(value)
+            + Self::monomial(gradient.x, [1, 0, 0])
+            + Self::monomial(gradient.y, [0, 1, 0])
+            + Self::monomial(gradient.z, [0, 0, 1])
+    }
+
+    /// The powers and coefficients, in ascending order of the powers.
+    pub fn terms(&self) -> impl Iterator<Item = (Exponents, f64)> + '_ {
+        self.terms
+            .iter()
+            .map(|(&exponents, &value)| (exponents, value))
+    }
+
+    /// The highest total degree of a term; 0 of none.
+    #[must_use]
+    pub fn degree(&self) -> u32 {
+        self.terms
+            .keys()
+            .map(|&powers| degree(powers))
+            .max()
+            .unwrap_or(0)
+    }
+
+    /// The value at a point.
+    #[must_use]
+    pub fn at(&self, point: &Point3<f64>) -> f64 {
+        self.terms()
+            .map(|([a, b, c], value)| {
+                value * power(point.x, a) * power(point.y, b) * power(point.z, c)
+            })
+            .sum()
+    }
+
+    /// The same function of y − `origin`: q with q(y − origin) = p(y).
+    ///
+    /// Cancels no more than p itself does near `origin`.
+    #[must_use]
+    pub fn seen_from(&self, origin: &Point3<f64>) -> Self {
+        let shifted: [Self; 3] = [0, 1, 2].map(|axis| {
+            let mut exponents = [0; 3];
+            exponents[axis] = 1;
+            Self::constant(origin[axis]) + Self::monomial(1.0, exponents)
+        });
+        self.terms()
+            .map(|(exponents, value)| {
+                (0..3).fold(Self::constant(value), |product, axis| {
+                    product * shifted[axis].power(exponents[axis])
+                })
+            })
+            .fold(Self::default(), |sum, term| sum + term)
+    }
+
+    /// The polynomial multiplied by itself `exponent` times.
+    #[must_use]
+    pub fn power(&self, exponent: u32) -> Self {
+        (0..exponent).fold(Self::constant(1.0), |product, _| product * self.clone())
+    }
+}
+
+/// x^n by repeated multiplication; x^0 = 1 also at 0.
+fn power(x: f64, n: u32) -> f64 {
+    (0..n).fold(1.0, |product, _| product * x)
+}
+
+impl Add for Polynomial {
+    type Output = Self;
+
+    fn add(mut self, other: Self) -> Self {
+        for (exponents, value) in other.terms() {
+            *self.terms.entry(exponents).or_default() += value;
+        }
+        self
+    }
+}
+
+impl Neg for Polynomial {
+    type Output = Self;
+
+    fn neg(mut self) -> Self {
+        for value in self.terms.values_mut() {
+            *value = -*value;
+        }
+        self
+    }
+}
+
+impl Mul for Polynomial {
+    type Output = Self;
+
+    fn mul(self, other: Self) -> Self {
+        let mut product = Self::default();
+        for (a, left) in self.terms() {
+            for (b, right) in other.terms() {
+                let exponents = [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
+                *product.terms.entry(exponents).or_default() += left * right;
+            }
+        }
+        product
+    }
+}

@@ -1,0 +1,253 @@
+//! Polynomials written as text: `1 + 2*x - 0.5*y*z`, `x^2*(1 - z)/4`.
+//!
+//! ```text
+//! sum     = [+ | −] product { (+ | −) product }
+//! product = power { (* power) | (/ number) }
+//! power   = atom [ ^ whole number ]
+//! atom    = number | x | y | z | ( sum )
+//! ```
+//!
+//! Columns in messages count characters from one.
+
+use crate::integrals::polynomial::Polynomial;
+use std::str::FromStr;
+
+/// Densities of higher degree than this are refused: their moments would need factorials beyond
+/// what f64 holds exactly, and nobody has asked.
+pub const HIGHEST_DEGREE: u32 = 16;
+
+/// Parentheses may nest this deep.
+const DEEPEST: usize = 32;
+
+/// Why a text is not a polynomial.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum PolynomialError {
+    /// Something else should stand there.
+    #[error("column {column}: expected {expected}, found {found}")]
+    Unexpected {
+        /// One-based column.
+        column: usize,
+        /// What would have been right.
+        expected: &'static str,
+        /// What stands there.
+        found: String,
+    },
+    /// A number that f64 cannot hold or that is no number.
+    #[error("column {column}: `{text}` is not a finite number")]
+    Number {
+        /// One-based column.
+        column: usize,
+        /// The text.
+        text: String,
+    },
+    /// Division by zero.
+    #[error("column {column}: division by zero")]
+    DivisionByZero {
+        /// One-based column of the divisor.
+        column: usize,
+    },
+    /// The degree passes [`HIGHEST_DEGREE`].
+    #[error("column {column}: degree {degree} is above {HIGHEST_DEGREE}, the highest supported")]
+    Degree {
+        /// One-based column where it passes.
+        column: usize,
+        /// The degree.
+        degree: u64,
+    },
+    /// A coefficient too large for f64.
+    #[error("a coefficient is too large for a 64-bit float")]
+    Overflow,
+    /// Parentheses nested too deep.
+    #[error("column {column}: parentheses nest deeper than {DEEPEST}")]
+    Depth {
+        /// One-based column.
+        column: usize,
+    },
+}
+
+impl FromStr for Polynomial {
+    type Err = PolynomialError;
+
+    fn from_str(text: &str) -> Result<Self, PolynomialError> {
+        let mut reader = Reader {
+            characters: text.chars().collect(),
+            place: 0,
+            depth: 0,
+        };
+        let polynomial = reader.sum()?;
+        if reader.next().is_some() {
+            return Err(reader.unexpected("an operator or the end"));
+        }
+        if polynomial.terms().any(|(_, value)| !value.is_finite()) {
+            return Err(PolynomialError::Overflow);
+        }
+        Ok(polynomial)
+    }
+}
+
+struct Reader {
+    characters: Vec<char>,
+    place: usize,
+    depth: usize,
+}
+
+impl Reader {
+    fn sum(&mut self) -> Result<Polynomial, PolynomialError> {
+        let mut sum = match self.taken(&['+', '-']) {
+            Some('-') => -self.product()?,
+            _ => self.product()?,
+        };
+        while let Some(sign) = self.taken(&['+', '-']) {
+            let product = self.product()?;
+            sum = sum + if sign == '-' { -product } else { product };
+        }
+        Ok(sum)
+    }
+
+    fn product(&mut self) -> Result<Polynomial, PolynomialError> {
+        let mut product = self.power()?;
+        while let Some(operator) = self.taken(&['*', '/']) {
+            let column = self.column();
+            let factor = if operator == '*' {
+                self.power()?
+            } else {
+                Polynomial::constant(self.reciprocal()?)
+            };
+            check_degree(column, u64::from(product.degree() + factor.degree()))?;
+            product = product * factor;
+        }
+        Ok(product)
+    }
+
+    fn reciprocal(&mut self) -> Result<f64, PolynomialError> {
+        let column = self.column();
+        let divisor = self.number()?;
+        if divisor.abs() > 0.0 {
+            Ok(1.0 / divisor)
+        } else {
+            Err(PolynomialError::DivisionByZero { column })
+        }
+    }
+
+    fn power(&mut self) -> Result<Polynomial, PolynomialError> {
+        let base = self.atom()?;
+        if self.taken(&['^']).is_none() {
+            return Ok(base);
+        }
+        let column = self.column();
+        let digits = self.taken_while(|character| character.is_ascii_digit());
+        if digits.is_empty() {
+            return Err(self.unexpected("a whole number after `^`"));
+        }
+        let exponent = digits.parse::<u32>().unwrap_or(u32::MAX);
+        check_degree(
+            column,
+            u64::from(base.degree().max(1)) * u64::from(exponent),
+        )?;
+        Ok(base.power(exponent))
+    }
+
+    fn atom(&mut self) -> Result<Polynomial, PolynomialError> {
+        match self.next() {
+            Some('x' | 'X') => Ok(self.variable([1, 0, 0])),
+            Some('y' | 'Y') => Ok(self.variable([0, 1, 0])),
+            Some('z' | 'Z') => Ok(self.variable([0, 0, 1])),
+            Some('(') => self.parenthesis(),
+            Some('0'..='9' | '.') => self.number().map(Polynomial::constant),
+            _ => Err(self.unexpected("a number, `x`, `y`, `z` or `(`")),
+        }
+    }
+
+    fn variable(&mut self, exponents: [u32; 3]) -> Polynomial {
+        self.place += 1;
+        Polynomial::monomial(1.0, exponents)
+    }
+
+    fn parenthesis(&mut self) -> Result<Polynomial, PolynomialError> {
+        self.depth += 1;
+        if self.depth > DEEPEST {
+            let column = self.column();
+            return Err(PolynomialError::Depth { column });
+        }
+        self.place += 1;
+        let inside = self.sum()?;
+        if self.taken(&[')']).is_none() {
+            return Err(self.unexpected("an operator or `)`"));
+        }
+        self.depth -= 1;
+        Ok(inside)
+    }
+
+    /// Digits, a point, an exponent such as `e-3`.
+    fn number(&mut self) -> Result<f64, PolynomialError> {
+        let column = self.column();
+        let mut text = self.taken_while(|character| character.is_ascii_digit() || character == '.');
+        if text.is_empty() {
+            return Err(self.unexpected("a number"));
+        }
+        if let Some('e' | 'E') = self.characters.get(self.place) {
+            text.push('e');
+            self.place += 1;
+            if let Some(sign @ ('+' | '-')) = self.characters.get(self.place) {
+                text.push(*sign);
+                self.place += 1;
+            }
+            text += &self.taken_while(|character| character.is_ascii_digit());
+        }
+        match text.parse::<f64>() {
+            Ok(value) if value.is_finite() => Ok(value),
+            _ => Err(PolynomialError::Number { column, text }),
+        }
+    }
+
+    /// The next character that is not a blank, left where it is.
+    fn next(&mut self) -> Option<char> {
+        while self
+            .characters
+            .get(self.place)
+            .is_some_and(|c| c.is_whitespace())
+        {
+            self.place += 1;
+        }
+        self.characters.get(self.place).copied()
+    }
+
+    fn taken(&mut self, wanted: &[char]) -> Option<char> {
+        let character = self.next().filter(|character| wanted.contains(character))?;
+        self.place += 1;
+        Some(character)
+    }
+
+    fn taken_while(&mut self, wanted: impl Fn(char) -> bool) -> String {
+        self.next();
+        let taken: String = self.characters[self.place..]
+            .iter()
+            .take_while(|character| wanted(**character))
+            .collect();
+        self.place += taken.len();
+        taken
+    }
+
+    fn column(&mut self) -> usize {
+        self.next();
+        self.place + 1
+    }
+
+    fn unexpected(&mut self, expected: &'static str) -> PolynomialError {
+        PolynomialError::Unexpected {
+            column: self.column(),
+            expected,
+            found: self
+                .next()
+                .map_or("the end".into(), |found| format!("`{found}`")),
+        }
+    }
+}
+
+fn check_degree(column: usize, degree: u64) -> Result<(), PolynomialError> {
+    if degree > u64::from(HIGHEST_DEGREE) {
+        Err(PolynomialError::Degree { column, degree })
+    } else {
+        Ok(())
+    }
+}
