@@ -4,3 +4,8 @@ pub mod bounds;
 pub mod half_plane;
 pub mod label;
 pub mod polygon;
+pub mod clip;
+pub mod half_space;
+pub mod label;
+pub mod moments;
+pub mod polyhedron;

@@ -2,3 +2,6 @@
 
 pub mod plane;
 mod plane_grid;
+pub mod cell;
+pub mod diagram;
+pub mod index;

@@ -1,0 +1,131 @@
+//! The convex polyhedron given by half-spaces.
+
+use nalgebra::Point3;
+
+use crate::domain::beyond::Beyond;
+use crate::domain::error::DomainError;
+use crate::domain::space::Domain;
+use crate::geometry::bounds::Bounds;
+use crate::geometry::clip::{Clip, ClipScratch, clip};
+use crate::geometry::half_space::HalfSpace;
+use crate::geometry::moments::Moments;
+use crate::geometry::polyhedron::Polyhedron;
+
+/// How far out an unbounded set is looked for, relative to the farthest plane's distance from the
+/// origin: half-spaces whose common points reach farther count as unbounded. Two planes that meet
+/// at an angle of 1e-6 still bound.
+const REACH: f64 = 1e6;
+
+/// How often the solid is cut anew from a box that fits: the first fit is good to `REACH` roundings,
+/// the second to a few.
+const REFITS: usize = 2;
+
+/// How far a point may lie beyond a wall, relative to the size of the numbers, and still count as
+/// on it: a few roundings of n·y − d.
+const ON_WALL: f64 = 8.0 * f64::EPSILON;
+
+/// A bounded intersection of half-spaces.
+#[derive(Clone, Debug)]
+pub struct ConvexPolyhedron {
+    half_spaces: Vec<HalfSpace>,
+    solid: Polyhedron,
+    bounds: Bounds<3>,
+    volume: f64,
+}
+
+impl ConvexPolyhedron {
+    /// The intersection of `half_spaces`; wall numbers are places in that list.
+    ///
+    /// # Errors
+    /// When a number is not finite, a normal is zero, or the intersection is unbounded or has no
+    /// interior.
+    pub fn new(half_spaces: &[HalfSpace]) -> Result<Self, DomainError> {
+        let walls = normalized(half_spaces)?;
+        let reach = walls.iter().fold(1.0, |far: f64, w| far.max(w.offset.abs())) * REACH;
+        let corner = Point3::new(reach, reach, reach);
+        let mut around = Bounds {
+            min: -corner,
+            max: corner,
+        };
+        let mut solid = intersection(&walls, &around)?;
+        // Vertices carry the rounding of the box they were cut from: start again from one that fits.
+        for _ in 0..REFITS {
+            let fit = solid.bounds();
+            let margin = 0.5 * fit.extent();
+            around.min = fit.min - margin;
+            around.max = fit.max + margin;
+            solid = intersection(&walls, &around)?;
+        }
+        let volume = Moments::of(&solid).volume;
+        let bounds = solid.bounds();
+        if volume.is_nan() || volume <= bounds.volume() * f64::EPSILON {
+            return Err(DomainError::NoVolume { volume });
+        }
+        Ok(Self {
+            half_spaces: walls,
+            solid,
+            bounds,
+            volume,
+        })
+    }
+
+    /// The domain itself as a polyhedron.
+    #[must_use]
+    pub fn solid(&self) -> &Polyhedron {
+        &self.solid
+    }
+}
+
+/// The walls' intersection within a box, which must not show in it.
+fn intersection(walls: &[HalfSpace], around: &Bounds<3>) -> Result<Polyhedron, DomainError> {
+    let mut solid = Polyhedron::cuboid(around, [Beyond::Inner.label(); 6]);
+    let mut scratch = ClipScratch::default();
+    for (number, wall) in walls.iter().enumerate() {
+        let label = Beyond::Wall(number as u32).label();
+        if clip(&mut solid, wall, label, &mut scratch) == Clip::Emptied {
+            return Err(DomainError::NoInterior { number });
+        }
+    }
+    let open = solid.facets().find(|facet| Beyond::of(facet.label()) == Beyond::Inner);
+    if let Some(open) = open {
+        let direction = open.half_space().normal.into();
+        let count = walls.len();
+        return Err(DomainError::Unbounded { count, direction });
+    }
+    Ok(solid)
+}
+
+fn normalized(half_spaces: &[HalfSpace]) -> Result<Vec<HalfSpace>, DomainError> {
+    let check = |(number, wall): (usize, &HalfSpace)| {
+        let numbers = wall.normal.iter().chain([&wall.offset]);
+        if let Some(&value) = numbers.clone().find(|value| !value.is_finite()) {
+            return Err(DomainError::NotFinite { value });
+        }
+        if wall.normal.norm() <= 0.0 {
+            return Err(DomainError::NoNormal { number });
+        }
+        Ok(wall.normalized())
+    };
+    half_spaces.iter().enumerate().map(check).collect()
+}
+
+impl Domain for ConvexPolyhedron {
+    fn bounds(&self) -> Bounds<3> {
+        self.bounds
+    }
+
+    fn volume(&self) -> f64 {
+        self.volume
+    }
+
+    fn contains(&self, point: &Point3<f64>) -> bool {
+        let scale = point.coords.amax();
+        self.half_spaces
+            .iter()
+            .all(|wall| wall.excess(point) <= ON_WALL * (scale + wall.offset.abs()))
+    }
+
+    fn start(&self, site: &Point3<f64>, _index: u32, cell: &mut Polyhedron) {
+        cell.assign_translated(&self.solid, &-site.coords);
+    }
+}

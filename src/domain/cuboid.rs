@@ -1,0 +1,96 @@
+//! The box, periodic along any subset of its axes.
+
+use nalgebra::Point3;
+
+use crate::domain::beyond::Beyond;
+use crate::domain::error::DomainError;
+use crate::domain::space::Domain;
+use crate::geometry::bounds::Bounds;
+use crate::geometry::polyhedron::Polyhedron;
+
+/// An axis-aligned box; along a periodic axis opposite sides are the same place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cuboid {
+    bounds: Bounds<3>,
+    periodic: [bool; 3],
+}
+
+impl Cuboid {
+    /// The box `bounds`, periodic along the axes marked.
+    ///
+    /// # Errors
+    /// When a coordinate is not finite or an extent is not positive.
+    pub fn new(bounds: Bounds<3>, periodic: [bool; 3]) -> Result<Self, DomainError> {
+        let ends = bounds.min.iter().chain(bounds.max.iter());
+        if let Some(&value) = ends.clone().find(|value| !value.is_finite()) {
+            return Err(DomainError::NotFinite { value });
+        }
+        for axis in 0..3 {
+            let (min, max) = (bounds.min[axis], bounds.max[axis]);
+            if min >= max {
+                return Err(DomainError::EmptyExtent { axis, min, max });
+            }
+        }
+        if !bounds.volume().is_normal() {
+            let volume = bounds.volume();
+            return Err(DomainError::NoVolume { volume });
+        }
+        Ok(Self { bounds, periodic })
+    }
+
+    /// The walled cube [0, 1]³.
+    #[must_use]
+    pub fn unit() -> Self {
+        let bounds = Bounds {
+            min: Point3::origin(),
+            max: Point3::new(1.0, 1.0, 1.0),
+        };
+        Self {
+            bounds,
+            periodic: [false; 3],
+        }
+    }
+}
+
+impl Domain for Cuboid {
+    fn bounds(&self) -> Bounds<3> {
+        self.bounds
+    }
+
+    fn volume(&self) -> f64 {
+        self.bounds.volume()
+    }
+
+    fn contains(&self, point: &Point3<f64>) -> bool {
+        self.bounds.contains(point)
+    }
+
+    fn periods(&self) -> [Option<f64>; 3] {
+        let extent = self.bounds.extent();
+        [0, 1, 2].map(|axis| self.periodic[axis].then_some(extent[axis]))
+    }
+
+    fn start(&self, site: &Point3<f64>, index: u32, cell: &mut Polyhedron) {
+        let mut around = Bounds::empty();
+        let mut labels = [0; 6];
+        for axis in 0..3 {
+            let [below, above] = [2 * axis, 2 * axis + 1];
+            if self.periodic[axis] {
+                // Half-way to the site's own images.
+                let half = 0.5 * (self.bounds.max[axis] - self.bounds.min[axis]);
+                (around.min[axis], around.max[axis]) = (-half, half);
+                for (side, copies) in [(below, -1), (above, 1)] {
+                    let mut image = [0; 3];
+                    image[axis] = copies;
+                    labels[side] = Beyond::Neighbor { site: index, image }.label();
+                }
+            } else {
+                around.min[axis] = self.bounds.min[axis] - site[axis];
+                around.max[axis] = self.bounds.max[axis] - site[axis];
+                labels[below] = Beyond::Wall(below as u32).label();
+                labels[above] = Beyond::Wall(above as u32).label();
+            }
+        }
+        cell.assign_cuboid(&around, labels);
+    }
+}

@@ -1,0 +1,56 @@
+//! Why a description is no domain.
+
+use thiserror::Error;
+
+/// Why a description is no domain.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum DomainError {
+    /// A coordinate is NaN or infinite.
+    #[error("the domain has the coordinate {value}; all must be finite")]
+    NotFinite {
+        /// The coordinate.
+        value: f64,
+    },
+    /// A box ends where it begins, or before.
+    #[error(
+        "the box has no extent along {}: min {min}, max {max}; max must be greater than min",
+        ["x", "y", "z"][*axis]
+    )]
+    EmptyExtent {
+        /// 0, 1, 2 for x, y, z.
+        axis: usize,
+        /// Where it begins.
+        min: f64,
+        /// Where it ends.
+        max: f64,
+    },
+    /// The domain's volume is zero, or too small or large for a number.
+    #[error("the domain's volume is {volume}; it must be a positive number")]
+    NoVolume {
+        /// The volume (L³).
+        volume: f64,
+    },
+    /// A half-space has no normal.
+    #[error("half-space {number} has a normal of length zero; give [nx, ny, nz, d] with n ≠ 0")]
+    NoNormal {
+        /// Its place in the list, from zero.
+        number: usize,
+    },
+    /// Half-spaces that leave the set unbounded.
+    #[error("the {count} half-spaces do not bound a solid: it is infinite towards {direction:?}")]
+    Unbounded {
+        /// How many half-spaces there are.
+        count: usize,
+        /// An axis direction in which the set has no end within reach.
+        direction: [f64; 3],
+    },
+    /// Half-spaces without a common point of the interior.
+    #[error(
+        "the half-spaces have no interior in common: nothing is left after half-space {number}; \
+         n·y ≤ d keeps the side away from the normal"
+    )]
+    NoInterior {
+        /// The half-space that removed the rest, from zero.
+        number: usize,
+    },
+}

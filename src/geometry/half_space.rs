@@ -1,0 +1,55 @@
+//! Closed half-spaces, the bricks of every convex polyhedron.
+
+use nalgebra::{Point3, Vector3};
+
+/// The closed half-space n·y ≤ d. The normal points out of it and need not be of unit length.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HalfSpace {
+    /// The outward normal n.
+    pub normal: Vector3<f64>,
+    /// The offset d, in L times the normal's length.
+    pub offset: f64,
+}
+
+impl HalfSpace {
+    /// The points at least as near to the origin as to `displacement`.
+    ///
+    /// The normal is the displacement itself, so that nothing but one product is rounded, however
+    /// near the two points lie.
+    #[must_use]
+    pub fn bisector(displacement: Vector3<f64>) -> Self {
+        Self {
+            offset: 0.5 * displacement.norm_squared(),
+            normal: displacement,
+        }
+    }
+
+    /// n·y − d: positive outside, in L times the normal's length.
+    #[must_use]
+    pub fn excess(&self, point: &Point3<f64>) -> f64 {
+        self.normal.dot(&point.coords) - self.offset
+    }
+
+    /// The same half-space with a unit normal; unchanged where the normal is zero.
+    #[must_use]
+    pub fn normalized(&self) -> Self {
+        let length = self.normal.norm();
+        if length > 0.0 {
+            Self {
+                normal: self.normal / length,
+                offset: self.offset / length,
+            }
+        } else {
+            *self
+        }
+    }
+
+    /// The half-space moved by `displacement`.
+    #[must_use]
+    pub fn translated(&self, displacement: &Vector3<f64>) -> Self {
+        Self {
+            normal: self.normal,
+            offset: self.offset + self.normal.dot(displacement),
+        }
+    }
+}

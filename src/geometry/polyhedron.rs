@@ -1,0 +1,290 @@
+//! Convex polyhedra as simple polytopes.
+//!
+//! Every vertex meets exactly three facets and three edges. Where more than three planes pass
+//! through one point (every vertex of a cubic lattice's cells) the point is stored as several
+//! vertices joined by edges of length zero; facets may have area zero. That keeps every clip a
+//! purely combinatorial step that cannot fail, and costs nothing in exactness, since all
+//! integrals are continuous in the positions.
+//!
+//! # Convention
+//!
+//! Around vertex v the facets F₀, F₁, F₂ follow counter-clockwise as seen from outside. Edge k
+//! leaves v with F_k on its left and F_{k+2} on its right and ends in `next[v][k]`, so that
+//! following facet f's slot from vertex to vertex walks f counter-clockwise.
+
+use nalgebra::{Point3, Vector3};
+
+use crate::geometry::bounds::Bounds;
+use crate::geometry::half_space::HalfSpace;
+use crate::geometry::label::Label;
+
+/// A bounded convex polyhedron with labelled facets, or the empty set.
+#[derive(Clone, Debug, Default)]
+pub struct Polyhedron {
+    pub(crate) x: Vec<f64>,
+    pub(crate) y: Vec<f64>,
+    pub(crate) z: Vec<f64>,
+    pub(crate) facets: Vec<[u32; 3]>,
+    pub(crate) next: Vec<[u32; 3]>,
+    pub(crate) planes: Vec<HalfSpace>,
+    pub(crate) labels: Vec<Label>,
+}
+
+/// One facet of a [`Polyhedron`].
+#[derive(Clone, Copy, Debug)]
+pub struct Facet<'a> {
+    polyhedron: &'a Polyhedron,
+    /// The facet's number: its place in the order in which the planes were added.
+    pub number: usize,
+    first: usize,
+}
+
+/// Corner bits of a cuboid (x = 1, y = 2, z = 4) → facets, counter-clockwise from outside. Facets
+/// 0…5 are −x, +x, −y, +y, −z, +z.
+const CUBOID_FACETS: [[u32; 3]; 8] = [
+    [0, 4, 2],
+    [1, 2, 4],
+    [0, 3, 4],
+    [1, 4, 3],
+    [0, 2, 5],
+    [1, 5, 2],
+    [0, 5, 3],
+    [1, 3, 5],
+];
+
+/// Corner → facets (named by the opposite corner), counter-clockwise from outside, when the edges
+/// from corner 0 to 1, 2, 3 form a right-handed frame.
+const TETRAHEDRON_FACETS: [[usize; 3]; 4] = [[1, 3, 2], [0, 2, 3], [0, 3, 1], [0, 1, 2]];
+
+impl Polyhedron {
+    /// The axis-aligned box with labels for the walls −x, +x, −y, +y, −z, +z.
+    #[must_use]
+    pub fn cuboid(bounds: &Bounds<3>, labels: [Label; 6]) -> Self {
+        let mut cuboid = Self::default();
+        cuboid.assign_cuboid(bounds, labels);
+        cuboid
+    }
+
+    /// Becomes the axis-aligned box, as [`Polyhedron::cuboid`], keeping its memory.
+    pub fn assign_cuboid(&mut self, bounds: &Bounds<3>, labels: [Label; 6]) {
+        self.clear();
+        for (corner, facets) in CUBOID_FACETS.iter().enumerate() {
+            let pick = |axis: usize| {
+                let end = if corner >> axis & 1 == 1 {
+                    &bounds.max
+                } else {
+                    &bounds.min
+                };
+                end[axis]
+            };
+            let next = facets.map(|_| 0);
+            self.push(Point3::new(pick(0), pick(1), pick(2)), *facets, next);
+        }
+        for corner in 0..8 {
+            for slot in 0..3 {
+                // Edge k lies on facets k and k + 2, so it runs along the axis of facet k + 1.
+                let axis = CUBOID_FACETS[corner][(slot + 1) % 3] / 2;
+                self.next[corner][slot] = corner as u32 ^ (1 << axis);
+            }
+        }
+        for axis in 0..3 {
+            let mut normal = Vector3::zeros();
+            normal[axis] = 1.0;
+            self.planes.push(HalfSpace {
+                normal: -normal,
+                offset: -bounds.min[axis],
+            });
+            self.planes.push(HalfSpace {
+                normal,
+                offset: bounds.max[axis],
+            });
+        }
+        self.labels.extend(labels);
+    }
+
+    /// The tetrahedron of four corners in any order; facet k lies opposite corner k.
+    ///
+    /// A flat tetrahedron is a polyhedron of volume zero.
+    #[must_use]
+    pub fn tetrahedron(corners: &[Point3<f64>; 4], labels: [Label; 4]) -> Self {
+        let mut tetrahedron = Self::default();
+        tetrahedron.assign_tetrahedron(corners, labels);
+        tetrahedron
+    }
+
+    /// Becomes the tetrahedron, as [`Polyhedron::tetrahedron`], keeping its memory.
+    pub fn assign_tetrahedron(&mut self, corners: &[Point3<f64>; 4], labels: [Label; 4]) {
+        self.clear();
+        let edges = [1, 2, 3].map(|k| corners[k] - corners[0]);
+        let mirrored = edges[0].dot(&edges[1].cross(&edges[2])) < 0.0;
+        let order: [usize; 4] = if mirrored { [0, 2, 1, 3] } else { [0, 1, 2, 3] };
+        for place in 0..4 {
+            let turn = TETRAHEDRON_FACETS[place];
+            // Edge k misses facet k + 1, so it ends in the corner opposite that facet.
+            let next = [turn[1], turn[2], turn[0]].map(|k| k as u32);
+            self.push(corners[order[place]], turn.map(|k| k as u32), next);
+        }
+        for place in 0..4 {
+            let [a, b, c] = TETRAHEDRON_FACETS[place].map(|k| corners[order[k]]);
+            let normal = (b - a).cross(&(c - a));
+            let inward = (corners[order[place]] - a).dot(&normal) > 0.0;
+            let normal = if inward { -normal } else { normal };
+            self.planes.push(HalfSpace {
+                offset: normal.dot(&a.coords),
+                normal,
+            });
+            self.labels.push(labels[order[place]]);
+        }
+    }
+
+    /// Becomes a copy of `other` moved by `displacement`, keeping its memory.
+    pub fn assign_translated(&mut self, other: &Self, displacement: &Vector3<f64>) {
+        self.clear();
+        self.x.extend(other.x.iter().map(|x| x + displacement.x));
+        self.y.extend(other.y.iter().map(|y| y + displacement.y));
+        self.z.extend(other.z.iter().map(|z| z + displacement.z));
+        self.facets.extend_from_slice(&other.facets);
+        self.next.extend_from_slice(&other.next);
+        let planes = other.planes.iter();
+        self.planes.extend(planes.map(|p| p.translated(displacement)));
+        self.labels.extend_from_slice(&other.labels);
+    }
+
+    /// Becomes the empty set, keeping its memory.
+    pub fn clear(&mut self) {
+        self.x.clear();
+        self.y.clear();
+        self.z.clear();
+        self.facets.clear();
+        self.next.clear();
+        self.planes.clear();
+        self.labels.clear();
+    }
+
+    /// Whether this is the empty set.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.x.is_empty()
+    }
+
+    /// How many vertices are stored, coincident ones counted each.
+    #[must_use]
+    pub fn vertex_count(&self) -> usize {
+        self.x.len()
+    }
+
+    /// The position of vertex `number`.
+    ///
+    /// # Panics
+    /// If there is no such vertex.
+    #[must_use]
+    pub fn vertex(&self, number: usize) -> Point3<f64> {
+        Point3::new(self.x[number], self.y[number], self.z[number])
+    }
+
+    /// The positions of all vertices.
+    pub fn vertices(&self) -> impl Iterator<Item = Point3<f64>> + '_ {
+        (0..self.vertex_count()).map(|v| self.vertex(v))
+    }
+
+    /// The least axis-aligned box around the polyhedron.
+    #[must_use]
+    pub fn bounds(&self) -> Bounds<3> {
+        let mut bounds = Bounds::empty();
+        for vertex in self.vertices() {
+            bounds.include(&vertex);
+        }
+        bounds
+    }
+
+    /// The greatest squared distance of a vertex from the origin (L²); 0 for the empty set.
+    #[must_use]
+    pub fn radius_squared(&self) -> f64 {
+        let squares = self.x.iter().zip(&self.y).zip(&self.z);
+        squares.fold(0.0, |far: f64, ((x, y), z)| far.max(x * x + y * y + z * z))
+    }
+
+    /// The facets that have vertices, in the order in which their planes were added.
+    pub fn facets(&self) -> impl Iterator<Item = Facet<'_>> {
+        let mut first = vec![usize::MAX; self.planes.len()];
+        for vertex in (0..self.vertex_count()).rev() {
+            for facet in self.facets[vertex] {
+                first[facet as usize] = vertex;
+            }
+        }
+        let alive = first.into_iter().enumerate().filter(|(_, v)| *v != usize::MAX);
+        alive.map(|(number, first)| Facet {
+            polyhedron: self,
+            number,
+            first,
+        })
+    }
+
+    pub(crate) fn push(&mut self, position: Point3<f64>, facets: [u32; 3], next: [u32; 3]) {
+        self.x.push(position.x);
+        self.y.push(position.y);
+        self.z.push(position.z);
+        self.facets.push(facets);
+        self.next.push(next);
+    }
+
+    /// Which of the vertex's three slots holds the facet.
+    pub(crate) fn slot(&self, vertex: usize, facet: u32) -> usize {
+        let [first, second, _] = self.facets[vertex];
+        if first == facet {
+            0
+        } else if second == facet {
+            1
+        } else {
+            2
+        }
+    }
+}
+
+impl<'a> Facet<'a> {
+    /// The facet's label.
+    #[must_use]
+    pub fn label(&self) -> Label {
+        self.polyhedron.labels[self.number]
+    }
+
+    /// The half-space of which the facet is the border.
+    #[must_use]
+    pub fn half_space(&self) -> HalfSpace {
+        self.polyhedron.planes[self.number]
+    }
+
+    /// The numbers of the facet's vertices, counter-clockwise as seen from outside.
+    pub fn vertex_numbers(&self) -> impl Iterator<Item = usize> + use<'a> {
+        let (polyhedron, facet, first) = (self.polyhedron, self.number as u32, self.first);
+        let step = move |&vertex: &usize| {
+            let slot = polyhedron.slot(vertex, facet);
+            let next = polyhedron.next[vertex][slot] as usize;
+            (next != first).then_some(next)
+        };
+        std::iter::successors(Some(first), step)
+    }
+
+    /// The facet's corners, counter-clockwise as seen from outside.
+    pub fn corners(&self) -> impl Iterator<Item = Point3<f64>> + use<'a> {
+        let polyhedron = self.polyhedron;
+        self.vertex_numbers().map(move |v| polyhedron.vertex(v))
+    }
+
+    /// The facet's area times its unit normal (L²), from the corners alone.
+    #[must_use]
+    pub fn area_vector(&self) -> Vector3<f64> {
+        let mut corners = self.corners();
+        let Some(anchor) = corners.next() else {
+            return Vector3::zeros();
+        };
+        let mut sum = Vector3::zeros();
+        let mut last = Vector3::zeros();
+        for corner in corners {
+            let arm = corner - anchor;
+            sum += last.cross(&arm);
+            last = arm;
+        }
+        0.5 * sum
+    }
+}

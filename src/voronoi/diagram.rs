@@ -1,0 +1,164 @@
+//! The diagram of all sites: checked input, cells visited in parallel, answers in site order.
+
+use nalgebra::Point3;
+use rayon::prelude::*;
+use thiserror::Error;
+
+use crate::domain::space::Domain;
+use crate::voronoi::cell::{Cell, CellBuilder, Duplicate};
+use crate::voronoi::index::SiteIndex;
+
+/// How many cells a thread takes at least: enough to pay for its memory, few enough to balance.
+const CELLS_PER_TASK: usize = 64;
+
+/// The clipped Voronoi diagram of sites in a domain.
+///
+/// It holds the index, not the cells: those are built when they are asked for, each in the memory
+/// of the one before, so that a diagram of 10⁷ sites needs no room for its cells.
+#[derive(Debug)]
+pub struct Diagram<'a> {
+    domain: &'a dyn Domain,
+    index: SiteIndex,
+}
+
+/// Why sites have no diagram. Indices count from zero.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum DiagramError {
+    /// There is nothing to build.
+    #[error("there are no sites; at least one is needed")]
+    NoSites,
+    /// More sites than the index can number.
+    #[error("{count} sites are more than the {} that can be numbered", u32::MAX - 1)]
+    TooManySites {
+        /// How many.
+        count: usize,
+    },
+    /// A coordinate is NaN or infinite.
+    #[error("site {site} lies at {position:?}; coordinates must be finite")]
+    NotFinite {
+        /// The site's index.
+        site: usize,
+        /// Its position.
+        position: [f64; 3],
+    },
+    /// A site lies outside the domain.
+    #[error("site {site} at {position:?} lies outside the domain; move or remove it")]
+    Outside {
+        /// The site's index.
+        site: usize,
+        /// Its position.
+        position: [f64; 3],
+    },
+    /// Two sites lie in the same place.
+    #[error(
+        "sites {first} and {second} are duplicates: both lie at {position:?} (or at periodic \
+         images of it); remove one of them"
+    )]
+    Duplicate {
+        /// The smaller index.
+        first: usize,
+        /// The greater index.
+        second: usize,
+        /// The position of the first.
+        position: [f64; 3],
+    },
+}
+
+impl<'a> Diagram<'a> {
+    /// The diagram of `sites` in `domain`.
+    ///
+    /// # Errors
+    /// When there are no sites, or one is not finite or outside the domain. Duplicates are found
+    /// when cells are built.
+    pub fn new(domain: &'a dyn Domain, sites: &[Point3<f64>]) -> Result<Self, DiagramError> {
+        if sites.is_empty() {
+            return Err(DiagramError::NoSites);
+        }
+        if sites.len() >= u32::MAX as usize {
+            let count = sites.len();
+            return Err(DiagramError::TooManySites { count });
+        }
+        for (site, point) in sites.iter().enumerate() {
+            let position = [point.x, point.y, point.z];
+            if !position.iter().all(|x| x.is_finite()) {
+                return Err(DiagramError::NotFinite { site, position });
+            }
+            if !domain.contains(point) {
+                return Err(DiagramError::Outside { site, position });
+            }
+        }
+        let periods = domain.periods();
+        let index = if periods.iter().any(Option::is_some) {
+            let wrapped: Vec<_> = sites.iter().map(|site| domain.wrap(site)).collect();
+            SiteIndex::new(&wrapped, &domain.bounds(), periods)
+        } else {
+            SiteIndex::new(sites, &domain.bounds(), periods)
+        };
+        Ok(Self { domain, index })
+    }
+
+    /// How many sites there are.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.index.len()
+    }
+
+    /// Never true: a diagram has at least one site.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.index.is_empty()
+    }
+
+    /// The domain in which the cells lie.
+    #[must_use]
+    pub fn domain(&self) -> &'a dyn Domain {
+        self.domain
+    }
+
+    /// Asks every cell, in parallel, and returns the answers in site order.
+    ///
+    /// Each thread asks with a memory of its own, made by `Memory::default`. The answers do not
+    /// depend on the number of threads as long as `ask` does not depend on the memory's past.
+    ///
+    /// # Errors
+    /// [`DiagramError::Duplicate`] for the first pair of sites in one place.
+    pub fn map<Memory: Default, Answer: Send>(
+        &self,
+        ask: impl Fn(&mut Memory, Cell<'_>) -> Answer + Sync,
+    ) -> Result<Vec<Answer>, DiagramError> {
+        let one = |(builder, memory): &mut (CellBuilder, Memory), place: usize| {
+            let cell = builder.build(self.domain, &self.index, place)?;
+            Ok(ask(memory, cell))
+        };
+        let answers: Vec<Result<Answer, Duplicate>> = (0..self.len())
+            .into_par_iter()
+            .with_min_len(CELLS_PER_TASK)
+            .map_init(Default::default, one)
+            .collect();
+        let first = answers.iter().filter_map(|a| a.as_ref().err()).min();
+        if let Some(duplicate) = first {
+            return Err(self.duplicate(*duplicate));
+        }
+        Ok(self.in_site_order(answers.into_iter().flatten()))
+    }
+
+    fn in_site_order<Answer>(&self, answers: impl Iterator<Item = Answer>) -> Vec<Answer> {
+        let mut ordered: Vec<Option<Answer>> = Vec::new();
+        ordered.resize_with(self.len(), || None);
+        for (place, answer) in answers.enumerate() {
+            ordered[self.index.site(place) as usize] = Some(answer);
+        }
+        ordered.into_iter().flatten().collect()
+    }
+
+    fn duplicate(&self, duplicate: Duplicate) -> DiagramError {
+        let (first, second) = (duplicate.first as usize, duplicate.second as usize);
+        let place = (0..self.len()).find(|&place| self.index.site(place) == duplicate.first);
+        let position = place.map_or([f64::NAN; 3], |place| self.index.position(place).into());
+        DiagramError::Duplicate {
+            first,
+            second,
+            position,
+        }
+    }
+}
