@@ -2,3 +2,14 @@
 
 pub mod plane;
 pub mod plane_center;
+//!
+//! [`fragments`] cuts a cell into the six fragments of \[BL\] as geometry. The integrals come the
+//! short way: [`integrand`] keeps what does not depend on the center, [`walk`] splits the piece's
+//! surface by [`sector`], [`energy`] sums up.
+
+pub mod center;
+pub mod energy;
+pub mod fragments;
+pub mod integrand;
+pub mod sector;
+pub mod walk;

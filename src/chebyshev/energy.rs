@@ -1,0 +1,222 @@
+//! The Chebyshev energy of convex pieces about a center, with exact gradient and Hessian.
+//!
+//! E(c) = ∫ d∞(c, y)^p dy over the signed pieces \[BL\] eq. 6 and 7. In each sector the distance is
+//! linear, so that every tetrahedron (c, q, a, b) of the walk contributes
+//! V · 3! p!/(3+p)! · h_p(0, δ_q, δ_a, δ_b): for p = 1 the mass of \[BL\] eq. 1.
+//!
+//! - Gradient: ∂E/∂c_k = p (∫_{F−k} d∞^{p−1} − ∫_{F+k} d∞^{p−1}); for p = 1 the difference of
+//!   volumes of opposite fragments.
+//! - Hessian: p (p−1) ∫_{F±k} d∞^{p−2} on the diagonal, and over the twelve interfaces
+//!   (p/√2) ∫ d∞^{p−1} dA · w wᵀ with w = s_i e_i − s_j e_j.
+
+use nalgebra::{Matrix3, Vector3};
+
+use crate::chebyshev::integrand::Integrand;
+use crate::chebyshev::sector::{Interface, Sector};
+use crate::chebyshev::walk::{FacetView, Visit, WalkScratch, walk};
+use crate::integrals::simplex::complete_homogeneous;
+use crate::minimize::problem::Evaluation;
+
+/// A convex piece and the sign with which it counts.
+#[derive(Clone, Debug)]
+pub struct SignedPiece {
+    /// +1 or −1.
+    pub sign: f64,
+    /// The piece, prepared.
+    pub integrand: Integrand,
+}
+
+/// Energy (L^(3+p)), gradient (L^(2+p)) and Hessian (L^(1+p)) of `pieces` about `center`, which is
+/// in the pieces' coordinates and may lie anywhere. `order` is p ≥ 1.
+#[must_use]
+pub fn energy<'a>(
+    pieces: impl IntoIterator<Item = &'a SignedPiece>,
+    center: &Vector3<f64>,
+    order: u32,
+    scratch: &mut WalkScratch,
+) -> Evaluation<3> {
+    let mut total = Evaluation {
+        value: 0.0,
+        gradient: Vector3::zeros(),
+        hessian: Matrix3::zeros(),
+    };
+    for SignedPiece { sign, integrand } in pieces {
+        let part = if order == 1 {
+            let mut sums = Linear::default();
+            walk(integrand, center, scratch, &mut sums);
+            sums.evaluation()
+        } else {
+            let mut sums = Power::new(order);
+            walk(integrand, center, scratch, &mut sums);
+            sums.evaluation()
+        };
+        total.value += sign * part.value;
+        total.gradient += part.gradient * *sign;
+        total.hessian += part.hessian * *sign;
+    }
+    total
+}
+
+/// The sums for p = 1, in the units in which they come: 24 E, 6 V per sector, and per interface
+/// 4/√2 of the area.
+#[derive(Default)]
+struct Linear {
+    value: f64,
+    volumes: [f64; 6],
+    areas: [f64; Interface::COUNT],
+}
+
+impl Visit for Linear {
+    #[inline]
+    fn share(
+        &mut self,
+        facet: &FacetView,
+        sector: Sector,
+        doubled_area: f64,
+        a: &Vector3<f64>,
+        b: &Vector3<f64>,
+    ) {
+        let volume = doubled_area * facet.height;
+        let (sign, axis) = (sector.sign(), sector.axis());
+        self.value += volume * (sign * (facet.anchor[axis] + a[axis] + b[axis]));
+        self.volumes[sector.number()] += volume;
+    }
+
+    #[inline]
+    fn segment(
+        &mut self,
+        facet: &FacetView,
+        interface: Interface,
+        doubled_area: f64,
+        u: &Vector3<f64>,
+        v: &Vector3<f64>,
+    ) {
+        let (left, right) = interface.sectors();
+        let volume = doubled_area * facet.height;
+        // At u and v both distances agree and cancel.
+        self.value += volume * (left.distance(&facet.anchor) - right.distance(&facet.anchor));
+        self.volumes[left.number()] += volume;
+        self.volumes[right.number()] -= volume;
+        self.areas[interface.number()] += interface_area(interface, u, v);
+    }
+}
+
+impl Linear {
+    fn evaluation(&self) -> Evaluation<3> {
+        let volumes = &self.volumes;
+        Evaluation {
+            value: self.value / 24.0,
+            gradient: Vector3::from([0, 1, 2].map(|k| volumes[2 * k + 1] - volumes[2 * k])) / 6.0,
+            hessian: interface_hessian(&self.areas),
+        }
+    }
+}
+
+/// The sums for any p: per sector ∫ d∞^p, ∫ d∞^{p−1}, ∫ d∞^{p−2}, and per interface
+/// 4/√2 ∫ d∞^{p−1} dA.
+struct Power {
+    order: u32,
+    value: f64,
+    first: [f64; 6],
+    second: [f64; 6],
+    interfaces: [f64; Interface::COUNT],
+}
+
+/// ∫ of the m-th power of the distance over a tetrahedron at the center, per six times its volume:
+/// m!/(m+3)! · h_m.
+fn tetrahedron(power: u32, distances: &[f64; 3]) -> f64 {
+    let m = f64::from(power);
+    complete_homogeneous(power, distances) / ((m + 1.0) * (m + 2.0) * (m + 3.0))
+}
+
+impl Power {
+    fn new(order: u32) -> Self {
+        Self {
+            order,
+            value: 0.0,
+            first: [0.0; 6],
+            second: [0.0; 6],
+            interfaces: [0.0; Interface::COUNT],
+        }
+    }
+
+    fn add(&mut self, sector: Sector, volume: f64, corners: [&Vector3<f64>; 3]) {
+        let distances = corners.map(|corner| sector.distance(corner));
+        self.value += volume * tetrahedron(self.order, &distances);
+        self.first[sector.number()] += volume * tetrahedron(self.order - 1, &distances);
+        if self.order >= 2 {
+            self.second[sector.number()] += volume * tetrahedron(self.order - 2, &distances);
+        }
+    }
+
+    fn evaluation(&self) -> Evaluation<3> {
+        let p = f64::from(self.order);
+        let first = &self.first;
+        let gradient = Vector3::from([0, 1, 2].map(|k| first[2 * k + 1] - first[2 * k])) * p;
+        let second = &self.second;
+        let bulk = Vector3::from([0, 1, 2].map(|k| second[2 * k] + second[2 * k + 1]));
+        Evaluation {
+            value: self.value,
+            gradient,
+            hessian: interface_hessian(&self.interfaces) * p
+                + Matrix3::from_diagonal(&bulk) * (p * (p - 1.0)),
+        }
+    }
+}
+
+impl Visit for Power {
+    fn share(
+        &mut self,
+        facet: &FacetView,
+        sector: Sector,
+        doubled_area: f64,
+        a: &Vector3<f64>,
+        b: &Vector3<f64>,
+    ) {
+        self.add(sector, doubled_area * facet.height, [&facet.anchor, a, b]);
+    }
+
+    fn segment(
+        &mut self,
+        facet: &FacetView,
+        interface: Interface,
+        doubled_area: f64,
+        u: &Vector3<f64>,
+        v: &Vector3<f64>,
+    ) {
+        let (left, right) = interface.sectors();
+        let volume = doubled_area * facet.height;
+        self.add(left, volume, [&facet.anchor, u, v]);
+        self.add(right, -volume, [&facet.anchor, u, v]);
+        // Over a triangle at the center ∫ d^m dA = A · 2 m!/(m+2)! · h_m.
+        let m = f64::from(self.order - 1);
+        let distances = [u, v].map(|corner| left.distance(corner));
+        let mean = complete_homogeneous(self.order - 1, &distances) * 2.0 / ((m + 1.0) * (m + 2.0));
+        self.interfaces[interface.number()] += mean * interface_area(interface, u, v);
+    }
+}
+
+/// 4/√2 times the signed area of the triangle (center, u, v) on the interface: (u×v)·w, since u×v
+/// is parallel to w and |w| = √2.
+#[inline]
+fn interface_area(interface: Interface, u: &Vector3<f64>, v: &Vector3<f64>) -> f64 {
+    let (left, right) = interface.sectors();
+    let normal = u.cross(v);
+    left.distance(&normal) - right.distance(&normal)
+}
+
+/// Σ (A/√2) w wᵀ over the interfaces, from 4/√2 times their areas.
+fn interface_hessian(areas: &[f64; Interface::COUNT]) -> Matrix3<f64> {
+    let mut hessian = Matrix3::zeros();
+    for one in Sector::ALL {
+        for other in Sector::ALL.into_iter().filter(|s| s.axis() > one.axis()) {
+            let weight = 0.25 * areas[Interface::between(one, other).number()];
+            let (i, j) = (one.axis(), other.axis());
+            hessian[(i, i)] += weight;
+            hessian[(j, j)] += weight;
+            hessian[(i, j)] -= weight * one.sign() * other.sign();
+        }
+    }
+    hessian.fill_lower_triangle_with_upper_triangle();
+    hessian
+}

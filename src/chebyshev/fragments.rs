@@ -1,0 +1,53 @@
+//! The six fragments of a piece about a center, as geometry (\[BL\] section 3.5, Fig. 12).
+//!
+//! Integrals do not need them; pictures and tests do.
+
+use nalgebra::{Point3, Vector3};
+
+use crate::chebyshev::sector::Sector;
+use crate::geometry::clip::{ClipScratch, clip};
+use crate::geometry::half_space::HalfSpace;
+use crate::geometry::label::Label;
+use crate::geometry::polyhedron::Polyhedron;
+
+/// Cuts `piece` into its fragments about `center`, in the order of [`Sector::ALL`]; a fragment may
+/// be empty. The facets on interfaces carry the label `interface`.
+#[must_use]
+pub fn fragments(piece: &Polyhedron, center: &Point3<f64>, interface: Label) -> [Polyhedron; 6] {
+    Sector::ALL.map(|sector| fragment(piece, center, sector, interface))
+}
+
+fn fragment(
+    piece: &Polyhedron,
+    center: &Point3<f64>,
+    sector: Sector,
+    interface: Label,
+) -> Polyhedron {
+    let mut fragment = piece.clone();
+    let mut scratch = ClipScratch::default();
+    for other in Sector::ALL.into_iter().filter(|o| o.axis() != sector.axis()) {
+        let mut normal = Vector3::zeros();
+        normal[other.axis()] = other.sign();
+        normal[sector.axis()] = -sector.sign();
+        let offset = normal.dot(&center.coords);
+        let border = HalfSpace { normal, offset };
+        clip(&mut fragment, &border, interface, &mut scratch);
+    }
+    fragment
+}
+
+/// The tetrahedra of a fragment: `center` with the fan triangles of every facet (\[BL\] section
+/// 3.5). Those on facets through the center are flat.
+pub fn tetrahedra<'a>(
+    fragment: &'a Polyhedron,
+    center: &'a Point3<f64>,
+) -> impl Iterator<Item = [Point3<f64>; 4]> + 'a {
+    fragment.facets().flat_map(move |facet| {
+        let mut corners = facet.corners();
+        let anchor = corners.next();
+        let rest: Vec<_> = corners.collect();
+        let fan = move |(a, b): (Point3<f64>, Point3<f64>)| anchor.map(|q| [*center, q, a, b]);
+        let pairs: Vec<_> = rest.iter().copied().zip(rest.iter().copied().skip(1)).collect();
+        pairs.into_iter().filter_map(fan)
+    })
+}

@@ -1,0 +1,99 @@
+//! What stays constant of a convex piece while its center moves.
+//!
+//! Every facet f is fanned from an anchor vertex q. The triangle (q, a, b) of a directed edge has
+//! twice the area σ = n·((a−q)×(b−q)), n the unit normal: constant for the piece's life, so that
+//! the tetrahedron with the center c has six times the volume σ H with H = d − n·c, the signed
+//! height of c below the facet. No polygon is cut for an integral: an edge that runs through
+//! several sectors splits its σ in proportion.
+
+use nalgebra::Vector3;
+
+use crate::geometry::polyhedron::Polyhedron;
+
+/// A facet's constants.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct FacetConstants {
+    pub(crate) normal: Vector3<f64>,
+    pub(crate) offset: f64,
+    pub(crate) anchor: u32,
+}
+
+/// An edge, and the doubled areas that its two facets' fans have on it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct EdgeConstants {
+    pub(crate) from: u32,
+    pub(crate) to: u32,
+    pub(crate) left: u32,
+    pub(crate) right: u32,
+    pub(crate) left_area: f64,
+    pub(crate) right_area: f64,
+}
+
+/// A convex piece prepared for integrals about any center, in the piece's coordinates.
+#[derive(Clone, Debug, Default)]
+pub struct Integrand {
+    pub(crate) vertices: Vec<Vector3<f64>>,
+    pub(crate) facets: Vec<FacetConstants>,
+    pub(crate) edges: Vec<EdgeConstants>,
+}
+
+const UNSEEN: u32 = u32::MAX;
+
+impl Integrand {
+    /// Prepares `piece`.
+    #[must_use]
+    pub fn new(piece: &Polyhedron) -> Self {
+        let mut integrand = Self::default();
+        integrand.assign(piece);
+        integrand
+    }
+
+    /// Prepares `piece`, keeping the memory of the piece before.
+    pub fn assign(&mut self, piece: &Polyhedron) {
+        self.vertices.clear();
+        self.vertices.extend(piece.vertices().map(|v| v.coords));
+        self.facets.clear();
+        self.facets.extend(piece.planes.iter().map(|plane| {
+            let unit = plane.normalized();
+            FacetConstants {
+                normal: unit.normal,
+                offset: unit.offset,
+                anchor: UNSEEN,
+            }
+        }));
+        for (vertex, facets) in piece.facets.iter().enumerate() {
+            for &facet in facets {
+                let anchor = &mut self.facets[facet as usize].anchor;
+                *anchor = (*anchor).min(vertex as u32);
+            }
+        }
+        self.edges.clear();
+        for (from, (facets, next)) in piece.facets.iter().zip(&piece.next).enumerate() {
+            for slot in 0..3 {
+                let to = next[slot];
+                if (from as u32) < to {
+                    let (left, right) = (facets[slot], facets[(slot + 2) % 3]);
+                    self.push_edge(from as u32, to, left, right);
+                }
+            }
+        }
+    }
+
+    fn push_edge(&mut self, from: u32, to: u32, left: u32, right: u32) {
+        let [a, b] = [from, to].map(|vertex| self.vertices[vertex as usize]);
+        let area = |facet: u32| {
+            let facet = &self.facets[facet as usize];
+            let anchor = self.vertices[facet.anchor as usize];
+            facet.normal.dot(&(a - anchor).cross(&(b - anchor)))
+        };
+        let (left_area, right_area) = (area(left), -area(right));
+        self.edges.push(EdgeConstants {
+            from,
+            to,
+            left,
+            right,
+            left_area,
+            right_area,
+        });
+    }
+}

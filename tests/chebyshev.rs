@@ -1,0 +1,235 @@
+//! What a cell is worth: energy, gradient and Hessian against independent evaluations.
+
+use chebloyd::chebyshev::energy::{SignedPiece, energy};
+use chebloyd::chebyshev::fragments::{fragments, tetrahedra};
+use chebloyd::chebyshev::integrand::Integrand;
+use chebloyd::chebyshev::walk::WalkScratch;
+use chebloyd::domain::cuboid::Cuboid;
+use chebloyd::geometry::bounds::Bounds;
+use chebloyd::geometry::clip::{ClipScratch, clip};
+use chebloyd::geometry::half_space::HalfSpace;
+use chebloyd::geometry::moments::Moments;
+use chebloyd::geometry::polyhedron::Polyhedron;
+use chebloyd::minimize::problem::Evaluation;
+use chebloyd::voronoi::diagram::Diagram;
+use nalgebra::{Matrix3, Point3, Vector3};
+use rand_chacha::ChaCha8Rng;
+use rand_core::{Rng, SeedableRng};
+
+fn uniform(random: &mut ChaCha8Rng) -> f64 {
+    (random.next_u64() >> 11) as f64 / (1u64 << 53) as f64
+}
+
+fn point(random: &mut ChaCha8Rng) -> Point3<f64> {
+    Point3::new(uniform(random), uniform(random), uniform(random))
+}
+
+/// A random convex polyhedron around the origin: a cube cut by bisectors.
+fn random_piece(seed: u64) -> Polyhedron {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let corner = Point3::new(1.0, 1.0, 1.0);
+    let around = Bounds { min: -corner, max: corner };
+    let mut piece = Polyhedron::cuboid(&around, [0; 6]);
+    let mut scratch = ClipScratch::default();
+    for label in 0..20 {
+        let direction = point(&mut random) - Point3::new(0.5, 0.5, 0.5);
+        let distance = 1.0 + uniform(&mut random);
+        let bisector = HalfSpace::bisector(direction.normalize() * distance);
+        clip(&mut piece, &bisector, label, &mut scratch);
+    }
+    piece
+}
+
+fn whole(piece: &Polyhedron) -> [SignedPiece; 1] {
+    [SignedPiece { sign: 1.0, integrand: Integrand::new(piece) }]
+}
+
+fn evaluate(piece: &Polyhedron, center: &Vector3<f64>, order: u32) -> Evaluation<3> {
+    energy(&whole(piece), center, order, &mut WalkScratch::default())
+}
+
+fn chebyshev_distance(a: &Point3<f64>, b: &Point3<f64>) -> f64 {
+    (a - b).amax()
+}
+
+/// Σ over the tetrahedra of all fragments of ∫ distance^p by a product rule of Gauss-Legendre points,
+/// which is exact for the polynomial that the integrand is on each.
+fn by_fragments(piece: &Polyhedron, center: &Point3<f64>, order: u32) -> f64 {
+    let mut sum = 0.0;
+    for fragment in fragments(piece, center, 9) {
+        for tetrahedron in tetrahedra(&fragment, center) {
+            sum += gauss(&tetrahedron, |y| chebyshev_distance(center, y).powi(order as i32));
+        }
+    }
+    sum
+}
+
+/// Five Gauss-Legendre points on [0, 1], exact to degree 9, with weights.
+const GAUSS: [(f64, f64); 5] = [
+    (0.046_910_077_030_668_004, 0.118_463_442_528_094_54),
+    (0.230_765_344_947_158_45, 0.239_314_335_249_683_23),
+    (0.5, 0.284_444_444_444_444_44),
+    (0.769_234_655_052_841_55, 0.239_314_335_249_683_23),
+    (0.953_089_922_969_332, 0.118_463_442_528_094_54),
+];
+
+/// Integral over a tetrahedron by collapsed coordinates.
+fn gauss(corners: &[Point3<f64>; 4], integrand: impl Fn(&Point3<f64>) -> f64) -> f64 {
+    let [a, b, d] = [1, 2, 3].map(|k| corners[k] - corners[0]);
+    // Signed: about a center outside the piece some tetrahedra count backwards.
+    let jacobian = a.dot(&b.cross(&d));
+    let mut sum = 0.0;
+    for (u, wu) in GAUSS {
+        for (v, wv) in GAUSS {
+            for (w, ww) in GAUSS {
+                let first = u;
+                let second = v * (1.0 - u);
+                let third = w * (1.0 - u) * (1.0 - v);
+                let weight = wu * wv * ww * (1.0 - u).powi(2) * (1.0 - v);
+                let y = corners[0] + a * first + b * second + d * third;
+                sum += weight * integrand(&y);
+            }
+        }
+    }
+    sum * jacobian
+}
+
+fn assert_close(actual: f64, expected: f64, tolerance: f64, what: &str) {
+    assert!(
+        (actual - expected).abs() <= tolerance * (1.0 + expected.abs()),
+        "{what}: {actual} instead of {expected}"
+    );
+}
+
+#[test]
+fn a_cube_about_its_center_has_three_eighths_of_its_volume_to_four_thirds() {
+    let corner = Point3::new(1.5, 1.5, 1.5);
+    let cube = Polyhedron::cuboid(&Bounds { min: -corner, max: corner }, [0; 6]);
+    let evaluation = evaluate(&cube, &Vector3::zeros(), 1);
+    assert_close(evaluation.value, 0.375 * 81.0, 1e-15, "energy");
+    assert_close(evaluation.gradient.amax(), 0.0, 1e-14, "gradient");
+}
+
+#[test]
+fn energies_of_any_order_agree_with_quadrature_over_the_fragments() {
+    let mut random = ChaCha8Rng::seed_from_u64(1);
+    for seed in 0..60 {
+        let piece = random_piece(seed);
+        let center = Point3::from((point(&mut random).coords * 2.0).add_scalar(-1.0) * 0.6);
+        for order in [1, 2, 3, 6] {
+            let value = evaluate(&piece, &center.coords, order).value;
+            let expected = by_fragments(&piece, &center, order);
+            assert_close(value, expected, 1e-12, &format!("seed {seed}, p = {order}"));
+        }
+    }
+}
+
+#[test]
+fn gradients_and_hessians_agree_with_central_differences() {
+    let step = 1e-5;
+    let mut random = ChaCha8Rng::seed_from_u64(2);
+    for seed in 0..60 {
+        let piece = random_piece(seed);
+        // Also centers outside the piece.
+        let center = (point(&mut random).coords * 2.0).add_scalar(-1.0) * 1.5;
+        for order in [1, 2, 3, 8] {
+            let Evaluation { value, gradient, hessian } = evaluate(&piece, &center, order);
+            let at = |axis: usize, sign: f64| {
+                let mut shifted = center;
+                shifted[axis] += sign * step;
+                evaluate(&piece, &shifted, order)
+            };
+            for axis in 0..3 {
+                let (up, down) = (at(axis, 1.0), at(axis, -1.0));
+                let slope = (up.value - down.value) / (2.0 * step);
+                let what = format!("seed {seed}, p = {order}, axis {axis}");
+                assert_close(gradient[axis] / (1.0 + value), slope / (1.0 + value), 1e-6, &what);
+                let bend = (up.gradient - down.gradient) / (2.0 * step);
+                for other in 0..3 {
+                    let size = 1.0 + hessian.amax();
+                    assert_close(hessian[(axis, other)] / size, bend[other] / size, 1e-6, &what);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn the_energy_is_never_below_that_of_the_cube_of_equal_volume() {
+    for seed in 0..40 {
+        let piece = random_piece(seed);
+        let Moments { volume, .. } = Moments::of(&piece);
+        let least = 0.375 * volume.powf(4.0 / 3.0);
+        assert!(evaluate(&piece, &Vector3::zeros(), 1).value >= least);
+    }
+}
+
+#[test]
+fn fragments_partition_the_piece() {
+    for seed in 0..40 {
+        let piece = random_piece(seed);
+        let center = Point3::new(0.1, -0.2, 0.05);
+        let parts = fragments(&piece, &center, 9);
+        let sum: f64 = parts.iter().map(|part| Moments::of(part).volume).sum();
+        assert_close(sum, Moments::of(&piece).volume, 1e-14, "volume");
+    }
+}
+
+#[test]
+fn energies_are_additive_over_a_cut_and_linear_in_signs() {
+    let piece = random_piece(3);
+    let plane = HalfSpace { normal: Vector3::new(0.3, -0.5, 0.7), offset: 0.05 };
+    let behind = HalfSpace { normal: -plane.normal, offset: -plane.offset };
+    let mut scratch = ClipScratch::default();
+    let mut parts = [piece.clone(), piece.clone()];
+    clip(&mut parts[0], &plane, 9, &mut scratch);
+    clip(&mut parts[1], &behind, 9, &mut scratch);
+    for order in [1, 2, 4] {
+        let center = Vector3::new(0.2, 0.1, -0.3);
+        let all = evaluate(&piece, &center, order);
+        let [front, back] = [0, 1].map(|k| evaluate(&parts[k], &center, order));
+        assert_close(front.value + back.value, all.value, 1e-14, "value");
+        assert_close((front.gradient + back.gradient - all.gradient).amax(), 0.0, 1e-14, "gradient");
+        assert_close((front.hessian + back.hessian - all.hessian).amax(), 0.0, 1e-13, "hessian");
+        let signed = parts.iter().chain([&piece]).zip([1.0, 1.0, -1.0]);
+        let signed: Vec<_> = signed
+            .map(|(p, sign)| SignedPiece { sign, integrand: Integrand::new(p) })
+            .collect();
+        let nothing = energy(&signed, &center, order, &mut WalkScratch::default());
+        assert_close(nothing.value, 0.0, 1e-14, "signed sum");
+    }
+}
+
+#[test]
+fn ties_at_lattice_cells_change_nothing() {
+    // Every vertex of a cube cell about its site lies on a diagonal; noise decides its sector.
+    for noise in [0.0, 1e-16, 1e-14, 1e-12, 1e-9] {
+        let mut random = ChaCha8Rng::seed_from_u64(4);
+        let mut sites = Vec::new();
+        for k in 0..64 {
+            let cell = Vector3::new((k % 4) as f64, (k / 4 % 4) as f64, (k / 16) as f64);
+            let jitter = (point(&mut random).coords).add_scalar(-0.5) * noise;
+            sites.push(Point3::from((cell.add_scalar(0.5) + jitter) / 4.0));
+        }
+        let domain = Cuboid::unit();
+        let diagram = Diagram::new(&domain, &sites).unwrap();
+        let answers = diagram
+            .map(|(): &mut (), cell| {
+                let here = evaluate(cell.polyhedron, &Vector3::zeros(), 1);
+                let cubic = evaluate(cell.polyhedron, &Vector3::zeros(), 3);
+                (here, cubic, Moments::of(cell.polyhedron).volume)
+            })
+            .unwrap();
+        let tolerance = 1e-13 + 10.0 * noise;
+        for (here, cubic, volume) in &answers {
+            assert_close(volume * 64.0, 1.0, tolerance, "volume");
+            assert_close(here.value * 256.0, 0.375, tolerance, "energy");
+            assert_close(here.gradient.amax() * 64.0, 0.0, tolerance, "gradient");
+            // Each axis meets eight interfaces of area √2 (s/2)²: Σ A/√2 = 2 s².
+            let expected = Matrix3::identity() * 2.0;
+            assert_close((here.hessian * 16.0 - expected).amax(), 0.0, tolerance, "Hessian");
+            // ∫ d³ = ∫₀^{s/2} t³ · 24 t² dt = s⁶/16.
+            assert_close(cubic.value * 4096.0, 1.0 / 16.0, tolerance, "cubic energy");
+        }
+    }
+}
