@@ -28,7 +28,10 @@ fn point(random: &mut ChaCha8Rng) -> Point3<f64> {
 fn random_piece(seed: u64) -> Polyhedron {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let corner = Point3::new(1.0, 1.0, 1.0);
-    let around = Bounds { min: -corner, max: corner };
+    let around = Bounds {
+        min: -corner,
+        max: corner,
+    };
     let mut piece = Polyhedron::cuboid(&around, [0; 6]);
     let mut scratch = ClipScratch::default();
     for label in 0..20 {
@@ -41,7 +44,10 @@ fn random_piece(seed: u64) -> Polyhedron {
 }
 
 fn whole(piece: &Polyhedron) -> [SignedPiece; 1] {
-    [SignedPiece { sign: 1.0, integrand: Integrand::new(piece) }]
+    [SignedPiece {
+        sign: 1.0,
+        integrand: Integrand::new(piece),
+    }]
 }
 
 fn evaluate(piece: &Polyhedron, center: &Vector3<f64>, order: u32) -> Evaluation<3> {
@@ -58,7 +64,9 @@ fn by_fragments(piece: &Polyhedron, center: &Point3<f64>, order: u32) -> f64 {
     let mut sum = 0.0;
     for fragment in fragments(piece, center, 9) {
         for tetrahedron in tetrahedra(&fragment, center) {
-            sum += gauss(&tetrahedron, |y| chebyshev_distance(center, y).powi(order as i32));
+            sum += gauss(&tetrahedron, |y| {
+                chebyshev_distance(center, y).powi(order as i32)
+            });
         }
     }
     sum
@@ -104,7 +112,13 @@ fn assert_close(actual: f64, expected: f64, tolerance: f64, what: &str) {
 #[test]
 fn a_cube_about_its_center_has_three_eighths_of_its_volume_to_four_thirds() {
     let corner = Point3::new(1.5, 1.5, 1.5);
-    let cube = Polyhedron::cuboid(&Bounds { min: -corner, max: corner }, [0; 6]);
+    let cube = Polyhedron::cuboid(
+        &Bounds {
+            min: -corner,
+            max: corner,
+        },
+        [0; 6],
+    );
     let evaluation = evaluate(&cube, &Vector3::zeros(), 1);
     assert_close(evaluation.value, 0.375 * 81.0, 1e-15, "energy");
     assert_close(evaluation.gradient.amax(), 0.0, 1e-14, "gradient");
@@ -133,7 +147,11 @@ fn gradients_and_hessians_agree_with_central_differences() {
         // Also centers outside the piece.
         let center = (point(&mut random).coords * 2.0).add_scalar(-1.0) * 1.5;
         for order in [1, 2, 3, 8] {
-            let Evaluation { value, gradient, hessian } = evaluate(&piece, &center, order);
+            let Evaluation {
+                value,
+                gradient,
+                hessian,
+            } = evaluate(&piece, &center, order);
             let at = |axis: usize, sign: f64| {
                 let mut shifted = center;
                 shifted[axis] += sign * step;
@@ -143,11 +161,21 @@ fn gradients_and_hessians_agree_with_central_differences() {
                 let (up, down) = (at(axis, 1.0), at(axis, -1.0));
                 let slope = (up.value - down.value) / (2.0 * step);
                 let what = format!("seed {seed}, p = {order}, axis {axis}");
-                assert_close(gradient[axis] / (1.0 + value), slope / (1.0 + value), 1e-6, &what);
+                assert_close(
+                    gradient[axis] / (1.0 + value),
+                    slope / (1.0 + value),
+                    1e-6,
+                    &what,
+                );
                 let bend = (up.gradient - down.gradient) / (2.0 * step);
                 for other in 0..3 {
                     let size = 1.0 + hessian.amax();
-                    assert_close(hessian[(axis, other)] / size, bend[other] / size, 1e-6, &what);
+                    assert_close(
+                        hessian[(axis, other)] / size,
+                        bend[other] / size,
+                        1e-6,
+                        &what,
+                    );
                 }
             }
         }
@@ -178,8 +206,14 @@ fn fragments_partition_the_piece() {
 #[test]
 fn energies_are_additive_over_a_cut_and_linear_in_signs() {
     let piece = random_piece(3);
-    let plane = HalfSpace { normal: Vector3::new(0.3, -0.5, 0.7), offset: 0.05 };
-    let behind = HalfSpace { normal: -plane.normal, offset: -plane.offset };
+    let plane = HalfSpace {
+        normal: Vector3::new(0.3, -0.5, 0.7),
+        offset: 0.05,
+    };
+    let behind = HalfSpace {
+        normal: -plane.normal,
+        offset: -plane.offset,
+    };
     let mut scratch = ClipScratch::default();
     let mut parts = [piece.clone(), piece.clone()];
     clip(&mut parts[0], &plane, 9, &mut scratch);
@@ -189,11 +223,24 @@ fn energies_are_additive_over_a_cut_and_linear_in_signs() {
         let all = evaluate(&piece, &center, order);
         let [front, back] = [0, 1].map(|k| evaluate(&parts[k], &center, order));
         assert_close(front.value + back.value, all.value, 1e-14, "value");
-        assert_close((front.gradient + back.gradient - all.gradient).amax(), 0.0, 1e-14, "gradient");
-        assert_close((front.hessian + back.hessian - all.hessian).amax(), 0.0, 1e-13, "hessian");
+        assert_close(
+            (front.gradient + back.gradient - all.gradient).amax(),
+            0.0,
+            1e-14,
+            "gradient",
+        );
+        assert_close(
+            (front.hessian + back.hessian - all.hessian).amax(),
+            0.0,
+            1e-13,
+            "hessian",
+        );
         let signed = parts.iter().chain([&piece]).zip([1.0, 1.0, -1.0]);
         let signed: Vec<_> = signed
-            .map(|(p, sign)| SignedPiece { sign, integrand: Integrand::new(p) })
+            .map(|(p, sign)| SignedPiece {
+                sign,
+                integrand: Integrand::new(p),
+            })
             .collect();
         let nothing = energy(&signed, &center, order, &mut WalkScratch::default());
         assert_close(nothing.value, 0.0, 1e-14, "signed sum");
@@ -227,7 +274,12 @@ fn ties_at_lattice_cells_change_nothing() {
             assert_close(here.gradient.amax() * 64.0, 0.0, tolerance, "gradient");
             // Each axis meets eight interfaces of area √2 (s/2)²: Σ A/√2 = 2 s².
             let expected = Matrix3::identity() * 2.0;
-            assert_close((here.hessian * 16.0 - expected).amax(), 0.0, tolerance, "Hessian");
+            assert_close(
+                (here.hessian * 16.0 - expected).amax(),
+                0.0,
+                tolerance,
+                "Hessian",
+            );
             // ∫ d³ = ∫₀^{s/2} t³ · 24 t² dt = s⁶/16.
             assert_close(cubic.value * 4096.0, 1.0 / 16.0, tolerance, "cubic energy");
         }

@@ -3,15 +3,14 @@
 //! E is convex in the center (for pieces that sum to a set), so Newton's method with the exact
 //! Hessian finds it in two to five evaluations. L-BFGS-B is the choice of \[BL\] section 3.5.
 
-use nalgebra::{Point3, Vector3};
+use nalgebra::Vector3;
 
 use crate::chebyshev::energy::{SignedPiece, energy};
 use crate::chebyshev::walk::WalkScratch;
 use crate::geometry::bounds::Bounds;
 use crate::minimize::newton::{NewtonOptions, newton};
-use crate::minimize::problem::Minimum;
 
-/// What is minimized: the energy of order p of signed pieces.
+/// What is minimized: the energy of order p of signed pieces, in coordinates about their site.
 #[derive(Clone, Copy, Debug)]
 pub struct Objective<'a> {
     /// The pieces.
@@ -22,45 +21,47 @@ pub struct Objective<'a> {
     pub volume: f64,
 }
 
-impl Objective<'_> {
-    /// The center within `bounds` by projected Newton, from `start`; the gradient at an inner
-    /// center is at most 1e-12 of that of a step of the cell's size.
-    #[must_use]
-    pub fn center(
-        &self,
-        start: &Point3<f64>,
-        bounds: &Bounds<3>,
-        scratch: &mut WalkScratch,
-    ) -> Minimum<3> {
-        newton(
-            |center| energy(self.pieces, center, self.order, scratch),
-            &start.coords,
-            &bounds.min.coords,
-            &bounds.max.coords,
-            &self.options(),
-        )
-    }
+/// A center and what finding it told.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Center {
+    /// The center's displacement from the site.
+    pub point: Vector3<f64>,
+    /// The energy about the center (L^(3+p)).
+    pub energy: f64,
+    /// The energy about the site, where the search began (L^(3+p)).
+    pub energy_at_site: f64,
+    /// The gradient about the site (L^(2+p)).
+    pub gradient_at_site: Vector3<f64>,
+    /// How many evaluations it took.
+    pub evaluations: u32,
+}
 
-    /// The energy of a cube of the same volume, (3/8) V^{4/3} for p = 1, sets the scale.
-    fn options(&self) -> NewtonOptions {
+impl Objective<'_> {
+    /// The center within `bounds`, which hold the site, searched from the site by projected
+    /// Newton; the projected gradient there is at most 1e-12 of that of a step of the cell's size.
+    #[must_use]
+    pub fn center(&self, bounds: &Bounds<3>, scratch: &mut WalkScratch) -> Center {
+        let mut first = None;
         let length = self.volume.cbrt();
         let scale = self.volume * length.powi(self.order as i32 - 1);
-        NewtonOptions::new(scale, length)
-    }
-
-    /// The gradient's scale: that of the energy by the cell's size (L^(2+p)).
-    #[must_use]
-    pub fn gradient_scale(&self) -> f64 {
-        self.options().scale
-    }
-
-    /// Energy, gradient and Hessian about `center`.
-    #[must_use]
-    pub fn at(
-        &self,
-        center: &Vector3<f64>,
-        scratch: &mut WalkScratch,
-    ) -> crate::minimize::problem::Evaluation<3> {
-        energy(self.pieces, center, self.order, scratch)
+        let found = newton(
+            |center| {
+                let evaluation = energy(self.pieces, center, self.order, scratch);
+                first.get_or_insert((evaluation.value, evaluation.gradient));
+                evaluation
+            },
+            &Vector3::zeros(),
+            &bounds.min.coords,
+            &bounds.max.coords,
+            &NewtonOptions::new(scale, length),
+        );
+        let (energy_at_site, gradient_at_site) = first.unwrap_or((found.value, found.gradient));
+        Center {
+            point: found.point,
+            energy: found.value,
+            energy_at_site,
+            gradient_at_site,
+            evaluations: found.evaluations,
+        }
     }
 }

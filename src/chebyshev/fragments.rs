@@ -25,7 +25,10 @@ fn fragment(
 ) -> Polyhedron {
     let mut fragment = piece.clone();
     let mut scratch = ClipScratch::default();
-    for other in Sector::ALL.into_iter().filter(|o| o.axis() != sector.axis()) {
+    for other in Sector::ALL
+        .into_iter()
+        .filter(|o| o.axis() != sector.axis())
+    {
         let mut normal = Vector3::zeros();
         normal[other.axis()] = other.sign();
         normal[sector.axis()] = -sector.sign();
@@ -47,7 +50,11 @@ pub fn tetrahedra<'a>(
         let anchor = corners.next();
         let rest: Vec<_> = corners.collect();
         let fan = move |(a, b): (Point3<f64>, Point3<f64>)| anchor.map(|q| [*center, q, a, b]);
-        let pairs: Vec<_> = rest.iter().copied().zip(rest.iter().copied().skip(1)).collect();
+        let pairs: Vec<_> = rest
+            .iter()
+            .copied()
+            .zip(rest.iter().copied().skip(1))
+            .collect();
         pairs.into_iter().filter_map(fan)
     })
 }

@@ -79,7 +79,11 @@ impl Interface {
     /// The interface between two sectors of different axes.
     #[inline]
     pub(crate) fn between(one: Sector, other: Sector) -> Self {
-        let (low, high) = if one.0 < other.0 { (one, other) } else { (other, one) };
+        let (low, high) = if one.0 < other.0 {
+            (one, other)
+        } else {
+            (other, one)
+        };
         // The pairs xy, xz, yz are those whose axes sum to 1, 2, 3.
         let pair = low.axis() + high.axis() - 1;
         Self((4 * pair) as u8 | (low.0 & 1) << 1 | (high.0 & 1))

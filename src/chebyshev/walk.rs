@@ -164,8 +164,20 @@ fn split_edge(edge: &EdgeConstants, scratch: &mut WalkScratch, visitor: &mut imp
         let Some(following) = following else { break };
         let interface = Interface::between(sector, following);
         let onto_right = sector == interface.sectors().0;
-        note(scratch, edge.left, interface, Role::start_if(onto_right), next_point);
-        note(scratch, edge.right, interface, Role::start_if(!onto_right), next_point);
+        note(
+            scratch,
+            edge.left,
+            interface,
+            Role::start_if(onto_right),
+            next_point,
+        );
+        note(
+            scratch,
+            edge.right,
+            interface,
+            Role::start_if(!onto_right),
+            next_point,
+        );
         (start, point, sector) = (end, next_point, following);
     }
 }

@@ -41,7 +41,10 @@ impl ConvexPolyhedron {
     /// interior.
     pub fn new(half_spaces: &[HalfSpace]) -> Result<Self, DomainError> {
         let walls = normalized(half_spaces)?;
-        let reach = walls.iter().fold(1.0, |far: f64, w| far.max(w.offset.abs())) * REACH;
+        let reach = walls
+            .iter()
+            .fold(1.0, |far: f64, w| far.max(w.offset.abs()))
+            * REACH;
         let corner = Point3::new(reach, reach, reach);
         let mut around = Bounds {
             min: -corner,
@@ -86,7 +89,9 @@ fn intersection(walls: &[HalfSpace], around: &Bounds<3>) -> Result<Polyhedron, D
             return Err(DomainError::NoInterior { number });
         }
     }
-    let open = solid.facets().find(|facet| Beyond::of(facet.label()) == Beyond::Inner);
+    let open = solid
+        .facets()
+        .find(|facet| Beyond::of(facet.label()) == Beyond::Inner);
     if let Some(open) = open {
         let direction = open.half_space().normal.into();
         let count = walls.len();

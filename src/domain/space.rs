@@ -33,7 +33,9 @@ pub trait Domain: Debug + Send + Sync {
         let (bounds, periods) = (self.bounds(), self.periods());
         let mut wrapped = *point;
         for axis in 0..3 {
-            let Some(period) = periods[axis] else { continue };
+            let Some(period) = periods[axis] else {
+                continue;
+            };
             if bounds.min[axis] <= point[axis] && point[axis] < bounds.max[axis] {
                 continue;
             }

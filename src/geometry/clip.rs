@@ -86,9 +86,9 @@ fn classify(polyhedron: &Polyhedron, half_space: &HalfSpace, scratch: &mut ClipS
     scratch.excess.clear();
     scratch.cut.clear();
     let positions = polyhedron.x.iter().zip(&polyhedron.y).zip(&polyhedron.z);
-    scratch.excess.extend(
-        positions.map(|((x, y), z)| normal.x * x + normal.y * y + normal.z * z - offset),
-    );
+    scratch
+        .excess
+        .extend(positions.map(|((x, y), z)| normal.x * x + normal.y * y + normal.z * z - offset));
     for (vertex, &excess) in scratch.excess.iter().enumerate() {
         if excess > 0.0 {
             scratch.cut.push(vertex as u32);
@@ -165,7 +165,9 @@ fn repair(polyhedron: &Polyhedron, scratch: &mut ClipScratch) {
     let vertices = 0..polyhedron.vertex_count() as u32;
     scratch.cut.clear();
     let excess = &scratch.excess;
-    scratch.cut.extend(vertices.filter(|&v| excess[v as usize] > 0.0));
+    scratch
+        .cut
+        .extend(vertices.filter(|&v| excess[v as usize] > 0.0));
 }
 
 /// Marks the vertices on one side that are joined to the farthest one there.

@@ -146,7 +146,8 @@ impl Polyhedron {
         self.facets.extend_from_slice(&other.facets);
         self.next.extend_from_slice(&other.next);
         let planes = other.planes.iter();
-        self.planes.extend(planes.map(|p| p.translated(displacement)));
+        self.planes
+            .extend(planes.map(|p| p.translated(displacement)));
         self.labels.extend_from_slice(&other.labels);
     }
 
@@ -212,7 +213,10 @@ impl Polyhedron {
                 first[facet as usize] = vertex;
             }
         }
-        let alive = first.into_iter().enumerate().filter(|(_, v)| *v != usize::MAX);
+        let alive = first
+            .into_iter()
+            .enumerate()
+            .filter(|(_, v)| *v != usize::MAX);
         alive.map(|(number, first)| Facet {
             polyhedron: self,
             number,

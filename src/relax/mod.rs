@@ -2,5 +2,7 @@
 
 pub mod measure_plane;
 pub mod plane;
+pub mod lloyd;
 pub mod record;
+pub mod space;
 pub mod tessellation;

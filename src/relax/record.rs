@@ -1,6 +1,9 @@
 //! One line of a run's log.
 
+use nalgebra::Point;
 use serde::{Deserialize, Serialize};
+
+use crate::relax::tessellation::{Assessment, Tessellation};
 
 /// The state of a run after `iteration` moves: one flat JSON object of `log.jsonl`.
 ///
@@ -27,4 +30,73 @@ pub struct Record {
     pub evaluations: f64,
     /// Wall time since the run began (s).
     pub seconds: f64,
+}
+
+/// How far sites travelled in one move (L).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Movement {
+    /// The mean over the sites.
+    pub mean: f64,
+    /// The longest way of a site.
+    pub max: f64,
+}
+
+impl Movement {
+    /// The movement of `sites` to `targets`, the short way round where the space is periodic.
+    pub fn between<'a, const D: usize>(
+        space: &impl Tessellation<D>,
+        sites: &[Point<f64, D>],
+        targets: impl Iterator<Item = &'a Point<f64, D>>,
+    ) -> Self {
+        let mut movement = Self::default();
+        for (site, target) in sites.iter().zip(targets) {
+            let way = space.displacement(site, target).norm();
+            movement.mean += way;
+            movement.max = movement.max.max(way);
+        }
+        movement.mean /= sites.len() as f64;
+        movement
+    }
+}
+
+impl Record {
+    /// The record of `cells`, the answer for every site, after `movement`; `evaluations` and
+    /// `seconds` are left at zero.
+    #[must_use]
+    pub fn new<const D: usize>(
+        iteration: u64,
+        volume: f64,
+        cells: &[Assessment<D>],
+        movement: Movement,
+    ) -> Self {
+        let count = cells.len() as f64;
+        let chebyshev: f64 = cells.iter().map(|cell| cell.chebyshev).sum();
+        let diagonal = optimal_side::<D>(volume, cells.len()) * (D as f64).sqrt();
+        Self {
+            iteration,
+            energy_mean: cells.iter().map(|cell| cell.energy).sum::<f64>() / count,
+            energy_max: cells.iter().map(|cell| cell.energy).fold(0.0, f64::max),
+            energy_percent: 100.0 * chebyshev / count / optimal_energy::<D>(volume, cells.len(), 1),
+            movement_mean: movement.mean,
+            movement_max: movement.max,
+            movement_percent: 100.0 * movement.mean / diagonal,
+            evaluations: 0.0,
+            seconds: 0.0,
+        }
+    }
+}
+
+/// The side of a cube (a square, for D = 2) of the mean cell's volume (L).
+#[must_use]
+pub fn optimal_side<const D: usize>(volume: f64, count: usize) -> f64 {
+    (volume / count as f64).powf(1.0 / D as f64)
+}
+
+/// The order-p Chebyshev energy of that cube about its center, the least that a mean cell can
+/// have (L^(D+p)): D/(D+p) · s^(D+p)/2^p, for p = 1 and D = 3 the (3/8) s⁴ of section 3.5.
+#[must_use]
+pub fn optimal_energy<const D: usize>(volume: f64, count: usize, order: u32) -> f64 {
+    let (d, p) = (D as f64, f64::from(order));
+    let side = optimal_side::<D>(volume, count);
+    d / (d + p) * side.powf(d + p) / 2.0_f64.powf(p)
 }

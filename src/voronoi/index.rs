@@ -229,7 +229,12 @@ impl SiteIndex {
             *place += 1;
         }
         let order = &self.sites;
-        let column = |axis: usize| order.iter().map(|&site| sites[site as usize][axis]).collect();
+        let column = |axis: usize| {
+            order
+                .iter()
+                .map(|&site| sites[site as usize][axis])
+                .collect()
+        };
         self.positions = [column(0), column(1), column(2)];
     }
 }

@@ -1,0 +1,184 @@
+//! Diagrams in space: how cells in a domain answer the loops.
+
+use nalgebra::{Point3, Vector3};
+
+use crate::chebyshev::center::Objective;
+use crate::chebyshev::energy::{SignedPiece, energy};
+use crate::chebyshev::integrand::Integrand;
+use crate::chebyshev::walk::WalkScratch;
+use crate::domain::space::{Domain, PieceScratch, displacement};
+use crate::geometry::bounds::Bounds;
+use crate::geometry::moments::Moments;
+use crate::geometry::polyhedron::Polyhedron;
+use crate::relax::tessellation::{Assessment, Norm, Question, Tessellation};
+use crate::voronoi::cell::Cell;
+use crate::voronoi::diagram::{Diagram, DiagramError};
+
+/// How far towards the border of its cell a site goes whose center lies beyond that border. Less
+/// than all of the way, so that two such sites never meet on a common facet.
+const SHORT_OF_BORDER: f64 = 0.9;
+
+/// A domain in which sites have cells.
+#[derive(Debug)]
+pub struct Space {
+    domain: Box<dyn Domain>,
+}
+
+impl Space {
+    /// The space of `domain`.
+    #[must_use]
+    pub fn new(domain: Box<dyn Domain>) -> Self {
+        Self { domain }
+    }
+
+    /// The domain.
+    #[must_use]
+    pub fn domain(&self) -> &dyn Domain {
+        self.domain.as_ref()
+    }
+}
+
+impl Tessellation<3> for Space {
+    type Error = DiagramError;
+
+    fn volume(&self) -> f64 {
+        self.domain.volume()
+    }
+
+    fn bounds(&self) -> Bounds<3> {
+        self.domain.bounds()
+    }
+
+    fn displacement(&self, from: &Point3<f64>, to: &Point3<f64>) -> Vector3<f64> {
+        displacement(&self.domain.periods(), from, to)
+    }
+
+    fn assess(
+        &self,
+        sites: &[Point3<f64>],
+        question: Question,
+    ) -> Result<Vec<Assessment<3>>, DiagramError> {
+        let diagram = Diagram::new(self.domain(), sites)?;
+        diagram.map(|memory: &mut CellMemory, cell| {
+            memory.load(self.domain(), &cell);
+            memory.assess(self.domain(), &cell, question)
+        })
+    }
+}
+
+/// A cell's signed pieces, prepared, and the memory to work on them.
+#[derive(Debug, Default)]
+pub struct CellMemory {
+    pieces: Vec<SignedPiece>,
+    used: usize,
+    moments: Moments,
+    walk: WalkScratch,
+    piece: PieceScratch,
+}
+
+impl CellMemory {
+    /// Prepares the pieces of `cell`.
+    pub fn load(&mut self, domain: &dyn Domain, cell: &Cell<'_>) {
+        let Self {
+            pieces,
+            used,
+            moments,
+            piece,
+            ..
+        } = self;
+        *used = 0;
+        *moments = Moments::default();
+        domain.pieces(&cell.position, cell.polyhedron, piece, &mut |sign, part| {
+            if *used == pieces.len() {
+                let integrand = Integrand::default();
+                pieces.push(SignedPiece { sign, integrand });
+            }
+            pieces[*used].sign = sign;
+            pieces[*used].integrand.assign(part);
+            *used += 1;
+            moments.add_signed(sign, &Moments::of(part));
+        });
+    }
+
+    /// Volume and moments of the cell about its site.
+    #[must_use]
+    pub fn moments(&self) -> &Moments {
+        &self.moments
+    }
+
+    fn assess(&mut self, domain: &dyn Domain, cell: &Cell<'_>, asked: Question) -> Assessment<3> {
+        match asked.norm {
+            Norm::Linf => self.assess_linf(domain, cell, asked),
+            Norm::L2 => self.assess_l2(domain, cell),
+        }
+    }
+
+    fn assess_linf(
+        &mut self,
+        domain: &dyn Domain,
+        cell: &Cell<'_>,
+        asked: Question,
+    ) -> Assessment<3> {
+        let pieces = &self.pieces[..self.used];
+        let objective = Objective {
+            pieces,
+            order: asked.order,
+            volume: self.moments.volume,
+        };
+        let bounds = reach(domain, cell);
+        let center = objective.center(&bounds, &mut self.walk);
+        let chebyshev = if asked.order == 1 {
+            center.energy_at_site
+        } else {
+            energy(pieces, &Vector3::zeros(), 1, &mut self.walk).value
+        };
+        let step = center.point * share_within(cell.polyhedron, &center.point);
+        Assessment {
+            energy: center.energy_at_site,
+            chebyshev,
+            target: domain.wrap(&(cell.position + step)),
+            evaluations: center.evaluations,
+        }
+    }
+
+    fn assess_l2(&mut self, domain: &dyn Domain, cell: &Cell<'_>) -> Assessment<3> {
+        let pieces = &self.pieces[..self.used];
+        let chebyshev = energy(pieces, &Vector3::zeros(), 1, &mut self.walk).value;
+        let centroid = reach(domain, cell).clamp(&self.moments.centroid());
+        Assessment {
+            energy: self.moments.second,
+            chebyshev,
+            target: domain.wrap(&(cell.position + centroid.coords)),
+            evaluations: 1,
+        }
+    }
+}
+
+/// The box in which the site may move, relative to it: around its cell and within the domain's.
+fn reach(domain: &dyn Domain, cell: &Cell<'_>) -> Bounds<3> {
+    let around = cell.polyhedron.bounds();
+    let mut within = domain.bounds();
+    for (axis, period) in domain.periods().iter().enumerate() {
+        if period.is_some() {
+            within.min[axis] = f64::NEG_INFINITY;
+            within.max[axis] = f64::INFINITY;
+        }
+    }
+    within.min -= cell.position.coords;
+    within.max -= cell.position.coords;
+    around.intersection(&within)
+}
+
+/// The share of `step` that a site may make: all of it while that ends in the cell, else
+/// [`SHORT_OF_BORDER`] of the way to the border. Since the energy is convex it falls all the way.
+fn share_within(cell: &Polyhedron, step: &Vector3<f64>) -> f64 {
+    let mut share: f64 = 1.0;
+    for facet in cell.facets() {
+        let border = facet.half_space();
+        let climb = border.normal.dot(step);
+        if climb > border.offset {
+            share = share.min(SHORT_OF_BORDER * (border.offset / climb).max(0.0));
+        }
+    }
+    share
+}
