@@ -20,8 +20,6 @@ use crate::chebyshev::sector::{Interface, Sector, diagonal_ray, pierced};
 /// A facet as seen from the center of the walk.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct FacetView {
-    /// The facet's number in the piece.
-    pub(crate) number: u32,
     /// The anchor's displacement from the center.
     pub(crate) anchor: Vector3<f64>,
     /// The center's signed height below the facet's plane.
@@ -129,11 +127,10 @@ fn prepare(piece: &Integrand, center: &Vector3<f64>, scratch: &mut WalkScratch) 
         (displacement, Sector::of(&displacement))
     }));
     scratch.facets.clear();
-    for (number, facet) in piece.facets.iter().enumerate() {
+    for facet in &piece.facets {
         // Planes that have lost all their vertices have no anchor and are never asked for.
         let anchor = scratch.vertices.get(facet.anchor as usize);
         scratch.facets.push(FacetView {
-            number: number as u32,
             anchor: anchor.map_or_else(Vector3::zeros, |(anchor, _)| *anchor),
             height: facet.offset - facet.normal.dot(center),
         });

@@ -33,6 +33,10 @@ pub enum Ended {
     Interrupted,
 }
 
+/// Is shown a record and the sites it describes, and says whether to go on.
+pub type Observer<'a, const D: usize> =
+    dyn FnMut(&Record, &[Point<f64, D>]) -> ControlFlow<()> + 'a;
+
 /// Relaxes `sites` in place, from the start or from where `last` was recorded.
 ///
 /// The observer is shown every new record together with the sites that it describes, and may ask
@@ -46,7 +50,7 @@ pub fn lloyd<const D: usize, Space: Tessellation<D>>(
     sites: &mut [Point<f64, D>],
     options: &LloydOptions,
     last: Option<&Record>,
-    observer: &mut dyn FnMut(&Record, &[Point<f64, D>]) -> ControlFlow<()>,
+    observer: &mut Observer<'_, D>,
 ) -> Result<Ended, Space::Error> {
     let began = Instant::now();
     let count = sites.len() as f64;

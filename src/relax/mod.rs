@@ -1,8 +1,11 @@
 //! The loops that move sites, and the records they leave.
+//!
+//! A loop ([`lloyd`]) works on any [`tessellation`]: [`space`] is the one of solids, [`plane`] that
+//! of planar domains. It shows an observer one [`record`] per move.
 
+pub mod lloyd;
 pub mod measure_plane;
 pub mod plane;
-pub mod lloyd;
 pub mod record;
 pub mod space;
 pub mod tessellation;

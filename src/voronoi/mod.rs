@@ -1,7 +1,11 @@
 //! Where a cell comes from: L2 Voronoi cells clipped to a domain.
+//!
+//! [`diagram`] checks sites and visits their cells in parallel, [`cell`] builds one from what
+//! [`index`] finds nearby. [`plane`] is the planar counterpart, through the crate `voronator`.
 
-pub mod plane;
-mod plane_grid;
 pub mod cell;
 pub mod diagram;
 pub mod index;
+pub mod plane;
+
+mod plane_grid;
