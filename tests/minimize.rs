@@ -1,9 +1,15 @@
 //! What must hold of the minimizers: they find the minimum in the box, from anywhere, in few
 //! evaluations, and never panic on a bad function.
 
+use std::ops::ControlFlow;
+
+use chebloyd::minimize::history::History;
+use chebloyd::minimize::lbfgsb::{LbfgsbEnd, LbfgsbStep, lbfgsb, resume};
+use chebloyd::minimize::lbfgsb_options::{LbfgsbError, LbfgsbOptions};
+use chebloyd::minimize::lbfgsb_state::LbfgsbState;
 use chebloyd::minimize::newton::{NewtonOptions, newton};
 use chebloyd::minimize::problem::{Ended, Evaluation, Minimum};
-use nalgebra::{SMatrix, SVector};
+use nalgebra::{DMatrix, DVector, SMatrix, SVector};
 use rand_chacha::ChaCha8Rng;
 use rand_core::{Rng, SeedableRng};
 
@@ -337,7 +343,7 @@ fn newton_reports_a_bad_question_instead_of_panicking() {
         &problem.upper,
         &options,
     );
-    assert!(found.point.iter().all(|x| x.is_finite()));
+    assert_eq!(found.ended, Ended::NoDescent);
 }
 
 #[test]
@@ -365,4 +371,446 @@ fn newton_ends_at_rounding_when_the_gradient_cannot_become_small() {
         assert!(found.evaluations <= 12, "{found:?}");
         assert!((found.point - far - problem.middle).amax() < 1e-5);
     }
+}
+
+// ────────────────────────────────── L-BFGS-B ──────────────────────────────────
+
+fn never(_: &LbfgsbStep) -> ControlFlow<()> {
+    ControlFlow::Continue(())
+}
+
+fn options(gradient_tolerance: f64) -> LbfgsbOptions {
+    LbfgsbOptions {
+        gradient_tolerance,
+        ..LbfgsbOptions::default()
+    }
+}
+
+/// `½ (x−m)ᵀH(x−m)` in any dimension.
+struct LargeQuadratic {
+    hessian: DMatrix<f64>,
+    middle: DVector<f64>,
+    lower: Vec<f64>,
+    upper: Vec<f64>,
+    start: Vec<f64>,
+}
+
+impl LargeQuadratic {
+    fn random(random: &mut Random, size: usize) -> Self {
+        let root = DMatrix::from_fn(size, size, |_, _| random.signed());
+        let mut uniform =
+            |width: f64| -> Vec<f64> { (0..size).map(|_| width * random.signed()).collect() };
+        let (one, other) = (uniform(1.0), uniform(1.0));
+        Self {
+            hessian: &root * root.transpose() / size as f64 + DMatrix::identity(size, size) * 0.01,
+            middle: DVector::from_vec(uniform(1.5)),
+            lower: one.iter().zip(&other).map(|(a, b)| a.min(*b)).collect(),
+            upper: one.iter().zip(&other).map(|(a, b)| a.max(*b)).collect(),
+            start: uniform(2.0),
+        }
+    }
+
+    fn evaluate(&self, point: &[f64], gradient: &mut [f64]) -> f64 {
+        let offset = DVector::from_column_slice(point) - &self.middle;
+        let slope = &self.hessian * &offset;
+        gradient.copy_from_slice(slope.as_slice());
+        0.5 * slope.dot(&offset)
+    }
+
+    fn minimum(&self, options: &LbfgsbOptions) -> LbfgsbEnd {
+        lbfgsb(
+            |point, gradient| self.evaluate(point, gradient),
+            &self.start,
+            &self.lower,
+            &self.upper,
+            options,
+            never,
+        )
+        .unwrap()
+    }
+
+    /// The largest violation of the conditions of Karush, Kuhn and Tucker.
+    fn violation(&self, point: &[f64]) -> f64 {
+        let mut gradient = vec![0.0; point.len()];
+        self.evaluate(point, &mut gradient);
+        (0..point.len()).fold(0.0, |worst, i| {
+            assert!(self.lower[i] <= point[i] && point[i] <= self.upper[i]);
+            let moved = (point[i] - gradient[i]).clamp(self.lower[i], self.upper[i]);
+            f64::max(worst, (moved - point[i]).abs())
+        })
+    }
+}
+
+#[test]
+fn lbfgsb_agrees_with_brute_force_on_small_box_quadratics() {
+    let mut random = Random::seeded(0xb3);
+    let (mut evaluations, mut worst) = (0, 0);
+    for case in 0..4000 {
+        let problem = BoxQuadratic::<3>::random(&mut random);
+        let found = lbfgsb(
+            |point, gradient| {
+                let evaluation = problem.evaluate(&SVector::from_column_slice(point));
+                gradient.copy_from_slice(evaluation.gradient.as_slice());
+                evaluation.value
+            },
+            problem.start.as_slice(),
+            problem.lower.as_slice(),
+            problem.upper.as_slice(),
+            &options(1e-12),
+            never,
+        )
+        .unwrap();
+        let (point, _) = problem.brute_force();
+        let distance = (SVector::<f64, 3>::from_column_slice(found.state.point()) - point).amax();
+        assert!(found.ended.converged(), "case {case}: {}", found.ended);
+        assert!(
+            distance < 1e-8,
+            "case {case}: off by {distance:e}: {found:?}"
+        );
+        evaluations += found.state.evaluations();
+        worst = worst.max(found.state.evaluations());
+    }
+    assert!(evaluations < 4000 * 12, "{evaluations} evaluations");
+    assert!(worst < 60, "{worst} evaluations");
+}
+
+#[test]
+fn lbfgsb_meets_the_optimality_conditions_and_a_second_implementation() {
+    let mut random = Random::seeded(0xb200);
+    for size in [10, 20, 50, 100, 200] {
+        for case in 0..20 {
+            let problem = LargeQuadratic::random(&mut random, size);
+            let found = problem.minimum(&options(1e-9));
+            let violation = problem.violation(found.state.point());
+            assert!(found.ended.converged(), "{size} {case}: {}", found.ended);
+            assert!(violation < 1e-8, "{size} {case}: {violation:e}");
+            let peer = by_rcompat(&problem);
+            assert!(
+                found.state.value() <= peer + 1e-9 * peer.abs(),
+                "{size} {case}: {} above {peer}",
+                found.state.value()
+            );
+        }
+    }
+}
+
+/// The minimum another crate finds.
+fn by_rcompat(problem: &LargeQuadratic) -> f64 {
+    let size = problem.start.len();
+    let start = (0..size).map(|i| problem.start[i].clamp(problem.lower[i], problem.upper[i]));
+    let mut control = rcompat_lbfgsb::OptimControl::default_for_dimension(size);
+    control.maxit = 2000;
+    control.factr = 10.0;
+    let value = |point: &[f64]| problem.evaluate(point, &mut vec![0.0; size]);
+    let gradient = |point: &[f64]| {
+        let mut gradient = vec![0.0; size];
+        problem.evaluate(point, &mut gradient);
+        gradient
+    };
+    let bounds = rcompat_lbfgsb::Bounds::new(problem.lower.clone(), problem.upper.clone()).unwrap();
+    rcompat_lbfgsb::optim_lbfgsb_with_gradient(start.collect(), bounds, value, gradient, control)
+        .unwrap()
+        .value
+}
+
+/// The chained function of Rosenbrock, `Σ 100 (x_{i+1} − x_i²)² + (1 − x_i)²`.
+fn rosenbrock(point: &[f64], gradient: &mut [f64]) -> f64 {
+    gradient.fill(0.0);
+    let mut sum = 0.0;
+    for i in 0..point.len() - 1 {
+        let (bend, rest) = (point[i + 1] - point[i] * point[i], 1.0 - point[i]);
+        sum += 100.0 * bend * bend + rest * rest;
+        gradient[i] -= 400.0 * bend * point[i] + 2.0 * rest;
+        gradient[i + 1] += 200.0 * bend;
+    }
+    sum
+}
+
+#[test]
+fn lbfgsb_walks_the_valley_of_rosenbrock() {
+    for (size, upper, expected) in [
+        (2, f64::INFINITY, [1.0, 1.0]),
+        (2, 0.5, [0.5, 0.25]),
+        (50, f64::INFINITY, [1.0, 1.0]),
+    ] {
+        let found = lbfgsb(
+            rosenbrock,
+            &vec![-1.2; size],
+            &vec![-5.0; size],
+            &vec![upper; size],
+            &options(1e-10),
+            never,
+        )
+        .unwrap();
+        assert!(found.ended.converged(), "{}", found.ended);
+        let point = &found.state.point()[..2];
+        let near = (point[0] - expected[0]).abs() + (point[1] - expected[1]).abs() < 1e-8;
+        // The long chain has a second minimum near (−1, 1, …): what counts is the gradient.
+        assert!(near || size > 2, "{point:?}");
+        assert!(
+            found.state.evaluations() < 600,
+            "{}",
+            found.state.evaluations()
+        );
+    }
+}
+
+#[test]
+fn lbfgsb_and_newton_find_the_same_center() {
+    let mut random = Random::seeded(17);
+    for case in 0..500 {
+        let normals: Vec<SVector<f64, 3>> = (0..8).map(|_| random.vector()).collect();
+        let offsets: Vec<f64> = (0..8).map(|_| 0.5 * random.signed()).collect();
+        let start: SVector<f64, 3> = random.vector();
+        let (lower, upper) = (SVector::repeat(-0.6), SVector::repeat(0.6));
+        let evaluate = |point: &SVector<f64, 3>| rounded_distances(&normals, &offsets, point);
+        let exact = newton(
+            evaluate,
+            &start,
+            &lower,
+            &upper,
+            &NewtonOptions::new(1.0, 1.0),
+        );
+        let found = lbfgsb(
+            |point, gradient| {
+                let evaluation = evaluate(&SVector::from_column_slice(point));
+                gradient.copy_from_slice(evaluation.gradient.as_slice());
+                evaluation.value
+            },
+            start.as_slice(),
+            lower.as_slice(),
+            upper.as_slice(),
+            &options(1e-11),
+            never,
+        )
+        .unwrap();
+        let distance = (SVector::from_column_slice(found.state.point()) - exact.point).amax();
+        assert!(found.ended.converged(), "case {case}: {}", found.ended);
+        assert!(distance < 1e-8, "case {case}: {distance:e} apart");
+    }
+}
+
+#[test]
+fn lbfgsb_gives_the_same_steps_in_any_unit() {
+    // Lengths in units 2^20 smaller, values in units 2^30 larger: powers of two are exact.
+    let problem = LargeQuadratic::random(&mut Random::seeded(23), 30);
+    let (length, value) = ((2.0_f64).powi(-20), (2.0_f64).powi(30));
+    let shrunk = |numbers: &[f64]| -> Vec<f64> { numbers.iter().map(|x| x * length).collect() };
+    let small = lbfgsb(
+        |point, gradient| {
+            let large: Vec<f64> = point.iter().map(|x| x / length).collect();
+            let result = problem.evaluate(&large, gradient);
+            gradient.iter_mut().for_each(|g| *g *= value / length);
+            result * value
+        },
+        &shrunk(&problem.start),
+        &shrunk(&problem.lower),
+        &shrunk(&problem.upper),
+        &LbfgsbOptions {
+            scale: value / length,
+            first_step: length,
+            ..options(1e-8)
+        },
+        never,
+    )
+    .unwrap();
+    let large = problem.minimum(&options(1e-8));
+    assert_eq!(small.state.evaluations(), large.state.evaluations());
+    for (small, large) in small.state.point().iter().zip(large.state.point()) {
+        assert!((small / length - large).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn lbfgsb_never_moves_a_site_farther_than_allowed() {
+    let problem = LargeQuadratic::random(&mut Random::seeded(29), 60);
+    let wide = (vec![-3.0; 60], vec![3.0; 60]);
+    let mut last = problem.start.clone();
+    let found = lbfgsb(
+        |point, gradient| problem.evaluate(point, gradient),
+        &problem.start,
+        &wide.0,
+        &wide.1,
+        &LbfgsbOptions {
+            group: 3,
+            largest_step: 0.05,
+            ..options(1e-9)
+        },
+        |step| {
+            let point = step.state.point();
+            let moved: Vec<f64> = point.iter().zip(&last).map(|(a, b)| a - b).collect();
+            let farthest = moved
+                .chunks(3)
+                .map(|d| DVector::from_column_slice(d).norm());
+            let farthest = farthest.fold(0.0, f64::max);
+            assert!((farthest - step.displacement).abs() < 1e-12 && farthest < 0.05 + 1e-12);
+            last = point.to_vec();
+            ControlFlow::Continue(())
+        },
+    )
+    .unwrap();
+    assert!(found.ended.converged());
+    let inside = LargeQuadratic {
+        lower: wide.0,
+        upper: wide.1,
+        ..problem
+    };
+    assert!(inside.violation(found.state.point()) < 1e-8);
+}
+
+#[test]
+fn lbfgsb_taken_up_again_goes_on_bit_for_bit() {
+    for size in [3, 40] {
+        let problem = LargeQuadratic::random(&mut Random::seeded(31), size);
+        let options = LbfgsbOptions {
+            memory: 5,
+            ..options(1e-10)
+        };
+        let whole = problem.minimum(&options);
+        assert_eq!(whole, problem.minimum(&options));
+        let mut state = LbfgsbState::unevaluated(&problem.start);
+        let ended = loop {
+            let next = resume(
+                |point, gradient| problem.evaluate(point, gradient),
+                state,
+                &problem.lower,
+                &problem.upper,
+                &options,
+                |_| ControlFlow::Break(()),
+            )
+            .unwrap();
+            state = through_text(&next.state);
+            if next.ended != Ended::Stopped {
+                break next.ended;
+            }
+        };
+        assert_eq!((state, ended), (whole.state, whole.ended));
+    }
+}
+
+/// The state written as decimal numbers and read again.
+fn through_text(state: &LbfgsbState) -> LbfgsbState {
+    let copy = |numbers: &[f64]| -> Vec<f64> {
+        let text = |x: &f64| format!("{x:e}").parse().unwrap();
+        numbers.iter().map(text).collect()
+    };
+    let copies = |vectors: &[Vec<f64>]| vectors.iter().map(|vector| copy(vector)).collect();
+    let history = state.history();
+    LbfgsbState::from_parts(
+        copy(state.point()),
+        copy(&[state.value()])[0],
+        copy(state.gradient()),
+        History::from_parts(copies(history.steps()), copies(history.changes())),
+        state.iterations(),
+        state.evaluations(),
+    )
+}
+
+#[test]
+fn lbfgsb_backs_off_from_trials_that_are_not_finite() {
+    let barrier = |point: &[f64], gradient: &mut [f64]| {
+        for (slope, x) in gradient.iter_mut().zip(point) {
+            *slope = 0.1 - 1.0 / x;
+        }
+        point.iter().map(|x| 0.1 * x - x.ln()).sum()
+    };
+    let found = lbfgsb(
+        barrier,
+        &[30.0, 0.01, 1.0],
+        &[-100.0; 3],
+        &[100.0; 3],
+        &LbfgsbOptions {
+            first_step: 50.0,
+            ..options(1e-10)
+        },
+        never,
+    )
+    .unwrap();
+    assert!(found.ended.converged(), "{}", found.ended);
+    assert!(found.state.point().iter().all(|x| (x - 10.0).abs() < 1e-7));
+}
+
+#[test]
+fn lbfgsb_ends_where_it_cannot_go_on() {
+    let mut problem = LargeQuadratic::random(&mut Random::seeded(37), 10);
+    let never_finite = lbfgsb(
+        |_, _| f64::INFINITY,
+        &problem.start,
+        &problem.lower,
+        &problem.upper,
+        &options(1e-9),
+        never,
+    );
+    assert_eq!(never_finite.unwrap().ended, Ended::NotFinite);
+
+    let limited = problem.minimum(&LbfgsbOptions {
+        max_evaluations: 4,
+        ..options(1e-9)
+    });
+    assert_eq!(limited.ended, Ended::EvaluationLimit);
+    assert_eq!(limited.state.evaluations(), 4);
+
+    let settled = problem.minimum(&LbfgsbOptions {
+        value_tolerance: 1e-3,
+        ..options(1e-15)
+    });
+    assert_eq!(settled.ended, Ended::ValueSettled);
+
+    let uphill = lbfgsb(
+        |point, gradient| {
+            let value = problem.evaluate(point, gradient);
+            gradient.iter_mut().for_each(|g| *g = -*g);
+            value
+        },
+        &[0.0; 10],
+        &[-9.0; 10],
+        &[9.0; 10],
+        &options(1e-9),
+        never,
+    );
+    assert_eq!(uphill.unwrap().ended, Ended::NoDescent);
+
+    problem.upper = problem.lower.clone();
+    let zero_size = problem.minimum(&options(1e-9));
+    assert_eq!(zero_size.ended, Ended::GradientSmall);
+    assert_eq!(zero_size.state.point(), problem.lower);
+
+    let nothing = lbfgsb(|_, _| 0.0, &[], &[], &[], &options(1e-9), never).unwrap();
+    assert_eq!(nothing.ended, Ended::GradientSmall);
+}
+
+#[test]
+fn lbfgsb_names_what_is_wrong_with_a_question() {
+    let ask = |start: &[f64], lower: &[f64], upper: &[f64], options: &LbfgsbOptions| {
+        lbfgsb(rosenbrock, start, lower, upper, options, never).unwrap_err()
+    };
+    let good = LbfgsbOptions::default();
+    assert!(matches!(
+        ask(&[0.0; 2], &[0.0; 3], &[1.0; 2], &good),
+        LbfgsbError::Length {
+            expected: 2,
+            found: 3,
+            ..
+        }
+    ));
+    assert!(matches!(
+        ask(&[0.0; 2], &[0.0, 2.0], &[1.0; 2], &good),
+        LbfgsbError::NoRoom { variable: 1, .. }
+    ));
+    assert!(matches!(
+        ask(&[0.0; 2], &[f64::NAN, 0.0], &[1.0; 2], &good),
+        LbfgsbError::NoRoom { variable: 0, .. }
+    ));
+    let forgetful = LbfgsbOptions { memory: 0, ..good };
+    assert!(matches!(
+        ask(&[0.0; 2], &[0.0; 2], &[1.0; 2], &forgetful),
+        LbfgsbError::Option {
+            option: "memory",
+            ..
+        }
+    ));
+    let outside =
+        LbfgsbState::from_parts(vec![7.0; 2], 1.0, vec![1.0; 2], History::default(), 1, 1);
+    let error = resume(rosenbrock, outside, &[0.0; 2], &[1.0; 2], &good, never).unwrap_err();
+    assert!(error.to_string().contains("variable 0"));
 }

@@ -11,6 +11,35 @@ use nalgebra::{Cholesky, Const, SMatrix, SVector};
 /// Changes of the set of held variables before the best step so far is taken. Three variables
 /// have 27 such sets and each is met at most once; in practice two or three are.
 const MAX_CHANGES: usize = 32;
+/// Shift of the Hessian relative to its trace: far above the rounding of its entries (1e-16),
+/// far below what would slow convergence.
+const SHIFT_OF_TRACE: f64 = 1e-13;
+/// Shift relative to `gradient / length`, which is what the Hessian must be for a step of
+/// `length`. It decides only where the Hessian is (nearly) zero, and vanishes at the minimum.
+const SHIFT_OF_GRADIENT: f64 = 1e-9;
+/// Factor between attempts to find a shift that makes the Hessian positive definite.
+const SHIFT_GROWTH: f64 = 100.0;
+/// Attempts to do so; 100^20 spans everything from rounding to the trace and beyond.
+const MAX_SHIFTS: usize = 20;
+
+/// The Hessian, shifted as little as makes it positive definite, and its factor.
+pub(crate) fn positive_definite<const D: usize>(
+    hessian: &SMatrix<f64, D, D>,
+    gradient: &SVector<f64, D>,
+    length: f64,
+) -> Option<(SMatrix<f64, D, D>, Cholesky<f64, Const<D>>)> {
+    let mut shift = (SHIFT_OF_TRACE * hessian.trace().abs())
+        .max(SHIFT_OF_GRADIENT * gradient.amax() / length)
+        .max(f64::MIN_POSITIVE);
+    for _ in 0..MAX_SHIFTS {
+        let shifted = hessian + SMatrix::from_diagonal_element(shift);
+        if let Some(factor) = shifted.cholesky() {
+            return Some((shifted, factor));
+        }
+        shift *= SHIFT_GROWTH;
+    }
+    None
+}
 
 /// The minimizer of `g·d + ½ dᵀHd` over the box, for a positive definite `H`.
 ///

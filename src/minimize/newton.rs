@@ -21,34 +21,20 @@
 //!   2005, eq. 4.1). Trials that are not finite are rejected.
 //! * An evaluation is spent only where it can tell something: the last step is taken on trust
 //!   once the steps before it show that what remains is below `step_tolerance`.
-//!
 
 use argmin::core::{Error, Executor, KV, Problem, Solver};
-use nalgebra::{Cholesky, Const, SMatrix, SVector};
+use nalgebra::SVector;
 
-use crate::minimize::box_quadratic::minimize_quadratic;
+use crate::minimize::backtracking::{VALUE_ROUNDING, cut, is_accepted, is_finite};
+use crate::minimize::box_quadratic::{minimize_quadratic, positive_definite};
+use crate::minimize::newton_state::NewtonState;
 use crate::minimize::problem::{Ended, Evaluation, Minimum};
-use crate::minimize::progress::{Iterate, Progress};
+use crate::minimize::progress::Progress;
 
-/// Shift of the Hessian relative to its trace: far above the rounding of its entries (1e-16),
-/// far below what would slow convergence.
-const SHIFT_OF_TRACE: f64 = 1e-13;
-/// Shift relative to `gradient / length`, which is what the Hessian must be for a step of
-/// `length`. It decides only where the Hessian is (nearly) zero, and vanishes at the minimum.
-const SHIFT_OF_GRADIENT: f64 = 1e-9;
-/// Factor between attempts to find a shift that makes the Hessian positive definite.
-const SHIFT_GROWTH: f64 = 100.0;
-/// Attempts to do so; 100^20 spans everything from rounding to the trace and beyond.
-const MAX_SHIFTS: usize = 20;
-/// Armijo's constant (Nocedal & Wright, section 3.1).
-const SUFFICIENT_DECREASE: f64 = 1e-4;
-/// Changes of the value below this share of it are rounding: a sum over a cell's some hundred
-/// simplices is good to about that.
-const VALUE_ROUNDING: f64 = 64.0 * f64::EPSILON;
+/// Up to this many times the rounding of values, a gain that does not come is put down to it.
+const SMALL_GAIN: f64 = 1e3;
 /// Steps below this share of the coordinates do not move the point.
 const POINT_ROUNDING: f64 = f64::EPSILON;
-/// Shortest and longest cut of a rejected step.
-const CUTS: (f64, f64) = (0.1, 0.5);
 /// Cuts of one step before it is given up: at 0.5 each it is then below rounding.
 const MAX_CUTS: usize = 60;
 
@@ -101,7 +87,7 @@ pub fn newton<const D: usize>(
     };
     match Executor::new(&mut objective, solver).ctrlc(false).run() {
         Ok(result) => result.state.iterate.minimum(result.state.ended),
-        Err(_) => Current::default().minimum(None),
+        Err(_) => NewtonState::default().minimum(None),
     }
 }
 
@@ -114,71 +100,7 @@ struct ProjectedNewton<const D: usize> {
     options: NewtonOptions,
 }
 
-/// Where the solver stands.
-#[derive(Debug)]
-struct Current<const D: usize> {
-    point: SVector<f64, D>,
-    evaluation: Evaluation<D>,
-    evaluations: u32,
-    /// The largest component of the last step, if it was a full one.
-    last_step: Option<f64>,
-}
-
-impl<const D: usize> Default for Current<D> {
-    fn default() -> Self {
-        Self {
-            point: SVector::zeros(),
-            evaluation: Evaluation {
-                value: f64::NAN,
-                gradient: SVector::zeros(),
-                hessian: SMatrix::zeros(),
-            },
-            evaluations: 0,
-            last_step: None,
-        }
-    }
-}
-
-impl<const D: usize> Iterate for Current<D> {
-    type Point = SVector<f64, D>;
-
-    fn point(&self) -> &SVector<f64, D> {
-        &self.point
-    }
-
-    fn value(&self) -> f64 {
-        self.evaluation.value
-    }
-}
-
-impl<const D: usize> Current<D> {
-    fn minimum(&self, ended: Option<Ended>) -> Minimum<D> {
-        Minimum {
-            point: self.point,
-            value: self.evaluation.value,
-            gradient: self.evaluation.gradient,
-            evaluations: self.evaluations,
-            ended: ended.unwrap_or(Ended::NotFinite),
-        }
-    }
-
-    /// The model's value and gradient after `step`.
-    fn predicted(&self, step: &SVector<f64, D>) -> Evaluation<D> {
-        let Evaluation {
-            value,
-            gradient,
-            hessian,
-        } = self.evaluation;
-        let bend = hessian * step;
-        Evaluation {
-            value: value + gradient.dot(step) + 0.5 * bend.dot(step),
-            gradient: gradient + bend,
-            hessian,
-        }
-    }
-}
-
-impl<const D: usize, F> Solver<F, Progress<Current<D>>> for ProjectedNewton<D>
+impl<const D: usize, F> Solver<F, Progress<NewtonState<D>>> for ProjectedNewton<D>
 where
     F: FnMut(&SVector<f64, D>) -> Evaluation<D>,
 {
@@ -189,8 +111,8 @@ where
     fn init(
         &mut self,
         problem: &mut Problem<F>,
-        mut state: Progress<Current<D>>,
-    ) -> Result<(Progress<Current<D>>, Option<KV>), Error> {
+        mut state: Progress<NewtonState<D>>,
+    ) -> Result<(Progress<NewtonState<D>>, Option<KV>), Error> {
         let current = &mut state.iterate;
         current.point = self.projected(&self.start);
         if let Some(objective) = &mut problem.problem {
@@ -211,8 +133,8 @@ where
     fn next_iter(
         &mut self,
         problem: &mut Problem<F>,
-        mut state: Progress<Current<D>>,
-    ) -> Result<(Progress<Current<D>>, Option<KV>), Error> {
+        mut state: Progress<NewtonState<D>>,
+    ) -> Result<(Progress<NewtonState<D>>, Option<KV>), Error> {
         let ended = match &mut problem.problem {
             Some(objective) => self.advance(objective, &mut state.iterate),
             None => Some(Ended::NotFinite),
@@ -229,7 +151,7 @@ impl<const D: usize> ProjectedNewton<D> {
     fn advance(
         &self,
         objective: &mut impl FnMut(&SVector<f64, D>) -> Evaluation<D>,
-        current: &mut Current<D>,
+        current: &mut NewtonState<D>,
     ) -> Option<Ended> {
         let Some(step) = self.step(current) else {
             return Some(Ended::NoDescent);
@@ -251,7 +173,7 @@ impl<const D: usize> ProjectedNewton<D> {
     }
 
     /// The minimizer of the model over the box and the largest step.
-    fn step(&self, current: &Current<D>) -> Option<SVector<f64, D>> {
+    fn step(&self, current: &NewtonState<D>) -> Option<SVector<f64, D>> {
         let Evaluation {
             gradient, hessian, ..
         } = &current.evaluation;
@@ -272,7 +194,7 @@ impl<const D: usize> ProjectedNewton<D> {
     }
 
     /// Whether the steps have stopped shrinking and gain nothing that rounding would leave.
-    fn is_noise(&self, current: &Current<D>, step: &SVector<f64, D>) -> bool {
+    fn is_noise(&self, current: &NewtonState<D>, step: &SVector<f64, D>) -> bool {
         let evaluation = &current.evaluation;
         let gain = -evaluation.gradient.dot(step);
         current
@@ -285,7 +207,7 @@ impl<const D: usize> ProjectedNewton<D> {
     fn search(
         &self,
         objective: &mut impl FnMut(&SVector<f64, D>) -> Evaluation<D>,
-        current: &mut Current<D>,
+        current: &mut NewtonState<D>,
         step: &SVector<f64, D>,
     ) -> Result<f64, Ended> {
         let start = current.evaluation;
@@ -304,11 +226,15 @@ impl<const D: usize> ProjectedNewton<D> {
                 return Ok(fraction);
             }
             if -fraction * slope <= VALUE_ROUNDING * start.value.abs() {
-                return Err(Ended::AtRounding);
+                break;
             }
             fraction *= cut(trial.value - start.value, fraction * slope);
         }
-        Err(Ended::NoDescent)
+        if -slope <= SMALL_GAIN * VALUE_ROUNDING * start.value.abs() {
+            Err(Ended::AtRounding)
+        } else {
+            Err(Ended::NoDescent)
+        }
     }
 
     /// `point + fraction · step`, exactly on a bound where the whole step ends on it.
@@ -335,7 +261,7 @@ impl<const D: usize> ProjectedNewton<D> {
     }
 
     /// Whether the run is over at `current`.
-    fn convergence(&self, current: &Current<D>) -> Option<Ended> {
+    fn convergence(&self, current: &NewtonState<D>) -> Option<Ended> {
         let size = (0..D).fold(0.0_f64, |size, axis| {
             size.max(self.free_slope(current, axis).abs())
         });
@@ -349,7 +275,7 @@ impl<const D: usize> ProjectedNewton<D> {
     }
 
     /// The gradient along `axis`, zero where it pushes against a bound.
-    fn free_slope(&self, current: &Current<D>, axis: usize) -> f64 {
+    fn free_slope(&self, current: &NewtonState<D>, axis: usize) -> f64 {
         let slope = current.evaluation.gradient[axis];
         let at_lower = current.point[axis] <= self.lower[axis] && slope > 0.0;
         let at_upper = current.point[axis] >= self.upper[axis] && slope < 0.0;
@@ -357,64 +283,7 @@ impl<const D: usize> ProjectedNewton<D> {
     }
 }
 
-/// The Hessian, shifted as little as makes it positive definite, and its factor.
-fn positive_definite<const D: usize>(
-    hessian: &SMatrix<f64, D, D>,
-    gradient: &SVector<f64, D>,
-    length: f64,
-) -> Option<(SMatrix<f64, D, D>, Cholesky<f64, Const<D>>)> {
-    let mut shift = (SHIFT_OF_TRACE * hessian.trace().abs())
-        .max(SHIFT_OF_GRADIENT * gradient.amax() / length)
-        .max(f64::MIN_POSITIVE);
-    for _ in 0..MAX_SHIFTS {
-        let shifted = hessian + SMatrix::from_diagonal_element(shift);
-        if let Some(factor) = shifted.cholesky() {
-            return Some((shifted, factor));
-        }
-        shift *= SHIFT_GROWTH;
-    }
-    None
-}
-
 /// Whether the step would change no coordinate.
 fn is_lost<const D: usize>(step: &SVector<f64, D>, point: &SVector<f64, D>) -> bool {
     (0..D).all(|axis| step[axis].abs() <= POINT_ROUNDING * point[axis].abs())
-}
-
-/// Whether every number of the evaluation is finite.
-fn is_finite<const D: usize>(evaluation: &Evaluation<D>) -> bool {
-    evaluation.value.is_finite()
-        && evaluation.gradient.iter().all(|entry| entry.is_finite())
-        && evaluation.hessian.iter().all(|entry| entry.is_finite())
-}
-
-/// Armijo's test, or the slope's where the values differ by rounding only; `decrease` is what
-/// the slope at the start promises for the step taken, negative.
-fn is_accepted<const D: usize>(
-    start: &Evaluation<D>,
-    trial: &Evaluation<D>,
-    step: &SVector<f64, D>,
-    decrease: f64,
-) -> bool {
-    if !is_finite(trial) {
-        return false;
-    }
-    let change = trial.value - start.value;
-    if change <= SUFFICIENT_DECREASE * decrease {
-        return true;
-    }
-    let slope = start.gradient.dot(step);
-    change <= VALUE_ROUNDING * start.value.abs()
-        && trial.gradient.dot(step) <= (2.0 * SUFFICIENT_DECREASE - 1.0) * slope
-}
-
-/// By how much to shorten a rejected step: to the minimum of the parabola through both values
-/// and the first slope (Nocedal & Wright, eq. 3.58), within [`CUTS`].
-fn cut(change: f64, decrease: f64) -> f64 {
-    let ratio = -0.5 * decrease / (change - decrease);
-    if ratio.is_finite() {
-        ratio.clamp(CUTS.0, CUTS.1)
-    } else {
-        CUTS.0
-    }
 }

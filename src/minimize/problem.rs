@@ -42,6 +42,8 @@ pub enum Ended {
     /// The last step was so short, and shorter than the one before by so much, that the point
     /// it leads to was taken without another evaluation.
     StepNegligible,
+    /// The last step lowered the value by less than the tolerance.
+    ValueSettled,
     /// The next step would not change the value or the point by more than rounding does.
     AtRounding,
     /// The allowed evaluations are spent.
@@ -60,7 +62,7 @@ impl Ended {
     pub fn converged(self) -> bool {
         matches!(
             self,
-            Self::GradientSmall | Self::StepNegligible | Self::AtRounding
+            Self::GradientSmall | Self::StepNegligible | Self::ValueSettled | Self::AtRounding
         )
     }
 
@@ -70,6 +72,7 @@ impl Ended {
         match self {
             Self::GradientSmall => "the projected gradient is below the tolerance",
             Self::StepNegligible => "the last step was too short to be worth checking",
+            Self::ValueSettled => "the last step lowered the value by less than the tolerance",
             Self::AtRounding => "a further step would be lost in rounding",
             Self::EvaluationLimit => "the allowed evaluations are spent",
             Self::NotFinite => "the function is not finite at the start",

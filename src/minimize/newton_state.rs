@@ -1,0 +1,74 @@
+//! Where a run of Newton's method stands between two steps.
+
+use nalgebra::{SMatrix, SVector};
+
+use crate::minimize::problem::{Ended, Evaluation, Minimum};
+use crate::minimize::progress::Iterate;
+
+/// A point, the function there, and how the last step went.
+#[derive(Debug)]
+pub(crate) struct NewtonState<const D: usize> {
+    /// `x`, inside the box.
+    pub(crate) point: SVector<f64, D>,
+    /// The function there.
+    pub(crate) evaluation: Evaluation<D>,
+    /// Evaluations so far.
+    pub(crate) evaluations: u32,
+    /// The largest component of the last step, if it was a full one.
+    pub(crate) last_step: Option<f64>,
+}
+
+impl<const D: usize> Default for NewtonState<D> {
+    fn default() -> Self {
+        Self {
+            point: SVector::zeros(),
+            evaluation: Evaluation {
+                value: f64::NAN,
+                gradient: SVector::zeros(),
+                hessian: SMatrix::zeros(),
+            },
+            evaluations: 0,
+            last_step: None,
+        }
+    }
+}
+
+impl<const D: usize> Iterate for NewtonState<D> {
+    type Point = SVector<f64, D>;
+
+    fn point(&self) -> &SVector<f64, D> {
+        &self.point
+    }
+
+    fn value(&self) -> f64 {
+        self.evaluation.value
+    }
+}
+
+impl<const D: usize> NewtonState<D> {
+    /// The answer, given why the run ended.
+    pub(crate) fn minimum(&self, ended: Option<Ended>) -> Minimum<D> {
+        Minimum {
+            point: self.point,
+            value: self.evaluation.value,
+            gradient: self.evaluation.gradient,
+            evaluations: self.evaluations,
+            ended: ended.unwrap_or(Ended::NotFinite),
+        }
+    }
+
+    /// The model's value and gradient after `step`.
+    pub(crate) fn predicted(&self, step: &SVector<f64, D>) -> Evaluation<D> {
+        let Evaluation {
+            value,
+            gradient,
+            hessian,
+        } = self.evaluation;
+        let bend = hessian * step;
+        Evaluation {
+            value: value + gradient.dot(step) + 0.5 * bend.dot(step),
+            gradient: gradient + bend,
+            hessian,
+        }
+    }
+}
