@@ -1,0 +1,149 @@
+//! What can be wrong with a mesh file, where, and what to do about it.
+
+use std::fmt;
+use std::path::PathBuf;
+
+use thiserror::Error;
+
+/// A mesh file that could not be read.
+#[derive(Debug, Error)]
+#[error("{}{fault}", file.display())]
+pub struct ReadError {
+    /// The file as it was named by the caller.
+    pub file: PathBuf,
+    /// The place in it and what is wrong there.
+    pub fault: Fault,
+}
+
+/// A place in a mesh file and what is wrong there.
+#[derive(Debug, Error)]
+#[error("{place}: {trouble}")]
+pub struct Fault {
+    /// Where reading stopped.
+    pub place: Place,
+    /// What is wrong.
+    pub trouble: Trouble,
+}
+
+impl Fault {
+    /// `trouble` on the one-based `line` of a text file.
+    #[must_use]
+    pub fn on_line(line: usize, trouble: Trouble) -> Self {
+        let place = Place::Line(line);
+        Self { place, trouble }
+    }
+
+    /// `trouble` at a zero-based byte offset of a binary file.
+    #[must_use]
+    pub fn at_byte(offset: usize, trouble: Trouble) -> Self {
+        let place = Place::Byte(offset);
+        Self { place, trouble }
+    }
+
+    /// `trouble` with the file as a whole.
+    #[must_use]
+    pub fn whole(trouble: Trouble) -> Self {
+        let place = Place::Whole;
+        Self { place, trouble }
+    }
+}
+
+/// A place in a file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Place {
+    /// The file as a whole.
+    Whole,
+    /// A one-based line of a text file.
+    Line(usize),
+    /// A zero-based byte offset of a binary file.
+    Byte(usize),
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Whole => Ok(()),
+            Self::Line(line) => write!(out, ":{line}"),
+            Self::Byte(offset) => write!(out, ": byte {offset}"),
+        }
+    }
+}
+
+/// What is wrong with a mesh file; every sentence ends with the mend.
+#[derive(Debug, Error)]
+pub enum Trouble {
+    /// The operating system refused.
+    #[error("cannot be read ({0}); check the path and its permissions")]
+    Unreadable(#[from] std::io::Error),
+    /// No bytes, or nothing but white space.
+    #[error("the file is empty; export the mesh again")]
+    Empty,
+    /// The file stops early.
+    #[error(
+        "the file ends where {expected} should stand; it is truncated, copy or export it again"
+    )]
+    Truncated {
+        /// What should have followed.
+        expected: &'static str,
+    },
+    /// Something else stands where a known thing should.
+    #[error("expected {expected}, found `{found}`; correct the line or the counts before it")]
+    Expected {
+        /// What should stand there.
+        expected: &'static str,
+        /// What stands there, shortened.
+        found: String,
+    },
+    /// A NaN or infinite number.
+    #[error("`{found}` is not a finite number; every coordinate and value must be finite")]
+    NotFinite {
+        /// The number as written.
+        found: String,
+    },
+    /// An element refers to a vertex that is not there.
+    #[error("vertex {index} is out of range; the {vertices} vertices are numbered from {first}")]
+    OutOfRange {
+        /// The index as written.
+        index: i64,
+        /// How many vertices there are.
+        vertices: usize,
+        /// The number of the first vertex in this format.
+        first: i64,
+    },
+    /// A count that the rest of the file does not bear out.
+    #[error(
+        "{announced} {what} are announced, {found} are there; correct the count or export the file again"
+    )]
+    WrongCount {
+        /// What is counted.
+        what: &'static str,
+        /// The announced count.
+        announced: usize,
+        /// The count found.
+        found: usize,
+    },
+    /// Valid, but not a dialect read here.
+    #[error("{what} cannot be read; {mend}")]
+    Unsupported {
+        /// The dialect or element met.
+        what: String,
+        /// How to export the mesh instead.
+        mend: &'static str,
+    },
+    /// The file holds no elements of the wanted kind.
+    #[error("the file holds no {what}; {mend}")]
+    Missing {
+        /// The wanted elements.
+        what: &'static str,
+        /// What to do instead.
+        mend: &'static str,
+    },
+    /// More elements than a 32-bit index counts.
+    #[error("the file holds more than {limit} {what}; split or coarsen the mesh")]
+    TooMany {
+        /// What is counted.
+        what: &'static str,
+        /// The greatest count that can be indexed.
+        limit: usize,
+    },
+}

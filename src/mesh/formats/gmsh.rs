@@ -1,0 +1,288 @@
+//! Gmsh `.msh` in text, versions 2.2 and 4.1: first-order tetrahedra, triangles, quadrangles.
+//!
+//! Scalar `$NodeData` become vertex data; nodes they do not mention get 0, a later time step of
+//! a field replaces the earlier. Points and lines are passed over; other volume elements are
+//! refused, because leaving them out would leave holes. Format: Gmsh reference manual, section
+//! "MSH file format" (4.1) and its legacy section (2.2).
+
+use std::collections::HashMap;
+
+use nalgebra::Point3;
+
+use crate::mesh::error::{Fault, Trouble};
+use crate::mesh::kind::{Collected, Mesh, no_tetrahedron};
+use crate::mesh::polygon::triangulate;
+use crate::mesh::tets::VertexData;
+use crate::mesh::text::{Words, shown};
+
+/// Reads tetrahedra, or the surface of a file without any.
+///
+/// # Errors
+///
+/// The line and what is wrong there.
+pub fn parse(bytes: &[u8]) -> Result<Mesh, Fault> {
+    let mut file = File {
+        words: Words::new(bytes, None),
+        version: Version::Four,
+        tags: HashMap::new(),
+        mesh: Collected::default(),
+    };
+    while let Some(section) = file.words.word() {
+        match section {
+            b"$MeshFormat" => file.read_format()?,
+            b"$Nodes" => file.read_nodes()?,
+            b"$Elements" => file.read_elements()?,
+            b"$NodeData" => file.read_node_data()?,
+            _ if section.starts_with(b"$") => {}
+            _ => return Err(file.words.unexpected("a section such as $Nodes", section)),
+        }
+        file.skip_to_end(section)?;
+    }
+    file.mesh.into_mesh()
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Version {
+    Two,
+    Four,
+}
+
+struct File<'a> {
+    words: Words<'a>,
+    version: Version,
+    /// Node tag → vertex.
+    tags: HashMap<usize, u32>,
+    mesh: Collected,
+}
+
+impl File<'_> {
+    fn read_format(&mut self) -> Result<(), Fault> {
+        let version = self.words.some_word("a version")?;
+        self.version = match version {
+            b"2" | b"2.0" | b"2.1" | b"2.2" => Version::Two,
+            b"4.1" => Version::Four,
+            _ => {
+                let what = format!("Gmsh's format {}", shown(version));
+                let mend = "export version 4.1 or 2.2 (gmsh -save -format msh41)";
+                return Err(self.words.fault(Trouble::Unsupported { what, mend }));
+            }
+        };
+        if self.words.count("0 for a text file")? == 0 {
+            return Ok(());
+        }
+        let (what, mend) = (
+            "a binary .msh file".into(),
+            "export it as text (Mesh.Binary = 0)",
+        );
+        Err(self.words.fault(Trouble::Unsupported { what, mend }))
+    }
+
+    fn read_nodes(&mut self) -> Result<(), Fault> {
+        if self.version == Version::Two {
+            let count = self.words.count("the number of nodes")?;
+            for _ in 0..count {
+                let tag = self.words.count("a node's number")?;
+                self.add_tag(tag)?;
+                self.add_vertex()?;
+            }
+            return Ok(());
+        }
+        let blocks = self.words.count("the number of node blocks")?;
+        let announced = self.words.count("the number of nodes")?;
+        self.words.next_line();
+        for _ in 0..blocks {
+            self.read_node_block()?;
+        }
+        let found = self.mesh.vertices.len();
+        self.check_count("nodes", announced, found)
+    }
+
+    fn read_node_block(&mut self) -> Result<(), Fault> {
+        self.words.count("an entity's dimension")?;
+        self.words.integer("an entity's number")?;
+        self.words.count("0 or 1 for parametric")?;
+        let count = self.words.count("the number of nodes in the block")?;
+        for _ in 0..count {
+            let tag = self.words.count("a node's number")?;
+            self.add_tag(tag)?;
+        }
+        for _ in 0..count {
+            self.add_vertex()?;
+        }
+        Ok(())
+    }
+
+    /// Numbers the next vertex `tag`.
+    fn add_tag(&mut self, tag: usize) -> Result<(), Fault> {
+        let vertex = self.words.check_limit("nodes", self.tags.len())?;
+        if self.tags.insert(tag, vertex as u32).is_none() {
+            return Ok(());
+        }
+        Err(self
+            .words
+            .unexpected("a node number not used before", tag.to_string().as_bytes()))
+    }
+
+    /// Reads the coordinates of a vertex; parameters after them on the line are passed over.
+    fn add_vertex(&mut self) -> Result<(), Fault> {
+        let x = self.words.number("a coordinate")?;
+        let mut coordinate = || self.words.number_on_line("a coordinate");
+        let point = Point3::new(x, coordinate()?, coordinate()?);
+        self.mesh.vertices.push(point);
+        self.words.next_line();
+        Ok(())
+    }
+
+    fn read_elements(&mut self) -> Result<(), Fault> {
+        if self.version == Version::Two {
+            let count = self.words.count("the number of elements")?;
+            for _ in 0..count {
+                self.words.count("an element's number")?;
+                let kind = self.words.count("an element's type")?;
+                for _ in 0..self.words.count("the number of tags")? {
+                    self.words.integer("a tag")?;
+                }
+                self.read_element(kind)?;
+            }
+            return Ok(());
+        }
+        let blocks = self.words.count("the number of element blocks")?;
+        let announced = self.words.count("the number of elements")?;
+        self.words.next_line();
+        let mut found = 0;
+        for _ in 0..blocks {
+            self.words.count("an entity's dimension")?;
+            self.words.integer("an entity's number")?;
+            let kind = self.words.count("an element's type")?;
+            let count = self.words.count("the number of elements in the block")?;
+            for _ in 0..count {
+                self.words.count("an element's number")?;
+                self.read_element(kind)?;
+            }
+            found += count;
+        }
+        self.check_count("elements", announced, found)
+    }
+
+    /// Reads an element's nodes: type 2 is a triangle, 3 a quadrangle, 4 a tetrahedron.
+    fn read_element(&mut self, kind: usize) -> Result<(), Fault> {
+        match kind {
+            2 => {
+                let triangle = self.read_corners()?;
+                self.mesh.triangles.push(triangle);
+            }
+            3 => {
+                let quad: [u32; 4] = self.read_corners()?;
+                triangulate(&self.mesh.vertices, &quad, &mut self.mesh.triangles);
+            }
+            4 => {
+                let tet = self.read_corners()?;
+                self.mesh.tets.push(tet);
+            }
+            // Points and lines of any order.
+            1 | 8 | 15 | 26 | 27 | 28 => {}
+            // Curved triangles and quadrangles: the boundary of curved volumes, refused there.
+            9 | 10 | 16 | 20..=25 => {}
+            _ => return Err(self.words.fault(no_tetrahedron(kind))),
+        }
+        self.words.next_line();
+        Ok(())
+    }
+
+    fn read_corners<const N: usize>(&mut self) -> Result<[u32; N], Fault> {
+        let mut corners = [0; N];
+        for corner in &mut corners {
+            let word = self.words.some_word_on_line("a node's number")?;
+            let tag = self.words.parse_count(word, "a node's number")?;
+            *corner = self.vertex(tag)?;
+        }
+        Ok(corners)
+    }
+
+    fn vertex(&self, tag: usize) -> Result<u32, Fault> {
+        let out_of_range = || {
+            let (index, vertices) = (tag as i64, self.mesh.vertices.len());
+            self.words.fault(Trouble::OutOfRange {
+                index,
+                vertices,
+                first: 1,
+            })
+        };
+        let vertex = self.tags.get(&tag).copied();
+        vertex
+            .filter(|&vertex| (vertex as usize) < self.mesh.vertices.len())
+            .ok_or_else(out_of_range)
+    }
+
+    /// Reads a scalar field; vectors and tensors are passed over.
+    fn read_node_data(&mut self) -> Result<(), Fault> {
+        let mut name = String::new();
+        for at in 0..self.words.count("the number of string tags")? {
+            self.words.next_line();
+            let text = self.words.rest_of_line();
+            if at == 0 {
+                name = shown(
+                    text.strip_prefix(b"\"")
+                        .and_then(|t| t.strip_suffix(b"\""))
+                        .unwrap_or(text),
+                );
+            }
+        }
+        for _ in 0..self.words.count("the number of real tags")? {
+            self.words.number("a real tag")?;
+        }
+        let integers = self.words.count("the number of integer tags")?;
+        let mut layout = [0; 3];
+        for at in 0..integers {
+            let value = self.words.count("an integer tag")?;
+            if let Some(slot) = layout.get_mut(at) {
+                *slot = value;
+            }
+        }
+        let [_, components, count] = layout;
+        if components != 1 {
+            return Ok(());
+        }
+        self.read_values(name, count)
+    }
+
+    fn read_values(&mut self, name: String, count: usize) -> Result<(), Fault> {
+        let mut values = vec![0.0; self.mesh.vertices.len()];
+        for _ in 0..count {
+            let tag = self.words.count("a node's number")?;
+            let vertex = self.vertex(tag)?;
+            values[vertex as usize] = self.words.number_on_line("a value")?;
+        }
+        self.mesh.vertex_data.retain(|field| field.name != name);
+        self.mesh.vertex_data.push(VertexData { name, values });
+        Ok(())
+    }
+
+    /// Moves past the line `$End…` of a section.
+    fn skip_to_end(&mut self, section: &[u8]) -> Result<(), Fault> {
+        let is_known = [&b"$Nodes"[..], b"$Elements", b"$MeshFormat"].contains(&section);
+        loop {
+            let word = self.words.some_word("the end of a section")?;
+            if word.strip_prefix(b"$End") == section.strip_prefix(b"$") {
+                return Ok(());
+            }
+            if is_known && section != b"$MeshFormat" {
+                return Err(self
+                    .words
+                    .unexpected("the end of a section, its count was too low", word));
+            }
+            self.words.next_line();
+        }
+    }
+
+    fn check_count(&self, what: &'static str, announced: usize, found: usize) -> Result<(), Fault> {
+        if announced == found {
+            return Ok(());
+        }
+        Err(self.words.fault(Trouble::WrongCount {
+            what,
+            announced,
+            found,
+        }))
+    }
+}

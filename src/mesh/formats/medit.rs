@@ -1,0 +1,125 @@
+//! MEDIT `.mesh` in text: tetrahedra, triangles, quadrilaterals.
+//!
+//! A file is a list of keywords, each with its count and entities; keywords not known here are
+//! passed over up to the next word that starts with a letter. Hexahedra and prisms are refused,
+//! because leaving them out would leave holes. The format is the one of Frey, "MEDIT: An
+//! interactive mesh visualization software", INRIA RT-0253 (2001).
+
+use std::fmt::Write;
+
+use nalgebra::Point3;
+
+use crate::mesh::error::{Fault, Trouble};
+use crate::mesh::kind::{Collected, Mesh, no_tetrahedron};
+use crate::mesh::polygon::triangulate;
+use crate::mesh::tets::TetMesh;
+use crate::mesh::text::{Words, shown};
+
+/// Reads tetrahedra, or the surface of a file without any.
+///
+/// # Errors
+///
+/// The line and what is wrong there.
+pub fn parse(bytes: &[u8]) -> Result<Mesh, Fault> {
+    let mut words = Words::new(bytes, Some(b'#'));
+    let mut mesh = Collected::default();
+    while let Some(word) = words.word() {
+        match word {
+            b"MeshVersionFormatted" => drop(words.count("a version")?),
+            b"Dimension" => read_dimension(&mut words)?,
+            b"Vertices" => read_vertices(&mut words, &mut mesh)?,
+            b"Tetrahedra" => read_elements(&mut words, &mut mesh, |mesh, tet| mesh.tets.push(tet))?,
+            b"Triangles" => {
+                read_elements(&mut words, &mut mesh, |mesh, triangle| {
+                    mesh.triangles.push(triangle)
+                })?;
+            }
+            b"Quadrilaterals" => read_elements(&mut words, &mut mesh, |mesh, quad: [u32; 4]| {
+                triangulate(&mesh.vertices, &quad, &mut mesh.triangles);
+            })?,
+            b"Hexahedra" | b"Hexaedra" | b"Prisms" | b"Pyramids" => {
+                refuse_if_any(&mut words, word)?
+            }
+            b"End" => break,
+            _ if word[0].is_ascii_alphabetic() => skip(&mut words),
+            _ => return Err(words.unexpected("a keyword", word)),
+        }
+    }
+    mesh.into_mesh()
+}
+
+/// Writes a tetrahedral mesh without its vertex data, every coordinate as the shortest decimal
+/// that reads back equal.
+#[must_use]
+pub fn write(mesh: &TetMesh) -> String {
+    let mut text = String::from("MeshVersionFormatted 2\nDimension 3\n");
+    // Writing to a string cannot fail.
+    let _ = writeln!(text, "Vertices\n{}", mesh.vertices.len());
+    for point in &mesh.vertices {
+        let _ = writeln!(text, "{} {} {} 0", point.x, point.y, point.z);
+    }
+    let _ = writeln!(text, "Tetrahedra\n{}", mesh.tets.len());
+    for [a, b, c, d] in mesh.tets.iter().map(|tet| tet.map(|vertex| vertex + 1)) {
+        let _ = writeln!(text, "{a} {b} {c} {d} 0");
+    }
+    text.push_str("End\n");
+    text
+}
+
+fn read_dimension(words: &mut Words<'_>) -> Result<(), Fault> {
+    let dimension = words.count("a dimension")?;
+    if dimension == 3 {
+        return Ok(());
+    }
+    let what = format!("a mesh of dimension {dimension}");
+    let mend = "export it with three coordinates a vertex";
+    Err(words.fault(Trouble::Unsupported { what, mend }))
+}
+
+fn read_vertices(words: &mut Words<'_>, mesh: &mut Collected) -> Result<(), Fault> {
+    let count = words.count("the number of vertices")?;
+    let count = words.check_limit("vertices", count)?;
+    mesh.vertices.reserve(words.room_for(count, 6));
+    for _ in 0..count {
+        let mut coordinate = || words.number("a coordinate");
+        let point = Point3::new(coordinate()?, coordinate()?, coordinate()?);
+        mesh.vertices.push(point);
+        words.number("a reference")?;
+    }
+    Ok(())
+}
+
+fn read_elements<const N: usize>(
+    words: &mut Words<'_>,
+    mesh: &mut Collected,
+    add: impl Fn(&mut Collected, [u32; N]),
+) -> Result<(), Fault> {
+    let count = words.count("the number of elements")?;
+    let count = words.check_limit("elements", count)?;
+    for _ in 0..count {
+        let mut element = [0; N];
+        for vertex in &mut element {
+            *vertex = words.vertex(mesh.vertices.len(), 1)?;
+        }
+        words.number("a reference")?;
+        add(mesh, element);
+    }
+    Ok(())
+}
+
+fn refuse_if_any(words: &mut Words<'_>, keyword: &[u8]) -> Result<(), Fault> {
+    if words.count("the number of elements")? == 0 {
+        return Ok(());
+    }
+    Err(words.fault(no_tetrahedron(shown(keyword))))
+}
+
+/// Moves to the next word that starts with a letter.
+fn skip(words: &mut Words<'_>) {
+    while words
+        .peek()
+        .is_some_and(|word| !word[0].is_ascii_alphabetic())
+    {
+        words.word();
+    }
+}

@@ -1,0 +1,17 @@
+//! One file per mesh format. Every `parse` takes the file's bytes and returns the mesh or a
+//! [`crate::mesh::error::Fault`] with the line or byte where it stopped; none of them touches
+//! the disk, panics on any bytes, or trusts an announced count with memory.
+
+pub mod gmsh;
+pub mod medit;
+pub mod obj;
+pub mod off;
+pub mod ply;
+pub mod ply_header;
+pub mod stl;
+pub mod tetgen;
+pub mod vtk;
+pub mod vtk_cells;
+pub mod vtu;
+pub mod vtu_array;
+pub mod xml;

@@ -1,0 +1,132 @@
+//! OFF, the Object File Format of Geomview: polygons.
+//!
+//! Headers OFF, COFF, NOFF, CNOFF, STOFF and their mixtures are read (or none at all), counts
+//! on the header's line or on the next, comments anywhere. Whatever follows the coordinates or
+//! a face's indices on its line (colors, normals) is passed over.
+
+use std::fmt::Write;
+
+use nalgebra::Point3;
+
+use crate::mesh::error::{Fault, Trouble};
+use crate::mesh::polygon::triangulate;
+use crate::mesh::surface::SurfaceMesh;
+use crate::mesh::text::{Words, integer, shown};
+
+/// Reads a surface; polygons are triangulated.
+///
+/// # Errors
+///
+/// The line and what is wrong there.
+pub fn parse(bytes: &[u8]) -> Result<SurfaceMesh, Fault> {
+    let mut words = Words::new(bytes, Some(b'#'));
+    header(&mut words)?;
+    let vertices = words.count("the number of vertices")?;
+    let faces = words.count("the number of faces")?;
+    words.check_limit("vertices", vertices)?;
+    words.next_line();
+    let mut mesh = SurfaceMesh::default();
+    read_vertices(&mut words, vertices, &mut mesh)?;
+    read_faces(&mut words, faces, &mut mesh)?;
+    at_end(&mut words, faces)?;
+    Ok(mesh)
+}
+
+/// Writes a surface, every coordinate as the shortest decimal that reads back equal.
+#[must_use]
+pub fn write(mesh: &SurfaceMesh) -> String {
+    let mut text = format!("OFF\n{} {} 0\n", mesh.vertices.len(), mesh.triangles.len());
+    for point in &mesh.vertices {
+        // Writing to a string cannot fail.
+        let _ = writeln!(text, "{} {} {}", point.x, point.y, point.z);
+    }
+    for [a, b, c] in &mesh.triangles {
+        let _ = writeln!(text, "3 {a} {b} {c}");
+    }
+    text
+}
+
+/// Whether `word` is one of the headers OFF, COFF, STCN4OFF, …
+#[must_use]
+pub fn is_header(word: &[u8]) -> bool {
+    let prefix = word.strip_suffix(b"OFF");
+    prefix.is_some_and(|prefix| prefix.iter().all(|letter| b"STCN4n".contains(letter)))
+}
+
+fn header(words: &mut Words<'_>) -> Result<(), Fault> {
+    let Some(word) = words.peek() else {
+        return Err(Fault::whole(Trouble::Empty));
+    };
+    if integer(word).is_some() {
+        return Ok(());
+    }
+    words.word();
+    if !is_header(word) {
+        return Err(words.unexpected("the header OFF", word));
+    }
+    let next = words.clone().word_on_line();
+    if next == Some(b"BINARY") || word.contains(&b'4') || word.contains(&b'n') {
+        return Err(words.fault(Trouble::Unsupported {
+            what: format!(
+                "the dialect {} {}",
+                shown(word),
+                shown(next.unwrap_or_default())
+            ),
+            mend: "export plain OFF: text, three coordinates a vertex",
+        }));
+    }
+    Ok(())
+}
+
+fn read_vertices(words: &mut Words<'_>, count: usize, mesh: &mut SurfaceMesh) -> Result<(), Fault> {
+    mesh.vertices.reserve(words.room_for(count, 6));
+    for _ in 0..count {
+        let x = words.number("a coordinate")?;
+        let y = words.number_on_line("a coordinate")?;
+        let z = words.number_on_line("a coordinate")?;
+        mesh.vertices.push(Point3::new(x, y, z));
+        words.next_line();
+    }
+    Ok(())
+}
+
+fn read_faces(words: &mut Words<'_>, count: usize, mesh: &mut SurfaceMesh) -> Result<(), Fault> {
+    mesh.triangles.reserve(words.room_for(count, 8));
+    let mut polygon = Vec::new();
+    for _ in 0..count {
+        let corners = words.count("a face's number of vertices")?;
+        polygon.clear();
+        for _ in 0..corners {
+            polygon.push(words.vertex_on_line(mesh.vertices.len(), 0)?);
+        }
+        if corners < 3 {
+            let found = corners.to_string();
+            return Err(words.unexpected("a face of at least 3 vertices", found.as_bytes()));
+        }
+        triangulate(&mesh.vertices, &polygon, &mut mesh.triangles);
+        words.check_limit("triangles", mesh.triangles.len())?;
+        words.next_line();
+    }
+    Ok(())
+}
+
+/// Refuses lines after the last face: the counts were too low.
+fn at_end(words: &mut Words<'_>, announced: usize) -> Result<(), Fault> {
+    if words.word().is_none() {
+        return Ok(());
+    }
+    let line = words.line();
+    let mut found = announced + 1;
+    while words.next_line() && words.word().is_some() {
+        found += 1;
+    }
+    let what = "faces";
+    Err(Fault::on_line(
+        line,
+        Trouble::WrongCount {
+            what,
+            announced,
+            found,
+        },
+    ))
+}

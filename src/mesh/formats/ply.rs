@@ -1,0 +1,259 @@
+//! PLY, the Stanford polygon format, text and binary of either byte order.
+//!
+//! Of the element `vertex` the properties x, y, z are read, of `face` the list `vertex_indices`
+//! (or `vertex_index`), whatever else stands before, between or after them; other elements are
+//! passed over. Triangle strips are not read.
+
+use nalgebra::Point3;
+
+use crate::mesh::binary::{Bytes, Scalar};
+use crate::mesh::error::{Fault, Trouble};
+use crate::mesh::formats::ply_header::{Element, Encoding, Header, Property, read_header};
+use crate::mesh::polygon::triangulate;
+use crate::mesh::surface::SurfaceMesh;
+use crate::mesh::text::{ELEMENT_LIMIT, Words};
+
+/// Reads a surface; polygons are triangulated.
+///
+/// # Errors
+///
+/// The line or byte and what is wrong there.
+pub fn parse(bytes: &[u8]) -> Result<SurfaceMesh, Fault> {
+    let mut words = Words::new(bytes, None);
+    let header = read_header(&mut words)?;
+    let mut source = match header.encoding {
+        Encoding::Text => Source::Text(words),
+        Encoding::Little => Source::Binary(Bytes::new(bytes, words.position(), false)),
+        Encoding::Big => Source::Binary(Bytes::new(bytes, words.position(), true)),
+    };
+    let mesh = read_body(&header, &mut source)?;
+    source.check_end()?;
+    if mesh.triangles.is_empty() {
+        let (what, mend) = (
+            "faces",
+            "export the mesh with its faces, not as a point cloud or strips",
+        );
+        return Err(Fault::whole(Trouble::Missing { what, mend }));
+    }
+    Ok(mesh)
+}
+
+fn read_body(header: &Header, source: &mut Source<'_>) -> Result<SurfaceMesh, Fault> {
+    let mut mesh = SurfaceMesh::default();
+    let vertices = header
+        .elements
+        .iter()
+        .find(|element| element.name == "vertex");
+    let mut polygons = Polygons {
+        vertices: vertices.map_or(0, |element| element.count),
+        ..Polygons::default()
+    };
+    for element in &header.elements {
+        match element.name.as_str() {
+            "vertex" => read_vertices(element, source, &mut mesh.vertices)?,
+            "face" => read_faces(element, source, &mut polygons)?,
+            _ => skip_element(element, source)?,
+        }
+    }
+    // Faces may stand before the vertices: they are cut up once both are known.
+    for polygon in polygons.iter() {
+        triangulate(&mesh.vertices, polygon, &mut mesh.triangles);
+    }
+    Ok(mesh)
+}
+
+/// Faces as read, in one list.
+#[derive(Default)]
+struct Polygons {
+    /// How many vertices the header announces.
+    vertices: usize,
+    indices: Vec<u32>,
+    ends: Vec<usize>,
+}
+
+impl Polygons {
+    fn iter(&self) -> impl Iterator<Item = &[u32]> {
+        let starts = std::iter::once(&0).chain(&self.ends);
+        starts
+            .zip(&self.ends)
+            .map(|(&start, &end)| &self.indices[start..end])
+    }
+}
+
+fn read_vertices(
+    element: &Element,
+    source: &mut Source<'_>,
+    vertices: &mut Vec<Point3<f64>>,
+) -> Result<(), Fault> {
+    let axes: Vec<Option<usize>> = (element.properties.iter())
+        .map(|property| {
+            ["x", "y", "z"]
+                .iter()
+                .position(|axis| *axis == property.name)
+        })
+        .collect();
+    if (0..3).any(|axis| !axes.contains(&Some(axis))) {
+        let (what, mend) = ("vertex properties x, y, z", "export vertex positions");
+        return Err(Fault::whole(Trouble::Missing { what, mend }));
+    }
+    vertices.reserve(source.room_for(element.count));
+    for _ in 0..element.count {
+        let mut point = Point3::origin();
+        for (property, axis) in element.properties.iter().zip(&axes) {
+            match *axis {
+                Some(axis) if property.list.is_none() => {
+                    point[axis] = source.coordinate(property.kind)?
+                }
+                _ => skip_property(property, source)?,
+            }
+        }
+        vertices.push(point);
+    }
+    Ok(())
+}
+
+fn read_faces(
+    element: &Element,
+    source: &mut Source<'_>,
+    polygons: &mut Polygons,
+) -> Result<(), Fault> {
+    polygons.ends.reserve(source.room_for(element.count));
+    for _ in 0..element.count {
+        for property in &element.properties {
+            let is_corners = property.name == "vertex_indices" || property.name == "vertex_index";
+            match property.list {
+                Some(length) if is_corners => {
+                    read_corners(length, property.kind, source, polygons)?;
+                }
+                _ => skip_property(property, source)?,
+            }
+        }
+    }
+    Ok(())
+}
+
+fn read_corners(
+    length: Scalar,
+    kind: Scalar,
+    source: &mut Source<'_>,
+    polygons: &mut Polygons,
+) -> Result<(), Fault> {
+    let corners = source.length(length)?;
+    if corners < 3 {
+        let (expected, found) = ("a face of at least 3 vertices", corners.to_string());
+        return Err(source.fault(Trouble::Expected { expected, found }));
+    }
+    for _ in 0..corners {
+        polygons
+            .indices
+            .push(source.index(kind, polygons.vertices)?);
+    }
+    polygons.ends.push(polygons.indices.len());
+    if polygons.indices.len() > ELEMENT_LIMIT * 3 {
+        let (what, limit) = ("triangles", ELEMENT_LIMIT);
+        return Err(source.fault(Trouble::TooMany { what, limit }));
+    }
+    Ok(())
+}
+
+fn skip_element(element: &Element, source: &mut Source<'_>) -> Result<(), Fault> {
+    if element.properties.is_empty() {
+        return Ok(());
+    }
+    for _ in 0..element.count {
+        for property in &element.properties {
+            skip_property(property, source)?;
+        }
+    }
+    Ok(())
+}
+
+fn skip_property(property: &Property, source: &mut Source<'_>) -> Result<(), Fault> {
+    let count = property
+        .list
+        .map_or(Ok(1), |length| source.length(length))?;
+    for _ in 0..count {
+        source.skip(property.kind)?;
+    }
+    Ok(())
+}
+
+/// Where the numbers come from.
+enum Source<'a> {
+    Text(Words<'a>),
+    Binary(Bytes<'a>),
+}
+
+impl Source<'_> {
+    fn coordinate(&mut self, kind: Scalar) -> Result<f64, Fault> {
+        match self {
+            Self::Text(words) => words.number("a coordinate"),
+            Self::Binary(bytes) => bytes.finite(kind, "a coordinate"),
+        }
+    }
+
+    fn length(&mut self, kind: Scalar) -> Result<usize, Fault> {
+        self.whole(kind, "a list's length")
+            .map(|length| length as usize)
+    }
+
+    fn index(&mut self, kind: Scalar, vertices: usize) -> Result<u32, Fault> {
+        let vertex = self.whole(kind, "a vertex index")?;
+        if (vertex as usize) < vertices {
+            return Ok(vertex);
+        }
+        let (index, first) = (i64::from(vertex), 0);
+        Err(self.fault(Trouble::OutOfRange {
+            index,
+            vertices,
+            first,
+        }))
+    }
+
+    /// A non-negative integer of at most 32 bits.
+    fn whole(&mut self, kind: Scalar, expected: &'static str) -> Result<u32, Fault> {
+        let number = match self {
+            Self::Text(words) => words.integer(expected)? as f64,
+            Self::Binary(bytes) => bytes.scalar(kind, expected)?,
+        };
+        if number >= 0.0 && number <= f64::from(u32::MAX) && number.fract() == 0.0 {
+            return Ok(number as u32);
+        }
+        let found = number.to_string();
+        Err(self.fault(Trouble::Expected { expected, found }))
+    }
+
+    fn skip(&mut self, kind: Scalar) -> Result<(), Fault> {
+        match self {
+            Self::Text(words) => words.some_word("a property").map(|_| ()),
+            Self::Binary(bytes) => bytes.skip(kind.width(), "a property"),
+        }
+    }
+
+    /// A bound on the elements that the rest can hold.
+    fn room_for(&self, announced: usize) -> usize {
+        match self {
+            Self::Text(words) => words.room_for(announced, 4),
+            Self::Binary(bytes) => announced.min(bytes.left()),
+        }
+    }
+
+    /// Refuses text after the last element: the counts were too low. Binary files may be
+    /// padded.
+    fn check_end(&mut self) -> Result<(), Fault> {
+        let Self::Text(words) = self else {
+            return Ok(());
+        };
+        match words.word() {
+            None => Ok(()),
+            Some(word) => Err(words.unexpected("the end of the file", word)),
+        }
+    }
+
+    fn fault(&self, trouble: Trouble) -> Fault {
+        match self {
+            Self::Text(words) => words.fault(trouble),
+            Self::Binary(bytes) => bytes.fault(trouble),
+        }
+    }
+}

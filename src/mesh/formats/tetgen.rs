@@ -1,0 +1,134 @@
+//! TetGen's pair of files: `.node` with the vertices, `.ele` with the tetrahedra.
+//!
+//! Numbering starts at 0 or 1 as the first vertex says. Vertex attributes become vertex data
+//! named `attribute1`, `attribute2`, …; boundary markers and region numbers are passed over.
+
+use nalgebra::Point3;
+
+use crate::mesh::error::{Fault, Trouble};
+use crate::mesh::kind::no_tetrahedron;
+use crate::mesh::tets::{TetMesh, VertexData};
+use crate::mesh::text::Words;
+
+/// The vertices of a `.node` file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Nodes {
+    /// The number of the first vertex, 0 or 1.
+    pub first: i64,
+    /// Positions (L).
+    pub vertices: Vec<Point3<f64>>,
+    /// The attributes.
+    pub vertex_data: Vec<VertexData>,
+}
+
+/// Reads a `.node` file.
+///
+/// # Errors
+///
+/// The line and what is wrong there.
+pub fn parse_nodes(bytes: &[u8]) -> Result<Nodes, Fault> {
+    let mut words = Words::new(bytes, Some(b'#'));
+    let count = words.count("the number of vertices")?;
+    let count = words.check_limit("vertices", count)?;
+    let attributes = read_layout(&mut words)?;
+    let mut nodes = Nodes {
+        first: 0,
+        vertices: Vec::new(),
+        vertex_data: attributes,
+    };
+    nodes.vertices.reserve(words.room_for(count, 8));
+    for number in 0..count as i64 {
+        words.next_line();
+        let written = words.integer("a vertex number")?;
+        if number == 0 && written == 1 {
+            nodes.first = 1;
+        }
+        if written != number + nodes.first {
+            return Err(words.unexpected(
+                "vertices numbered without gaps from 0 or 1",
+                written.to_string().as_bytes(),
+            ));
+        }
+        let mut value = || words.number_on_line("a coordinate");
+        nodes
+            .vertices
+            .push(Point3::new(value()?, value()?, value()?));
+        for field in &mut nodes.vertex_data {
+            field.values.push(words.number_on_line("an attribute")?);
+        }
+    }
+    words.next_line();
+    check_end(&mut words, "vertices", count)?;
+    Ok(nodes)
+}
+
+/// Reads the `.ele` file that belongs to `nodes`.
+///
+/// # Errors
+///
+/// The line and what is wrong there.
+pub fn parse_elements(bytes: &[u8], nodes: Nodes) -> Result<TetMesh, Fault> {
+    let mut words = Words::new(bytes, Some(b'#'));
+    let count = words.count("the number of tetrahedra")?;
+    let count = words.check_limit("tetrahedra", count)?;
+    let corners = words.count_on_line("4 corners per tetrahedron")?;
+    if corners != 4 {
+        return Err(words.fault(no_tetrahedron(format!("{corners}-node tetrahedron"))));
+    }
+    let mut tets = Vec::with_capacity(words.room_for(count, 10));
+    for _ in 0..count {
+        words.next_line();
+        words.integer("a tetrahedron's number")?;
+        let mut vertex = || words.vertex_on_line(nodes.vertices.len(), nodes.first);
+        tets.push([vertex()?, vertex()?, vertex()?, vertex()?]);
+    }
+    words.next_line();
+    check_end(&mut words, "tetrahedra", count)?;
+    if tets.is_empty() {
+        let (what, mend) = ("tetrahedra", "run TetGen again");
+        return Err(Fault::whole(Trouble::Missing { what, mend }));
+    }
+    let Nodes {
+        vertices,
+        vertex_data,
+        ..
+    } = nodes;
+    Ok(TetMesh {
+        vertices,
+        tets,
+        vertex_data,
+    })
+}
+
+/// The rest of the first line: dimension, number of attributes, which become empty fields.
+fn read_layout(words: &mut Words<'_>) -> Result<Vec<VertexData>, Fault> {
+    let dimension = words.count_on_line("a dimension")?;
+    if dimension != 3 {
+        let what = format!("a mesh of dimension {dimension}");
+        let mend = "export it with three coordinates a vertex";
+        return Err(words.fault(Trouble::Unsupported { what, mend }));
+    }
+    let attributes = match words.word_on_line() {
+        None => 0,
+        Some(word) => words.parse_count(word, "the number of attributes")?,
+    };
+    let attributes = words.room_for(attributes, 2);
+    let field = |number| VertexData {
+        name: format!("attribute{number}"),
+        values: Vec::new(),
+    };
+    Ok((1..=attributes).map(field).collect())
+}
+
+/// Refuses lines after the announced ones.
+fn check_end(words: &mut Words<'_>, what: &'static str, announced: usize) -> Result<(), Fault> {
+    if words.word().is_none() {
+        return Ok(());
+    }
+    let found = announced + 1;
+    Err(words.fault(Trouble::WrongCount {
+        what,
+        announced,
+        found,
+    }))
+}

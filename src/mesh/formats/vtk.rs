@@ -1,0 +1,285 @@
+//! Legacy VTK in text: unstructured grids of tetrahedra (or surface cells), polygonal data.
+//!
+//! Scalars of the points (SCALARS and one-component arrays of FIELD) become vertex data; other
+//! attributes and all cell data are passed over. Both layouts of CELLS are read: counts before
+//! each cell (versions up to 4.2) and OFFSETS with CONNECTIVITY (5.1). Format: "VTK File
+//! Formats", Kitware.
+
+use nalgebra::Point3;
+
+use crate::mesh::error::{Fault, Trouble};
+use crate::mesh::formats::vtk_cells::{add_cell, cell_ranges};
+use crate::mesh::kind::{Collected, Mesh};
+use crate::mesh::tets::VertexData;
+use crate::mesh::text::{Words, shown};
+
+/// VTK's number for polygons.
+const POLYGON: u32 = 7;
+
+/// Reads tetrahedra, or the surface of a file without any.
+///
+/// # Errors
+///
+/// The line and what is wrong there.
+pub fn parse(bytes: &[u8]) -> Result<Mesh, Fault> {
+    let mut words = Words::new(bytes, None);
+    words.next_line();
+    words.next_line();
+    let encoding = words.some_word("ASCII")?;
+    if !encoding.eq_ignore_ascii_case(b"ascii") {
+        let (what, mend) = (
+            format!("a {} .vtk file", shown(encoding)),
+            "export it as ASCII or as .vtu",
+        );
+        return Err(words.fault(Trouble::Unsupported { what, mend }));
+    }
+    let mut file = File {
+        words,
+        mesh: Collected::default(),
+        cells: Vec::new(),
+        kinds: Vec::new(),
+        tuples: None,
+    };
+    while let Some(keyword) = file.words.word() {
+        let keyword = keyword.to_ascii_uppercase();
+        file.read_section(&keyword)?;
+    }
+    file.into_mesh()
+}
+
+/// Which data follow, and for how many elements.
+#[derive(Clone, Copy, Debug)]
+struct Tuples {
+    of_points: bool,
+    count: usize,
+}
+
+struct File<'a> {
+    words: Words<'a>,
+    mesh: Collected,
+    cells: Vec<Vec<u32>>,
+    kinds: Vec<u32>,
+    tuples: Option<Tuples>,
+}
+
+impl File<'_> {
+    fn read_section(&mut self, keyword: &[u8]) -> Result<(), Fault> {
+        match keyword {
+            b"DATASET" => self.read_dataset(),
+            b"POINTS" => self.read_points(),
+            b"CELLS" => {
+                self.cells = self.read_cells()?;
+                Ok(())
+            }
+            b"POLYGONS" => {
+                self.cells = self.read_cells()?;
+                self.kinds = vec![POLYGON; self.cells.len()];
+                Ok(())
+            }
+            b"VERTICES" | b"LINES" => self.read_cells().map(|_| ()),
+            b"CELL_TYPES" => self.read_kinds(),
+            b"POINT_DATA" => self.start_data(true),
+            b"CELL_DATA" => self.start_data(false),
+            b"METADATA" => {
+                self.skip_metadata();
+                Ok(())
+            }
+            b"FIELD" => self.read_field(),
+            _ => self.read_attribute(keyword),
+        }
+    }
+
+    fn read_dataset(&mut self) -> Result<(), Fault> {
+        let kind = self.words.some_word("the kind of data set")?;
+        if [&b"UNSTRUCTURED_GRID"[..], b"POLYDATA"].contains(&kind) {
+            return Ok(());
+        }
+        let what = format!("a VTK data set of kind {}", shown(kind));
+        let mend = "export an UNSTRUCTURED_GRID of tetrahedra or POLYDATA";
+        Err(self.words.fault(Trouble::Unsupported { what, mend }))
+    }
+
+    fn read_points(&mut self) -> Result<(), Fault> {
+        let count = self.words.count("the number of points")?;
+        let count = self.words.check_limit("points", count)?;
+        self.words.some_word_on_line("a number type")?;
+        self.mesh.vertices.reserve(self.words.room_for(count, 6));
+        for _ in 0..count {
+            let mut coordinate = || self.words.number("a coordinate");
+            let point = Point3::new(coordinate()?, coordinate()?, coordinate()?);
+            self.mesh.vertices.push(point);
+        }
+        Ok(())
+    }
+
+    fn read_cells(&mut self) -> Result<Vec<Vec<u32>>, Fault> {
+        let first = self.words.count("the number of cells")?;
+        let second = self.words.count("the size of the cell list")?;
+        if self.words.peek() == Some(b"OFFSETS") {
+            return self.read_offset_cells(first, second);
+        }
+        let mut cells = Vec::with_capacity(self.words.room_for(first, 4));
+        let mut found = 0;
+        for _ in 0..first {
+            let corners = self.words.count("a cell's number of vertices")?;
+            cells.push(self.read_cell(corners)?);
+            found += corners + 1;
+        }
+        if found == second {
+            return Ok(cells);
+        }
+        let (what, announced) = ("numbers in the cell list", second);
+        Err(self.words.fault(Trouble::WrongCount {
+            what,
+            announced,
+            found,
+        }))
+    }
+
+    fn read_cell(&mut self, corners: usize) -> Result<Vec<u32>, Fault> {
+        let vertices = self.mesh.vertices.len();
+        (0..corners)
+            .map(|_| self.words.vertex(vertices, 0))
+            .collect()
+    }
+
+    fn read_offset_cells(&mut self, offsets: usize, size: usize) -> Result<Vec<Vec<u32>>, Fault> {
+        self.words.word();
+        self.words.some_word_on_line("a number type")?;
+        let offsets: Vec<usize> = (0..offsets)
+            .map(|_| self.words.count("an offset"))
+            .collect::<Result<_, _>>()?;
+        let keyword = self.words.some_word("CONNECTIVITY")?;
+        if keyword != b"CONNECTIVITY" {
+            return Err(self.words.unexpected("CONNECTIVITY", keyword));
+        }
+        self.words.some_word_on_line("a number type")?;
+        let connectivity = self.read_cell(size)?;
+        let ranges = cell_ranges(&offsets, size);
+        let ranges = ranges.ok_or_else(|| self.words.unexpected("ascending offsets", b"others"))?;
+        Ok(ranges
+            .into_iter()
+            .map(|[start, end]| connectivity[start..end].to_vec())
+            .collect())
+    }
+
+    fn read_kinds(&mut self) -> Result<(), Fault> {
+        let count = self.words.count("the number of cell types")?;
+        for _ in 0..count {
+            let kind = self.words.count("a cell type")?;
+            self.kinds.push(u32::try_from(kind).unwrap_or(u32::MAX));
+        }
+        Ok(())
+    }
+
+    fn start_data(&mut self, of_points: bool) -> Result<(), Fault> {
+        let count = self.words.count("the number of data")?;
+        self.tuples = Some(Tuples { of_points, count });
+        Ok(())
+    }
+
+    /// Reads an attribute of POINT_DATA or CELL_DATA.
+    fn read_attribute(&mut self, keyword: &[u8]) -> Result<(), Fault> {
+        let Some(Tuples { count, .. }) = self.tuples else {
+            return Err(self.words.unexpected("a section such as POINTS", keyword));
+        };
+        match keyword {
+            b"SCALARS" => self.read_scalars(count),
+            b"VECTORS" | b"NORMALS" => self.skip_numbers(2, count, 3),
+            b"TENSORS" => self.skip_numbers(2, count, 9),
+            b"LOOKUP_TABLE" => {
+                self.words.some_word_on_line("a table's name")?;
+                let size = self.words.count_on_line("a table's size")?;
+                self.skip_numbers(0, size, 4)
+            }
+            b"TEXTURE_COORDINATES" | b"COLOR_SCALARS" => {
+                self.words.some_word_on_line("a name")?;
+                let components = self.words.count_on_line("the number of components")?;
+                let types = usize::from(keyword == b"TEXTURE_COORDINATES");
+                self.skip_numbers(types, count, components)
+            }
+            _ => Err(self.words.unexpected("a kind of data", keyword)),
+        }
+    }
+
+    fn read_scalars(&mut self, count: usize) -> Result<(), Fault> {
+        let name = shown(self.words.some_word_on_line("a name")?);
+        self.words.some_word_on_line("a number type")?;
+        let components = match self.words.word_on_line() {
+            None => 1,
+            Some(word) => self.words.parse_count(word, "the number of components")?,
+        };
+        if self.words.peek() == Some(b"LOOKUP_TABLE") {
+            self.words.word();
+            self.words.some_word_on_line("a table's name")?;
+        }
+        self.read_array(name, components, count)
+    }
+
+    /// Reads the arrays of a FIELD, wherever it stands.
+    fn read_field(&mut self) -> Result<(), Fault> {
+        self.words.some_word("a field's name")?;
+        let arrays = self.words.count("the number of arrays")?;
+        for _ in 0..arrays {
+            if self.words.peek() == Some(b"METADATA") {
+                self.skip_metadata();
+            }
+            let name = shown(self.words.some_word("an array's name")?);
+            let components = self.words.count("the number of components")?;
+            let count = self.words.count("the number of tuples")?;
+            self.words.some_word("a number type")?;
+            self.read_array(name, components, count)?;
+        }
+        Ok(())
+    }
+
+    /// Keeps one-component arrays with a value for every point.
+    fn read_array(&mut self, name: String, components: usize, count: usize) -> Result<(), Fault> {
+        let of_points = self.tuples.is_some_and(|tuples| tuples.of_points);
+        if !of_points || components != 1 || count != self.mesh.vertices.len() {
+            return self.skip_numbers(0, count, components);
+        }
+        let values = (0..count)
+            .map(|_| self.words.number("a value"))
+            .collect::<Result<_, _>>()?;
+        self.mesh.vertex_data.push(VertexData { name, values });
+        Ok(())
+    }
+
+    fn skip_numbers(
+        &mut self,
+        words_before: usize,
+        count: usize,
+        components: usize,
+    ) -> Result<(), Fault> {
+        for _ in 0..words_before {
+            self.words.some_word("a name or type")?;
+        }
+        for _ in 0..count.saturating_mul(components) {
+            self.words.some_word("a value")?;
+        }
+        Ok(())
+    }
+
+    /// Moves past the empty line that ends a METADATA block.
+    fn skip_metadata(&mut self) {
+        self.words.word();
+        self.words.next_line();
+        while !self.words.rest_of_line().is_empty() {}
+    }
+
+    fn into_mesh(mut self) -> Result<Mesh, Fault> {
+        if self.cells.len() != self.kinds.len() {
+            let (what, announced, found) = ("cell types", self.cells.len(), self.kinds.len());
+            return Err(Fault::whole(Trouble::WrongCount {
+                what,
+                announced,
+                found,
+            }));
+        }
+        for (cell, &kind) in self.cells.iter().zip(&self.kinds) {
+            add_cell(&mut self.mesh, kind, cell).map_err(Fault::whole)?;
+        }
+        self.mesh.into_mesh()
+    }
+}

@@ -1,0 +1,117 @@
+//! Just enough XML for VTK's files: tags with attributes, and the text after them.
+//!
+//! Entities are not decoded and nothing is validated: VTK writes neither entities nor CDATA
+//! where numbers stand. Comments and `<?…?>` are passed over.
+
+/// An opening or closing tag.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Tag<'a> {
+    /// The element's name, with a leading `/` for a closing tag.
+    pub(crate) name: &'a [u8],
+    /// All between the name and the closing bracket.
+    attributes: &'a [u8],
+    /// Where the text after the tag starts.
+    pub(crate) end: usize,
+}
+
+impl<'a> Tag<'a> {
+    /// The value of an attribute.
+    pub(crate) fn attribute(&self, name: &str) -> Option<&'a [u8]> {
+        let mut rest = self.attributes;
+        loop {
+            let equals = find(rest, b"=")?;
+            let key = rest[..equals].trim_ascii();
+            rest = rest[equals + 1..].trim_ascii_start();
+            let quote = *rest
+                .first()
+                .filter(|&&byte| byte == b'"' || byte == b'\'')?;
+            let length = rest[1..].iter().position(|&byte| byte == quote)?;
+            if key == name.as_bytes() {
+                return Some(&rest[1..=length]);
+            }
+            rest = &rest[length + 2..];
+        }
+    }
+
+    /// Whether the element ends with its opening tag.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.attributes.ends_with(b"/")
+    }
+}
+
+/// The first tag at or after `position`.
+pub(crate) fn next_tag(bytes: &[u8], mut position: usize) -> Option<Tag<'_>> {
+    loop {
+        let start = position + find(bytes.get(position..)?, b"<")? + 1;
+        let rest = &bytes[start..];
+        if rest.starts_with(b"!--") {
+            position = start + find(rest, b"-->")?;
+            continue;
+        }
+        let length = closing_bracket(rest)?;
+        position = start + length + 1;
+        if rest.starts_with(b"?") || rest.starts_with(b"!") {
+            continue;
+        }
+        let inside = &rest[..length];
+        let ends_name = |byte: &u8| byte.is_ascii_whitespace();
+        let split = inside.iter().position(ends_name).unwrap_or(inside.len());
+        let (name, attributes) = inside.split_at(split);
+        return Some(Tag {
+            name,
+            attributes,
+            end: position,
+        });
+    }
+}
+
+/// The text from `position` to the next tag.
+pub(crate) fn text_at(bytes: &[u8], position: usize) -> &[u8] {
+    let rest = &bytes[position..];
+    &rest[..find(rest, b"<").unwrap_or(rest.len())]
+}
+
+/// The one-based line of a byte.
+pub(crate) fn line_of(bytes: &[u8], position: usize) -> usize {
+    1 + bytes[..position]
+        .iter()
+        .filter(|&&byte| byte == b'\n')
+        .count()
+}
+
+/// The first `>` outside quotes.
+fn closing_bracket(bytes: &[u8]) -> Option<usize> {
+    let mut quote = None;
+    bytes.iter().position(|&byte| {
+        match quote {
+            Some(open) if byte == open => quote = None,
+            None if byte == b'"' || byte == b'\'' => quote = Some(byte),
+            _ => {}
+        }
+        quote.is_none() && byte == b'>'
+    })
+}
+
+fn find(bytes: &[u8], pattern: &[u8]) -> Option<usize> {
+    bytes
+        .windows(pattern.len())
+        .position(|window| window == pattern)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn attributes_and_comments() {
+        let text = b"<?xml version='1.0'?><!-- <no a='1'> --><yes a = \"x>y\" b='2'/>7<z>";
+        let tag = next_tag(text, 0).unwrap();
+        assert_eq!(
+            (tag.name, tag.attribute("a"), tag.attribute("b")),
+            (&b"yes"[..], Some(&b"x>y"[..]), Some(&b"2"[..]))
+        );
+        assert!(tag.is_empty() && tag.attribute("c").is_none());
+        assert_eq!(text_at(text, tag.end), b"7");
+        assert_eq!(next_tag(text, tag.end).unwrap().name, b"z");
+    }
+}

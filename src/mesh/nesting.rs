@@ -1,0 +1,112 @@
+//! Which component of a surface lies inside which.
+//!
+//! A component inside an even number of others bounds a part of the solid from outside, one
+//! inside an odd number bounds a cavity. Inside is decided by the winding number, the sum of
+//! the solid angles of the triangles over 4π: 1 inside and 0 outside an outward component, in
+//! between only on the surface itself.
+
+use nalgebra::Point3;
+
+use crate::geometry::bounds::Bounds;
+use crate::mesh::surface::{SurfaceMesh, cone_volume};
+
+/// How many vertices of a component are asked at most. One suffices unless it lies on the
+/// other component: then the one with the clearest answer counts.
+const PROBES: usize = 5;
+
+/// The signed volumes and nesting depths of the components.
+#[derive(Clone, Debug)]
+pub(crate) struct Nesting {
+    /// The signed volume of every component as oriented in the mesh.
+    pub(crate) volumes: Vec<f64>,
+    /// How many other components each lies inside.
+    pub(crate) depths: Vec<usize>,
+}
+
+/// The nesting of the closed, consistently oriented components of `mesh`; `component` numbers
+/// them per triangle.
+pub(crate) fn nesting(mesh: &SurfaceMesh, component: &[u32], components: usize) -> Nesting {
+    let parts = parts(mesh, component, components);
+    let depth = |inner: &Part| {
+        let encloses = |outer: &&Part| outer.encloses(inner);
+        parts.iter().filter(encloses).count()
+    };
+    Nesting {
+        volumes: parts.iter().map(|part| part.volume).collect(),
+        depths: if components == 1 {
+            vec![0]
+        } else {
+            parts.iter().map(depth).collect()
+        },
+    }
+}
+
+/// One component.
+struct Part {
+    triangles: Vec<[Point3<f64>; 3]>,
+    bounds: Bounds<3>,
+    volume: f64,
+}
+
+fn parts(mesh: &SurfaceMesh, component: &[u32], components: usize) -> Vec<Part> {
+    let mut triangles = vec![Vec::new(); components];
+    for (corners, &number) in mesh.all_corners().zip(component) {
+        triangles[number as usize].push(corners);
+    }
+    triangles.into_iter().map(Part::of).collect()
+}
+
+impl Part {
+    fn of(triangles: Vec<[Point3<f64>; 3]>) -> Self {
+        let bounds = Bounds::of(triangles.iter().flatten());
+        let apex = bounds.center();
+        let volume = triangles
+            .iter()
+            .map(|corners| cone_volume(&apex, corners))
+            .sum();
+        Self {
+            triangles,
+            bounds,
+            volume,
+        }
+    }
+
+    /// Whether `inner`, another component, lies inside this one.
+    fn encloses(&self, inner: &Self) -> bool {
+        if std::ptr::eq(self, inner) || !holds(&self.bounds, &inner.bounds) {
+            return false;
+        }
+        let stride = inner.triangles.len().div_ceil(PROBES);
+        let probes = inner
+            .triangles
+            .iter()
+            .step_by(stride)
+            .map(|corners| corners[0]);
+        let windings = probes.map(|probe| self.winding(&probe).abs());
+        let unclear = |winding: &f64| (winding - winding.round()).abs();
+        let clearest = windings.min_by(|one, other| unclear(one).total_cmp(&unclear(other)));
+        clearest.is_some_and(|winding| winding > 0.5)
+    }
+
+    fn winding(&self, point: &Point3<f64>) -> f64 {
+        let angles = self
+            .triangles
+            .iter()
+            .map(|corners| solid_angle(point, corners));
+        angles.sum::<f64>() / (4.0 * std::f64::consts::PI)
+    }
+}
+
+fn holds(outer: &Bounds<3>, inner: &Bounds<3>) -> bool {
+    outer.contains(&inner.min) && outer.contains(&inner.max)
+}
+
+/// The signed solid angle of a triangle seen from `point`: van Oosterom & Strackee, "The solid
+/// angle of a plane triangle", IEEE Trans. Biomed. Eng. 30 (1983), eq. 8.
+fn solid_angle(point: &Point3<f64>, corners: &[Point3<f64>; 3]) -> f64 {
+    let [a, b, c] = corners.map(|corner| corner - point);
+    let [la, lb, lc] = [a.norm(), b.norm(), c.norm()];
+    let height = a.dot(&b.cross(&c));
+    let base = la * lb * lc + a.dot(&b) * lc + b.dot(&c) * la + c.dot(&a) * lb;
+    2.0 * height.atan2(base)
+}

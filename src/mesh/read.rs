@@ -1,0 +1,184 @@
+//! One door for all mesh files.
+//!
+//! The first bytes tell the format where they leave no doubt, even against the extension; then
+//! the extension does; then weaker marks. [`read`] takes either kind of mesh, [`read_surface`]
+//! and [`read_tets`] one.
+
+use std::fs;
+use std::path::Path;
+
+use crate::mesh::error::{Fault, ReadError, Trouble};
+use crate::mesh::formats::{gmsh, medit, obj, off, ply, stl, tetgen, vtk, vtu};
+use crate::mesh::kind::Mesh;
+use crate::mesh::surface::SurfaceMesh;
+use crate::mesh::tets::TetMesh;
+
+/// The formats, as messages name them.
+const KNOWN: &str = "export it as .off, .obj, .stl, .ply, .mesh, .msh, .node/.ele, .vtk or .vtu";
+
+/// Reads a mesh file.
+///
+/// # Errors
+///
+/// The file, the line or byte, what is wrong there and what to do.
+pub fn read(path: &Path) -> Result<Mesh, ReadError> {
+    let bytes = read_bytes(path)?;
+    let extension = path
+        .extension()
+        .unwrap_or_default()
+        .to_string_lossy()
+        .to_ascii_lowercase();
+    match Format::of(&bytes, &extension) {
+        Some(Format::TetGen) => read_pair(path).map(Mesh::Tets),
+        Some(format) => format.parse(&bytes).map_err(|fault| in_file(path, fault)),
+        None => {
+            let what = "a mesh format told neither by the first bytes nor the extension".into();
+            let mend = KNOWN;
+            Err(in_file(
+                path,
+                Fault::whole(Trouble::Unsupported { what, mend }),
+            ))
+        }
+    }
+}
+
+/// Reads a surface; of tetrahedra, their boundary.
+///
+/// # Errors
+///
+/// As [`read`].
+pub fn read_surface(path: &Path) -> Result<SurfaceMesh, ReadError> {
+    match read(path)? {
+        Mesh::Surface(mesh) => Ok(mesh),
+        Mesh::Tets(mesh) => Ok(mesh.boundary()),
+    }
+}
+
+/// Reads tetrahedra.
+///
+/// # Errors
+///
+/// As [`read`], and if the file holds a surface only.
+pub fn read_tets(path: &Path) -> Result<TetMesh, ReadError> {
+    match read(path)? {
+        Mesh::Tets(mesh) => Ok(mesh),
+        Mesh::Surface(_) => {
+            let (what, mend) = ("tetrahedra", "use it as a surface, which needs none");
+            Err(in_file(path, Fault::whole(Trouble::Missing { what, mend })))
+        }
+    }
+}
+
+/// The formats read here.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Format {
+    Gmsh,
+    Medit,
+    Obj,
+    Off,
+    Ply,
+    Stl,
+    TetGen,
+    Vtk,
+    Vtu,
+}
+
+impl Format {
+    fn of(bytes: &[u8], extension: &str) -> Option<Self> {
+        Self::by_mark(bytes, extension)
+            .or_else(|| Self::by_extension(extension))
+            .or_else(|| Self::by_guess(bytes))
+    }
+
+    /// The format whose mark the file starts with. A binary STL's first 80 bytes may hold any
+    /// remark, so its length counts more.
+    fn by_mark(bytes: &[u8], extension: &str) -> Option<Self> {
+        if extension == "stl" && stl::is_binary(bytes) {
+            return Some(Self::Stl);
+        }
+        let start = bytes.trim_ascii_start();
+        let first = start
+            .split(u8::is_ascii_whitespace)
+            .next()
+            .unwrap_or_default();
+        match first {
+            b"ply" => Some(Self::Ply),
+            b"$MeshFormat" => Some(Self::Gmsh),
+            b"MeshVersionFormatted" => Some(Self::Medit),
+            _ if start.starts_with(b"# vtk DataFile") => Some(Self::Vtk),
+            _ if start.starts_with(b"<?xml") || start.starts_with(b"<VTKFile") => Some(Self::Vtu),
+            _ if off::is_header(first) => Some(Self::Off),
+            _ => None,
+        }
+    }
+
+    fn by_extension(extension: &str) -> Option<Self> {
+        Some(match extension {
+            "off" | "coff" | "noff" => Self::Off,
+            "obj" => Self::Obj,
+            "stl" | "stla" | "stlb" => Self::Stl,
+            "ply" => Self::Ply,
+            "mesh" => Self::Medit,
+            "msh" => Self::Gmsh,
+            "node" | "ele" => Self::TetGen,
+            "vtk" => Self::Vtk,
+            "vtu" => Self::Vtu,
+            _ => return None,
+        })
+    }
+
+    fn by_guess(bytes: &[u8]) -> Option<Self> {
+        let lines = bytes.split(|&byte| byte == b'\n').take(1000);
+        let mut words = lines.filter_map(|line| line.split(u8::is_ascii_whitespace).next());
+        if stl::is_binary(bytes) || bytes.trim_ascii_start().starts_with(b"solid") {
+            return Some(Self::Stl);
+        }
+        words.any(|word| word == b"v").then_some(Self::Obj)
+    }
+
+    fn parse(self, bytes: &[u8]) -> Result<Mesh, Fault> {
+        match self {
+            Self::Gmsh => gmsh::parse(bytes),
+            Self::Medit => medit::parse(bytes),
+            Self::Obj => obj::parse(bytes).map(Mesh::Surface),
+            Self::Off => off::parse(bytes).map(Mesh::Surface),
+            Self::Ply => ply::parse(bytes).map(Mesh::Surface),
+            Self::Stl => stl::parse(bytes).map(Mesh::Surface),
+            Self::Vtk => vtk::parse(bytes),
+            Self::Vtu => vtu::parse(bytes),
+            Self::TetGen => {
+                let (what, mend) = (
+                    "one of TetGen's two files alone".into(),
+                    "name the .ele file",
+                );
+                Err(Fault::whole(Trouble::Unsupported { what, mend }))
+            }
+        }
+    }
+}
+
+/// Reads TetGen's two files, whichever was named.
+fn read_pair(path: &Path) -> Result<TetMesh, ReadError> {
+    let (nodes, elements) = (path.with_extension("node"), path.with_extension("ele"));
+    let parsed = tetgen::parse_nodes(&read_bytes(&nodes)?);
+    let parsed = parsed.map_err(|fault| in_file(&nodes, fault))?;
+    tetgen::parse_elements(&read_bytes(&elements)?, parsed)
+        .map_err(|fault| in_file(&elements, fault))
+}
+
+/// A file's bytes, without a byte order mark; not empty.
+fn read_bytes(path: &Path) -> Result<Vec<u8>, ReadError> {
+    let mut bytes = fs::read(path).map_err(|error| in_file(path, Fault::whole(error.into())))?;
+    if bytes.starts_with(b"\xef\xbb\xbf") {
+        bytes.drain(..3);
+    }
+    if bytes.trim_ascii().is_empty() {
+        return Err(in_file(path, Fault::whole(Trouble::Empty)));
+    }
+    Ok(bytes)
+}
+
+fn in_file(path: &Path, fault: Fault) -> ReadError {
+    let file = path.to_path_buf();
+    ReadError { file, fault }
+}

@@ -1,0 +1,114 @@
+//! Dropping what adds nothing to a surface: collapsed and duplicate triangles, doubled vertices.
+
+use nalgebra::Point3;
+
+use crate::mesh::edges::EdgeTable;
+use crate::mesh::report::Tally;
+use crate::mesh::weld::Welder;
+
+/// Triangles under repair, each with its number in the mesh as read.
+#[derive(Clone, Debug)]
+pub(crate) struct Triangles {
+    /// Zero-based vertex indices.
+    pub(crate) corners: Vec<[u32; 3]>,
+    /// The numbers in the mesh as read.
+    pub(crate) numbers: Vec<u32>,
+}
+
+impl Triangles {
+    pub(crate) fn of(corners: &[[u32; 3]]) -> Self {
+        Self {
+            numbers: (0..corners.len() as u32).collect(),
+            corners: corners.to_vec(),
+        }
+    }
+
+    /// Drops the marked triangles and returns their numbers as read.
+    fn drop_marked(&mut self, marked: &[bool]) -> Tally<u32> {
+        let dropped = self
+            .numbers
+            .iter()
+            .zip(marked)
+            .filter(|&(_, &marked)| marked);
+        let tally = dropped.map(|(&number, _)| number).collect();
+        let mut marks = marked.iter();
+        self.corners
+            .retain(|_| !marks.next().is_some_and(|&marked| marked));
+        let mut marks = marked.iter();
+        self.numbers
+            .retain(|_| !marks.next().is_some_and(|&marked| marked));
+        tally
+    }
+}
+
+/// Drops triangles with a repeated vertex. Their two remaining sides run along one edge in
+/// opposite directions, so a closed surface stays closed.
+pub(crate) fn drop_collapsed(triangles: &mut Triangles) -> Tally<u32> {
+    let collapsed = |&[a, b, c]: &[u32; 3]| a == b || b == c || c == a;
+    let marked: Vec<bool> = triangles.corners.iter().map(collapsed).collect();
+    triangles.drop_marked(&marked)
+}
+
+/// Drops duplicates: of triangles on the same three vertices one is kept, or none where the one
+/// would be a wall between two parts of the solid (an edge with an odd number of triangles,
+/// three or more, is left).
+pub(crate) fn drop_duplicates(triangles: &mut Triangles, vertices: usize) -> Tally<u32> {
+    let groups = coincident_groups(&triangles.corners);
+    if groups.is_empty() {
+        return Tally::default();
+    }
+    let mut marked = vec![false; triangles.corners.len()];
+    for group in &groups {
+        for &extra in &group[1..] {
+            marked[extra as usize] = true;
+        }
+    }
+    let mut uses = vec![0_usize; triangles.corners.len() * 3];
+    for edge in EdgeTable::of(&triangles.corners, vertices).iter() {
+        let kept = edge
+            .sides
+            .iter()
+            .filter(|&&side| !marked[side as usize / 3])
+            .count();
+        for &side in edge.sides {
+            uses[side as usize] = kept;
+        }
+    }
+    for first in groups.iter().map(|group| group[0] as usize) {
+        let is_wall = uses[3 * first..3 * first + 3]
+            .iter()
+            .any(|&uses| uses >= 3 && uses % 2 == 1);
+        marked[first] = is_wall;
+    }
+    triangles.drop_marked(&marked)
+}
+
+/// Merges vertices with equal coordinates; returns how many were merged away.
+pub(crate) fn weld(vertices: &mut Vec<Point3<f64>>, triangles: &mut Triangles) -> usize {
+    let mut welder = Welder::with_capacity(vertices.len());
+    let new_index: Vec<u32> = vertices.iter().map(|vertex| welder.index(vertex)).collect();
+    let welded = welder.into_points();
+    let merged = vertices.len() - welded.len();
+    if merged > 0 {
+        *vertices = welded;
+        for vertex in triangles.corners.iter_mut().flatten() {
+            *vertex = new_index[*vertex as usize];
+        }
+    }
+    merged
+}
+
+/// The groups of two or more triangles on the same three vertices, ascending in each.
+fn coincident_groups(corners: &[[u32; 3]]) -> Vec<Vec<u32>> {
+    let sorted = |mut corners: [u32; 3]| {
+        corners.sort_unstable();
+        corners
+    };
+    let mut keys: Vec<([u32; 3], u32)> = corners.iter().map(|&c| sorted(c)).zip(0..).collect();
+    keys.sort_unstable();
+    let groups = keys.chunk_by(|one, other| one.0 == other.0);
+    let several = groups.filter(|group| group.len() > 1);
+    several
+        .map(|group| group.iter().map(|&(_, at)| at).collect())
+        .collect()
+}

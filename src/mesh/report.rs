@@ -1,0 +1,242 @@
+//! What a check found: counts, first places, sentences.
+
+use std::fmt;
+
+use thiserror::Error;
+
+/// How often something was found, and where first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Tally<T> {
+    /// How many.
+    pub count: usize,
+    /// The first of them.
+    pub first: Option<T>,
+}
+
+impl<T> Default for Tally<T> {
+    fn default() -> Self {
+        let (count, first) = (0, None);
+        Self { count, first }
+    }
+}
+
+impl<T> Tally<T> {
+    /// Counts one more.
+    pub fn add(&mut self, place: T) {
+        self.count += 1;
+        self.first.get_or_insert(place);
+    }
+}
+
+impl<T> FromIterator<T> for Tally<T> {
+    fn from_iter<I: IntoIterator<Item = T>>(places: I) -> Self {
+        let mut tally = Self::default();
+        for place in places {
+            tally.add(place);
+        }
+        tally
+    }
+}
+
+/// An edge and one of its triangles, zero-based as read (polygons counted by their triangles).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct EdgePlace {
+    /// The edge's vertices.
+    pub vertices: [u32; 2],
+    /// A triangle at the edge.
+    pub triangle: u32,
+}
+
+impl fmt::Display for EdgePlace {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [from, to] = self.vertices;
+        write!(
+            out,
+            "between vertices {from} and {to} (triangle {})",
+            self.triangle
+        )
+    }
+}
+
+/// What was found in, and done to, a surface that was accepted. Triangle and vertex numbers are
+/// zero-based and those of the mesh as read.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SurfaceReport {
+    /// Connected components (across edges).
+    pub components: usize,
+    /// Components that bound a cavity.
+    pub cavities: usize,
+    /// The sum of the components' genera (handles): V − E + F = 2 · components − 2 · genus.
+    pub genus: i64,
+    /// Coincident vertices that were merged because the surface was open without.
+    pub welded: usize,
+    /// Triangles with a repeated vertex, dropped.
+    pub collapsed: Tally<u32>,
+    /// Triangles on the same three vertices as another, dropped.
+    pub duplicates: Tally<u32>,
+    /// Triangles turned to agree with their neighbors.
+    pub reoriented: Tally<u32>,
+    /// Components turned inside out, each by a triangle of it.
+    pub inverted: Tally<u32>,
+    /// Triangles without area, kept: they are harmless.
+    pub flat: Tally<u32>,
+    /// Edges of four or more triangles, evenly traversed, kept: components or handles that touch.
+    pub touching: Tally<EdgePlace>,
+    /// Vertices no triangle uses, dropped.
+    pub isolated: Tally<u32>,
+    /// Pairs of triangles that cross, kept: the part enclosed twice counts twice. `None`: not
+    /// looked for in a surface this large.
+    pub crossings: Option<Tally<[u32; 2]>>,
+}
+
+impl SurfaceReport {
+    /// One sentence for each thing that a user should know; none for a flawless surface.
+    #[must_use]
+    pub fn notes(&self) -> Vec<String> {
+        let welded = (self.welded > 0).then(|| {
+            format!(
+                "{} coincident vertices were merged to close the surface",
+                self.welded
+            )
+        });
+        let touching = self.touching.first.map(|place| {
+            format!("{} edges belong to more than two triangles, the first {place}; kept, the solid touches itself there", self.touching.count)
+        });
+        let crossings = self.crossings.and_then(|tally| {
+            tally.first.map(|[one, other]| {
+                format!("{} pairs of triangles cross, the first {one} and {other}; what is enclosed twice counts twice, mend the overlap with a Boolean union", tally.count)
+            })
+        });
+        let told = [
+            told(
+                self.collapsed,
+                "triangles with a repeated vertex were dropped",
+            ),
+            told(self.duplicates, "duplicate triangles were dropped"),
+            told(
+                self.reoriented,
+                "triangles were turned to agree with their neighbors",
+            ),
+            told(self.inverted, "components were turned inside out"),
+            told(self.flat, "triangles have no area; kept"),
+            told_vertices(self.isolated),
+        ];
+        let told = told.into_iter().flatten();
+        welded
+            .into_iter()
+            .chain(told)
+            .chain(touching)
+            .chain(crossings)
+            .collect()
+    }
+}
+
+/// What was found in, and done to, a tetrahedral mesh that was accepted. Numbers are zero-based
+/// and those of the mesh as read.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct TetReport {
+    /// Tetrahedra of negative volume, turned.
+    pub inverted: Tally<u32>,
+    /// Tetrahedra without volume, dropped.
+    pub flat: Tally<u32>,
+    /// Tetrahedra on the same four vertices as another, dropped.
+    pub duplicates: Tally<u32>,
+    /// Vertices no tetrahedron uses, dropped.
+    pub isolated: Tally<u32>,
+}
+
+impl TetReport {
+    /// One sentence for each thing that a user should know; none for a flawless mesh.
+    #[must_use]
+    pub fn notes(&self) -> Vec<String> {
+        let told = [
+            told(self.inverted, "inverted tetrahedra were turned"),
+            told(self.flat, "tetrahedra without volume were dropped"),
+            told(self.duplicates, "duplicate tetrahedra were dropped"),
+            told_vertices(self.isolated),
+        ];
+        told.into_iter().flatten().collect()
+    }
+}
+
+fn told(tally: Tally<u32>, what: &str) -> Option<String> {
+    let first = tally.first?;
+    Some(format!(
+        "{} {what}, the first at element {first}",
+        tally.count
+    ))
+}
+
+fn told_vertices(tally: Tally<u32>) -> Option<String> {
+    let first = tally.first?;
+    Some(format!(
+        "{} vertices belong to no element and were dropped, the first is vertex {first}",
+        tally.count
+    ))
+}
+
+/// Why a mesh bounds or fills no solid, and what to do. The sentence continues a file's name.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum Refusal {
+    /// Nothing there.
+    #[error("has no {0}; export the mesh again")]
+    Empty(&'static str),
+    /// A coordinate or value is NaN or infinite.
+    #[error(
+        "has a coordinate or value at vertex {0} that is not finite; repair or export the mesh again"
+    )]
+    NotFinite(usize),
+    /// An element refers to a vertex that is not there.
+    #[error(
+        "element {element} refers to vertex {vertex} of {vertices} (zero-based); export the mesh again"
+    )]
+    OutOfRange {
+        /// The element.
+        element: usize,
+        /// The vertex it refers to.
+        vertex: u32,
+        /// How many vertices there are.
+        vertices: usize,
+    },
+    /// Edges with one triangle.
+    #[error(
+        "is not closed: {count} boundary edges, the first {first}; close it with a mesh repair tool such as MeshLab's 'Close Holes' or PyMeshFix"
+    )]
+    Open {
+        /// The number of boundary edges.
+        count: usize,
+        /// The first of them.
+        first: EdgePlace,
+    },
+    /// Edges whose triangles enclose no solid consistently.
+    #[error(
+        "is not the boundary of a solid: {count} edges belong to more than two triangles, the first {first}; remove inner walls and doubled faces, for example with MeshLab's 'Repair non Manifold Edges'"
+    )]
+    NonManifold {
+        /// The number of such edges.
+        count: usize,
+        /// The first of them.
+        first: EdgePlace,
+    },
+    /// A one-sided component.
+    #[error(
+        "has a one-sided component (such as a Klein bottle): its triangles cannot be oriented, the first contradiction stands {first}; cut it open there"
+    )]
+    OneSided {
+        /// Where a contradiction was met.
+        first: EdgePlace,
+    },
+    /// No inside.
+    #[error("encloses no volume; give it thickness")]
+    Flat,
+    /// Facets with more than two tetrahedra.
+    #[error(
+        "{count} facets belong to more than two tetrahedra, the first to tetrahedron {first}; remove the overlapping tetrahedra"
+    )]
+    Overlap {
+        /// The number of such facets.
+        count: usize,
+        /// A tetrahedron at the first of them.
+        first: u32,
+    },
+}

@@ -1,0 +1,102 @@
+//! Triangulated surfaces.
+
+use nalgebra::Point3;
+
+use crate::geometry::bounds::Bounds;
+use crate::mesh::similarity::Similarity;
+
+/// A triangulated surface as it was read: perhaps open, perhaps badly oriented. What bounds a
+/// solid is a [`crate::mesh::validate::ClosedSurface`].
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SurfaceMesh {
+    /// Vertex positions (L).
+    pub vertices: Vec<Point3<f64>>,
+    /// Zero-based vertex indices, counter-clockwise seen from outside.
+    pub triangles: Vec<[u32; 3]>,
+}
+
+impl SurfaceMesh {
+    /// The corners of a triangle.
+    #[must_use]
+    pub fn corners(&self, triangle: usize) -> [Point3<f64>; 3] {
+        self.triangles[triangle].map(|vertex| self.vertices[vertex as usize])
+    }
+
+    /// All triangles' corners.
+    pub fn all_corners(&self) -> impl ExactSizeIterator<Item = [Point3<f64>; 3]> + '_ {
+        (0..self.triangles.len()).map(|triangle| self.corners(triangle))
+    }
+
+    /// The least box that holds all triangles; vertices no triangle uses do not count.
+    #[must_use]
+    pub fn bounds(&self) -> Bounds<3> {
+        Bounds::of(
+            self.triangles
+                .iter()
+                .flatten()
+                .map(|&v| &self.vertices[v as usize]),
+        )
+    }
+
+    /// The enclosed volume (L³) by the divergence theorem: the signed volumes of the cones
+    /// from the box's center, which keeps digits far from the origin. Independent of the apex
+    /// only if the surface is closed.
+    #[must_use]
+    pub fn volume(&self) -> f64 {
+        let apex = self.bounds().center();
+        let cones = self
+            .all_corners()
+            .map(|corners| cone_volume(&apex, &corners));
+        cones.sum()
+    }
+
+    /// The sum of the triangles' areas (L²).
+    #[must_use]
+    pub fn area(&self) -> f64 {
+        self.all_corners()
+            .map(|corners| triangle_area(&corners))
+            .sum()
+    }
+
+    /// Moves every vertex by `map`.
+    pub fn transform(&mut self, map: &Similarity) {
+        for vertex in &mut self.vertices {
+            *vertex = map.apply(vertex);
+        }
+    }
+
+    /// Scales uniformly and centers in the unit cube; returns the map.
+    pub fn fit_unit_cube(&mut self) -> Similarity {
+        let map = Similarity::into_unit_cube(&self.bounds());
+        self.transform(&map);
+        map
+    }
+
+    /// Scales uniformly to the largest size that fits `target`, centered there; returns the map.
+    pub fn scale_to(&mut self, target: &Bounds<3>) -> Similarity {
+        let map = Similarity::into_box(&self.bounds(), target);
+        self.transform(&map);
+        map
+    }
+
+    /// Scales uniformly to extent 1 along `axis`, least coordinates at the origin; returns the
+    /// map.
+    pub fn fit_unit_height(&mut self, axis: usize) -> Similarity {
+        let map = Similarity::to_unit_height(&self.bounds(), axis);
+        self.transform(&map);
+        map
+    }
+}
+
+/// The signed volume of the tetrahedron (apex, a, b, c): positive where a, b, c turn
+/// counter-clockwise seen from the side away from the apex.
+#[must_use]
+pub fn cone_volume(apex: &Point3<f64>, [a, b, c]: &[Point3<f64>; 3]) -> f64 {
+    (a - apex).dot(&(b - apex).cross(&(c - apex))) / 6.0
+}
+
+/// The area of a triangle.
+#[must_use]
+pub fn triangle_area([a, b, c]: &[Point3<f64>; 3]) -> f64 {
+    (b - a).cross(&(c - a)).norm() / 2.0
+}

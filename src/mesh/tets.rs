@@ -1,0 +1,176 @@
+//! Tetrahedral meshes with scalar data at their vertices.
+
+use nalgebra::Point3;
+
+use crate::geometry::bounds::Bounds;
+use crate::mesh::similarity::Similarity;
+use crate::mesh::surface::SurfaceMesh;
+
+/// The corners of the four facets of a tetrahedron of positive volume, counter-clockwise seen
+/// from outside; facet k lies opposite corner k.
+pub const FACETS: [[usize; 3]; 4] = [[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]];
+
+/// A tetrahedral mesh as it was read: perhaps with inverted or flat elements. One that fills a
+/// solid is a [`crate::mesh::sound::SoundTets`].
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct TetMesh {
+    /// Vertex positions (L).
+    pub vertices: Vec<Point3<f64>>,
+    /// Zero-based vertex indices; the volume is positive where vertex 3 sees 0, 1, 2
+    /// counter-clockwise.
+    pub tets: Vec<[u32; 4]>,
+    /// Scalar fields such as densities.
+    pub vertex_data: Vec<VertexData>,
+}
+
+/// One scalar per vertex.
+#[derive(Clone, Debug, PartialEq)]
+pub struct VertexData {
+    /// The field's name in the file.
+    pub name: String,
+    /// The values in vertex order.
+    pub values: Vec<f64>,
+}
+
+impl TetMesh {
+    /// The corners of a tetrahedron.
+    #[must_use]
+    pub fn corners(&self, tet: usize) -> [Point3<f64>; 4] {
+        self.tets[tet].map(|vertex| self.vertices[vertex as usize])
+    }
+
+    /// All tetrahedra's corners.
+    pub fn all_corners(&self) -> impl ExactSizeIterator<Item = [Point3<f64>; 4]> + '_ {
+        (0..self.tets.len()).map(|tet| self.corners(tet))
+    }
+
+    /// The values of the field called `name`, in vertex order.
+    #[must_use]
+    pub fn data(&self, name: &str) -> Option<&[f64]> {
+        let field = self.vertex_data.iter().find(|field| field.name == name)?;
+        Some(&field.values)
+    }
+
+    /// The least box that holds all tetrahedra; vertices none of them uses do not count.
+    #[must_use]
+    pub fn bounds(&self) -> Bounds<3> {
+        Bounds::of(
+            self.tets
+                .iter()
+                .flatten()
+                .map(|&v| &self.vertices[v as usize]),
+        )
+    }
+
+    /// The sum of the signed volumes (L³).
+    #[must_use]
+    pub fn volume(&self) -> f64 {
+        self.all_corners().map(|corners| tet_volume(&corners)).sum()
+    }
+
+    /// Moves every vertex by `map`; vertex data stay as they are.
+    pub fn transform(&mut self, map: &Similarity) {
+        for vertex in &mut self.vertices {
+            *vertex = map.apply(vertex);
+        }
+    }
+
+    /// Scales uniformly and centers in the unit cube; returns the map.
+    pub fn fit_unit_cube(&mut self) -> Similarity {
+        let map = Similarity::into_unit_cube(&self.bounds());
+        self.transform(&map);
+        map
+    }
+
+    /// Scales uniformly to the largest size that fits `target`, centered there; returns the map.
+    pub fn scale_to(&mut self, target: &Bounds<3>) -> Similarity {
+        let map = Similarity::into_box(&self.bounds(), target);
+        self.transform(&map);
+        map
+    }
+
+    /// Scales uniformly to extent 1 along `axis`, least coordinates at the origin; returns the
+    /// map.
+    pub fn fit_unit_height(&mut self, axis: usize) -> Similarity {
+        let map = Similarity::to_unit_height(&self.bounds(), axis);
+        self.transform(&map);
+        map
+    }
+
+    /// The facets that belong to one tetrahedron only, oriented outward, over the vertices they
+    /// use, in the order of the tetrahedra.
+    #[must_use]
+    pub fn boundary(&self) -> SurfaceMesh {
+        let mut facets = self.facets();
+        facets.sort_unstable();
+        let single =
+            (facets.chunk_by(|one, other| one.0 == other.0)).filter(|group| group.len() == 1);
+        let mut facets: Vec<u32> = single.map(|group| group[0].1).collect();
+        facets.sort_unstable();
+        let triangles = facets.iter().map(|&facet| self.facet(facet)).collect();
+        let mut surface = SurfaceMesh {
+            vertices: self.vertices.clone(),
+            triangles,
+        };
+        compact(&mut surface.vertices, &mut surface.triangles);
+        surface
+    }
+
+    /// (sorted vertices, 4 · tetrahedron + facet) of all facets.
+    pub(crate) fn facets(&self) -> Vec<([u32; 3], u32)> {
+        let key = |tet: &[u32; 4], corners: [usize; 3]| {
+            let mut vertices = corners.map(|corner| tet[corner]);
+            vertices.sort_unstable();
+            vertices
+        };
+        let keys = self
+            .tets
+            .iter()
+            .flat_map(|tet| FACETS.map(|corners| key(tet, corners)));
+        keys.zip(0..).collect()
+    }
+
+    /// A facet by number, oriented outward.
+    fn facet(&self, facet: u32) -> [u32; 3] {
+        let tet = facet as usize / 4;
+        let [a, b, c] = FACETS[facet as usize % 4].map(|corner| self.tets[tet][corner]);
+        if tet_volume(&self.corners(tet)) < 0.0 {
+            return [a, c, b];
+        }
+        [a, b, c]
+    }
+}
+
+/// The signed volume of a tetrahedron: positive where d sees a, b, c counter-clockwise.
+#[must_use]
+pub fn tet_volume([a, b, c, d]: &[Point3<f64>; 4]) -> f64 {
+    (b - a).dot(&(c - a).cross(&(d - a))) / 6.0
+}
+
+/// Drops the vertices that no element uses and renumbers the elements; returns the kept
+/// vertices' former indices.
+pub(crate) fn compact<const N: usize>(
+    vertices: &mut Vec<Point3<f64>>,
+    elements: &mut [[u32; N]],
+) -> Vec<u32> {
+    let mut used = vec![false; vertices.len()];
+    for &vertex in elements.iter().flatten() {
+        used[vertex as usize] = true;
+    }
+    let kept: Vec<u32> = (0..)
+        .zip(&used)
+        .filter(|&(_, &used)| used)
+        .map(|(v, _)| v)
+        .collect();
+    if kept.len() < vertices.len() {
+        let mut new_index = vec![0; vertices.len()];
+        for (new, &old) in (0..).zip(&kept) {
+            new_index[old as usize] = new;
+        }
+        for vertex in elements.iter_mut().flatten() {
+            *vertex = new_index[*vertex as usize];
+        }
+        *vertices = kept.iter().map(|&old| vertices[old as usize]).collect();
+    }
+    kept
+}

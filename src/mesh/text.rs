@@ -1,0 +1,261 @@
+//! Words and numbers of a text file, with line numbers.
+//!
+//! Words are separated by blanks; an optional comment mark hides the rest of its line. No word
+//! is copied: a file of two million triangles is read in a fraction of a second.
+
+use crate::mesh::error::{Fault, Trouble};
+
+/// Words longer than this are shortened in messages.
+const SHOWN: usize = 40;
+
+/// The greatest number of vertices or triangles: sides (3 per triangle) must fit 32 bits.
+pub(crate) const ELEMENT_LIMIT: usize = (u32::MAX / 4) as usize;
+
+/// A cursor over the words of a text.
+#[derive(Clone, Debug)]
+pub(crate) struct Words<'a> {
+    bytes: &'a [u8],
+    position: usize,
+    line: usize,
+    comment: Option<u8>,
+}
+
+impl<'a> Words<'a> {
+    /// A cursor at the start of `bytes`; `comment` starts a comment anywhere on a line.
+    pub(crate) fn new(bytes: &'a [u8], comment: Option<u8>) -> Self {
+        Self {
+            bytes,
+            position: 0,
+            line: 1,
+            comment,
+        }
+    }
+
+    /// The same cursor, its first line called `line`.
+    pub(crate) fn on_line(self, line: usize) -> Self {
+        Self { line, ..self }
+    }
+
+    /// The one-based line of the cursor.
+    pub(crate) fn line(&self) -> usize {
+        self.line
+    }
+
+    /// The cursor's byte offset.
+    pub(crate) fn position(&self) -> usize {
+        self.position
+    }
+
+    /// How many elements of at least `width` bytes the rest can hold: a bound for memory
+    /// reserved on the word of an announced count.
+    pub(crate) fn room_for(&self, announced: usize, width: usize) -> usize {
+        announced.min((self.bytes.len() - self.position) / width + 1)
+    }
+
+    /// The next word on this line.
+    pub(crate) fn word_on_line(&mut self) -> Option<&'a [u8]> {
+        let rest = &self.bytes[self.position..];
+        let start = rest.iter().position(|&byte| !is_blank(byte))?;
+        self.position += start;
+        let rest = &rest[start..];
+        if rest[0] == b'\n' || Some(rest[0]) == self.comment {
+            return None;
+        }
+        let comment = self.comment;
+        let ends = |&byte: &u8| byte.is_ascii_whitespace() || Some(byte) == comment;
+        let length = rest.iter().position(ends).unwrap_or(rest.len());
+        self.position += length;
+        Some(&rest[..length])
+    }
+
+    /// The next word on this or a later line.
+    pub(crate) fn word(&mut self) -> Option<&'a [u8]> {
+        loop {
+            if let Some(word) = self.word_on_line() {
+                return Some(word);
+            }
+            if !self.next_line() {
+                return None;
+            }
+        }
+    }
+
+    /// The next word without taking it.
+    pub(crate) fn peek(&self) -> Option<&'a [u8]> {
+        self.clone().word()
+    }
+
+    /// The rest of this line, blanks trimmed, comments included; the cursor moves on to the
+    /// next line.
+    pub(crate) fn rest_of_line(&mut self) -> &'a [u8] {
+        let start = self.position;
+        self.next_line();
+        self.bytes[start..self.position].trim_ascii()
+    }
+
+    /// Moves to the start of the next line; false when there is none.
+    pub(crate) fn next_line(&mut self) -> bool {
+        let rest = &self.bytes[self.position..];
+        if let Some(end) = rest.iter().position(|&byte| byte == b'\n') {
+            self.position += end + 1;
+            self.line += 1;
+            return true;
+        }
+        self.position = self.bytes.len();
+        false
+    }
+
+    /// The next word, which must be there.
+    pub(crate) fn some_word(&mut self, expected: &'static str) -> Result<&'a [u8], Fault> {
+        self.word().ok_or_else(|| self.truncated(expected))
+    }
+
+    /// The next word on this line, which must be there.
+    pub(crate) fn some_word_on_line(&mut self, expected: &'static str) -> Result<&'a [u8], Fault> {
+        self.word_on_line().ok_or_else(|| self.line_ended(expected))
+    }
+
+    /// The fault of the line, or the text, ending where `expected` should stand.
+    pub(crate) fn line_ended(&self, expected: &'static str) -> Fault {
+        if self.position == self.bytes.len() {
+            return self.truncated(expected);
+        }
+        self.unexpected(expected, b"end of line")
+    }
+
+    /// A non-negative integer, on this or a later line.
+    pub(crate) fn count(&mut self, expected: &'static str) -> Result<usize, Fault> {
+        let word = self.some_word(expected)?;
+        self.parse_count(word, expected)
+    }
+
+    /// A non-negative integer on this line.
+    pub(crate) fn count_on_line(&mut self, expected: &'static str) -> Result<usize, Fault> {
+        let word = self.some_word_on_line(expected)?;
+        self.parse_count(word, expected)
+    }
+
+    /// An integer, on this or a later line.
+    pub(crate) fn integer(&mut self, expected: &'static str) -> Result<i64, Fault> {
+        let word = self.some_word(expected)?;
+        integer(word).ok_or_else(|| self.unexpected(expected, word))
+    }
+
+    /// A finite number, on this or a later line.
+    pub(crate) fn number(&mut self, expected: &'static str) -> Result<f64, Fault> {
+        let word = self.some_word(expected)?;
+        self.parse_number(word, expected)
+    }
+
+    /// A finite number on this line.
+    pub(crate) fn number_on_line(&mut self, expected: &'static str) -> Result<f64, Fault> {
+        let word = self.some_word_on_line(expected)?;
+        self.parse_number(word, expected)
+    }
+
+    /// The zero-based index of a vertex numbered from `first`, on this or a later line.
+    pub(crate) fn vertex(&mut self, vertices: usize, first: i64) -> Result<u32, Fault> {
+        let word = self.some_word("a vertex index")?;
+        self.parse_vertex(word, vertices, first)
+    }
+
+    /// The zero-based index of a vertex numbered from `first`, on this line.
+    pub(crate) fn vertex_on_line(&mut self, vertices: usize, first: i64) -> Result<u32, Fault> {
+        let word = self.some_word_on_line("a vertex index")?;
+        self.parse_vertex(word, vertices, first)
+    }
+
+    /// `word` as a finite number.
+    pub(crate) fn parse_number(&self, word: &[u8], expected: &'static str) -> Result<f64, Fault> {
+        let text = std::str::from_utf8(word).ok();
+        let Some(number) = text.and_then(|text| text.parse::<f64>().ok()) else {
+            return Err(self.unexpected(expected, word));
+        };
+        if number.is_finite() {
+            return Ok(number);
+        }
+        let found = shown(word);
+        Err(self.fault(Trouble::NotFinite { found }))
+    }
+
+    /// Refuses more elements than can be indexed.
+    pub(crate) fn check_limit(&self, what: &'static str, count: usize) -> Result<usize, Fault> {
+        if count <= ELEMENT_LIMIT {
+            return Ok(count);
+        }
+        let limit = ELEMENT_LIMIT;
+        Err(self.fault(Trouble::TooMany { what, limit }))
+    }
+
+    /// `trouble` on the cursor's line.
+    pub(crate) fn fault(&self, trouble: Trouble) -> Fault {
+        Fault::on_line(self.line, trouble)
+    }
+
+    /// The fault of `found` standing where `expected` should.
+    pub(crate) fn unexpected(&self, expected: &'static str, found: &[u8]) -> Fault {
+        let found = shown(found);
+        self.fault(Trouble::Expected { expected, found })
+    }
+
+    /// The fault of the text ending where `expected` should stand.
+    pub(crate) fn truncated(&self, expected: &'static str) -> Fault {
+        self.fault(Trouble::Truncated { expected })
+    }
+
+    /// `word` as a non-negative integer.
+    pub(crate) fn parse_count(&self, word: &[u8], expected: &'static str) -> Result<usize, Fault> {
+        integer(word)
+            .and_then(|value| usize::try_from(value).ok())
+            .ok_or_else(|| self.unexpected(expected, word))
+    }
+
+    fn parse_vertex(&self, word: &[u8], vertices: usize, first: i64) -> Result<u32, Fault> {
+        let index = integer(word).ok_or_else(|| self.unexpected("a vertex index", word))?;
+        let zero_based = index.checked_sub(first).and_then(|i| u32::try_from(i).ok());
+        match zero_based {
+            Some(zero_based) if (zero_based as usize) < vertices => Ok(zero_based),
+            _ => Err(self.fault(Trouble::OutOfRange {
+                index,
+                vertices,
+                first,
+            })),
+        }
+    }
+}
+
+/// `word` as a decimal integer.
+pub(crate) fn integer(word: &[u8]) -> Option<i64> {
+    let (negative, digits) = match word {
+        [b'-', digits @ ..] => (true, digits),
+        [b'+', digits @ ..] => (false, digits),
+        digits => (false, digits),
+    };
+    if digits.is_empty() {
+        return None;
+    }
+    let mut value = 0_i64;
+    for &digit in digits {
+        if !digit.is_ascii_digit() {
+            return None;
+        }
+        value = value
+            .checked_mul(10)?
+            .checked_add(i64::from(digit - b'0'))?;
+    }
+    Some(if negative { -value } else { value })
+}
+
+/// `word` as it appears in messages.
+pub(crate) fn shown(word: &[u8]) -> String {
+    let text = String::from_utf8_lossy(&word[..word.len().min(SHOWN)]);
+    let mut text = text.escape_debug().to_string();
+    if word.len() > SHOWN {
+        text.push('…');
+    }
+    text
+}
+
+fn is_blank(byte: u8) -> bool {
+    byte != b'\n' && byte.is_ascii_whitespace()
+}

@@ -1,0 +1,133 @@
+//! Meshes: every format gives the same solid, every defect a clear outcome.
+
+use std::path::{Path, PathBuf};
+
+use chebloyd::mesh::load::{Solid, load};
+use chebloyd::mesh::read::{read_surface, read_tets};
+use chebloyd::mesh::shapes;
+use chebloyd::mesh::sound::validate_tets;
+use chebloyd::mesh::surface::SurfaceMesh;
+use chebloyd::mesh::validate::validate;
+
+/// A file of the shared test models, `None` with a message where they are absent.
+fn model(name: &str) -> Option<PathBuf> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let places = ["../shared/models", "../../shared/models"];
+    let path = places
+        .map(|place| root.join(place).join(name))
+        .into_iter()
+        .find(|path| path.exists());
+    if path.is_none() {
+        println!("skipped: ../shared/models/{name} is absent");
+    }
+    path
+}
+
+/// |one − other| in shares of the greater.
+fn difference(one: f64, other: f64) -> f64 {
+    (one - other).abs() / one.abs().max(other.abs())
+}
+
+#[test]
+fn generated_surfaces_are_flawless() {
+    let shapes: [(SurfaceMesh, i64); 5] = [
+        (shapes::unit_cube(), 0),
+        (shapes::icosphere(3), 0),
+        (shapes::torus(1.0, 0.25, 48, 24), 1),
+        (shapes::trefoil(0.4, 120, 12), 1),
+        (shapes::bracket(6), 1),
+    ];
+    for (mesh, genus) in shapes {
+        let (closed, report) = validate(&mesh).unwrap();
+        assert_eq!(report.notes(), Vec::<String>::new());
+        assert_eq!(
+            (report.components, report.cavities, report.genus),
+            (1, 0, genus)
+        );
+        assert_eq!(closed.surface(), &mesh);
+    }
+}
+
+#[test]
+fn generated_solids_have_their_volumes() {
+    let turn = std::f64::consts::TAU;
+    // A polygonal torus: a regular polygon's area, swept (Pappus) along a polygon.
+    let tube = 0.5 * 24.0 * 0.25_f64.powi(2) * (turn / 24.0).sin();
+    let ring = 48.0 * (turn / 48.0).sin();
+    let hole = 0.5 * 24.0 * 0.25_f64.powi(2) * (turn / 24.0).sin();
+    assert!(difference(shapes::unit_cube().volume(), 1.0) < 1e-15);
+    assert!(difference(shapes::torus(1.0, 0.25, 48, 24).volume(), tube * ring) < 1e-3);
+    assert!(difference(shapes::bracket(6).volume(), 1.5 - 0.5 * hole) < 1e-14);
+    assert!(difference(shapes::icosphere(5).volume(), turn * 2.0 / 3.0) < 2e-3);
+    assert!(difference(shapes::unit_cube_five_tets().volume(), 1.0) < 1e-15);
+    for n in 1..4 {
+        let mesh = shapes::unit_cube_tets(n);
+        assert!(difference(mesh.volume(), 1.0) < 1e-14);
+        assert_eq!(
+            validate_tets(&mesh).unwrap().1.notes(),
+            Vec::<String>::new()
+        );
+        assert_eq!(mesh.boundary().triangles.len(), 12 * (n * n) as usize);
+    }
+}
+
+#[test]
+fn the_models_bound_solids_of_their_genus() {
+    let models = [
+        ("3torus.off", 19, 46, 3),
+        ("anchor.off", 519, 1050, 4),
+        ("bunny.off", 3485, 6966, 0),
+        ("casting.off", 5096, 10224, 9),
+        ("couplingdown.off", 1841, 3714, 9),
+        ("fandisk.off", 6475, 12946, 0),
+        ("femur.off", 3897, 7798, 2),
+        ("rocker-arm.obj", 10044, 20088, 1),
+    ];
+    for (name, vertices, triangles, genus) in models {
+        let Some(path) = model(name) else { continue };
+        let Solid::Surface(closed, report) = load(&path).unwrap() else {
+            panic!("{name} is a surface");
+        };
+        let mesh = closed.surface();
+        let counts = (mesh.vertices.len(), mesh.triangles.len(), report.genus);
+        assert_eq!(counts, (vertices, triangles, genus), "{name}");
+        assert_eq!(report.notes(), Vec::<String>::new(), "{name}");
+        assert!(mesh.volume() > 0.0);
+    }
+}
+
+#[test]
+fn the_open_model_is_refused_with_its_boundary_counted() {
+    let Some(path) = model("open-shark.off") else {
+        return;
+    };
+    let mesh = read_surface(&path).unwrap();
+    let mut uses = std::collections::HashMap::new();
+    for [a, b, c] in &mesh.triangles {
+        for (from, to) in [(a, b), (b, c), (c, a)] {
+            *uses.entry((from.min(to), from.max(to))).or_insert(0) += 1;
+        }
+    }
+    let boundary = uses.values().filter(|&&uses| uses == 1).count();
+    let message = load(&path).unwrap_err().to_string();
+    assert!(
+        message.contains(&format!(
+            "open-shark.off is not closed: {boundary} boundary edges"
+        )),
+        "{message}"
+    );
+    assert!(message.contains("Close Holes"), "{message}");
+}
+
+#[test]
+fn tetrahedra_and_their_boundary_hold_the_same_volume() {
+    let Some(path) = model("bunny.mesh") else {
+        return;
+    };
+    let tets = read_tets(&path).unwrap();
+    assert_eq!((tets.vertices.len(), tets.tets.len()), (5433, 34055));
+    let (sound, _) = validate_tets(&tets).unwrap();
+    let (closed, _) = validate(&sound.mesh().boundary()).unwrap();
+    assert!(difference(sound.mesh().volume(), closed.surface().volume()) < 1e-13);
+    assert_eq!(read_surface(&path).unwrap(), tets.boundary());
+}
