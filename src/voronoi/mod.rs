@@ -8,4 +8,6 @@ pub mod diagram;
 pub mod index;
 pub mod plane;
 
+mod delaunay;
 mod plane_grid;
+mod plane_sites;

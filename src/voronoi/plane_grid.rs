@@ -20,14 +20,16 @@ pub(crate) struct PlaneGrid {
 }
 
 impl PlaneGrid {
-    /// Sorts `sites` into squares that cover `bounds`; sites outside count to the nearest square.
-    pub(crate) fn new(bounds: &Bounds<2>, sites: &[Point2<f64>]) -> Self {
+    /// Sorts `sites` into squares that cover them.
+    pub(crate) fn new(sites: &[Point2<f64>]) -> Self {
+        let bounds = Bounds::of(sites);
         let extent = bounds.extent();
         let squares = (sites.len() as f64 / SITES_PER_SQUARE).max(1.0);
-        // The second argument keeps the number of squares linear for very slender bounds.
+        // The second keeps the number of squares linear for sites on a line, the third is for one.
         let side = (extent.x * extent.y / squares)
             .sqrt()
-            .max(extent.amax() / squares);
+            .max(extent.amax() / squares)
+            .max(f64::MIN_POSITIVE);
         let mut grid = Self {
             min: bounds.min,
             side,
