@@ -31,11 +31,11 @@ fn difference(one: f64, other: f64) -> f64 {
 #[test]
 fn generated_surfaces_are_flawless() {
     let shapes: [(SurfaceMesh, i64); 5] = [
-        (shapes::unit_cube(), 0),
-        (shapes::icosphere(3), 0),
-        (shapes::torus(1.0, 0.25, 48, 24), 1),
-        (shapes::trefoil(0.4, 120, 12), 1),
-        (shapes::bracket(6), 1),
+        (shapes::boxes::unit_cube(), 0),
+        (shapes::sphere::icosphere(3), 0),
+        (shapes::tubes::torus(1.0, 0.25, 48, 24), 1),
+        (shapes::tubes::trefoil(0.4, 120, 12), 1),
+        (shapes::bracket::bracket(6), 1),
     ];
     for (mesh, genus) in shapes {
         let (closed, report) = validate(&mesh).unwrap();
@@ -55,13 +55,18 @@ fn generated_solids_have_their_volumes() {
     let tube = 0.5 * 24.0 * 0.25_f64.powi(2) * (turn / 24.0).sin();
     let ring = 48.0 * (turn / 48.0).sin();
     let hole = 0.5 * 24.0 * 0.25_f64.powi(2) * (turn / 24.0).sin();
-    assert!(difference(shapes::unit_cube().volume(), 1.0) < 1e-15);
-    assert!(difference(shapes::torus(1.0, 0.25, 48, 24).volume(), tube * ring) < 1e-3);
-    assert!(difference(shapes::bracket(6).volume(), 1.5 - 0.5 * hole) < 1e-14);
-    assert!(difference(shapes::icosphere(5).volume(), turn * 2.0 / 3.0) < 2e-3);
-    assert!(difference(shapes::unit_cube_five_tets().volume(), 1.0) < 1e-15);
+    assert!(difference(shapes::boxes::unit_cube().volume(), 1.0) < 1e-15);
+    assert!(
+        difference(
+            shapes::tubes::torus(1.0, 0.25, 48, 24).volume(),
+            tube * ring
+        ) < 1e-3
+    );
+    assert!(difference(shapes::bracket::bracket(6).volume(), 1.5 - 0.5 * hole) < 1e-14);
+    assert!(difference(shapes::sphere::icosphere(5).volume(), turn * 2.0 / 3.0) < 2e-3);
+    assert!(difference(shapes::boxes::unit_cube_five_tets().volume(), 1.0) < 1e-15);
     for n in 1..4 {
-        let mesh = shapes::unit_cube_tets(n);
+        let mesh = shapes::boxes::unit_cube_tets(n);
         assert!(difference(mesh.volume(), 1.0) < 1e-14);
         assert_eq!(
             validate_tets(&mesh).unwrap().1.notes(),

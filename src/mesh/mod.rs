@@ -6,24 +6,24 @@
 //! [`sound::SoundTets`]; [`load::load`] does both steps and puts the file's name into every
 //! message.
 
-pub mod binary;
+pub(crate) mod binary;
 pub mod crossings;
 pub mod edges;
 pub mod error;
 pub mod formats;
 pub mod kind;
 pub mod load;
-pub mod nesting;
-pub mod orient;
+pub(crate) mod nesting;
+pub(crate) mod orient;
 pub mod polygon;
 pub mod read;
-pub mod repair;
+pub(crate) mod repair;
 pub mod report;
 pub mod shapes;
 pub mod similarity;
 pub mod sound;
 pub mod surface;
 pub mod tets;
-pub mod text;
+pub(crate) mod text;
 pub mod validate;
 pub mod weld;

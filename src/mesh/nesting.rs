@@ -8,36 +8,37 @@
 use nalgebra::Point3;
 
 use crate::geometry::bounds::Bounds;
+use crate::mesh::orient::{Orientation, Places};
+use crate::mesh::report::SurfaceReport;
 use crate::mesh::surface::{SurfaceMesh, cone_volume};
 
 /// How many vertices of a component are asked at most. One suffices unless it lies on the
 /// other component: then the one with the clearest answer counts.
 const PROBES: usize = 5;
 
-/// The signed volumes and nesting depths of the components.
-#[derive(Clone, Debug)]
-pub(crate) struct Nesting {
-    /// The signed volume of every component as oriented in the mesh.
-    pub(crate) volumes: Vec<f64>,
-    /// How many other components each lies inside.
-    pub(crate) depths: Vec<usize>,
-}
-
-/// The nesting of the closed, consistently oriented components of `mesh`; `component` numbers
-/// them per triangle.
-pub(crate) fn nesting(mesh: &SurfaceMesh, component: &[u32], components: usize) -> Nesting {
-    let parts = parts(mesh, component, components);
-    let depth = |inner: &Part| {
-        let encloses = |outer: &&Part| outer.encloses(inner);
-        parts.iter().filter(encloses).count()
-    };
-    Nesting {
-        volumes: parts.iter().map(|part| part.volume).collect(),
-        depths: if components == 1 {
-            vec![0]
-        } else {
-            parts.iter().map(depth).collect()
-        },
+/// Turns the closed, consistently oriented components of `surface` outward, cavities inward,
+/// and reports how many there are of each.
+pub(crate) fn turn_outward(
+    surface: &mut SurfaceMesh,
+    places: &Places<'_>,
+    orientation: &Orientation,
+    report: &mut SurfaceReport,
+) {
+    let parts = parts(surface, orientation);
+    let is_cavity =
+        |part: &Part| parts.iter().filter(|outer| outer.encloses(part)).count() % 2 == 1;
+    let cavities: Vec<bool> = parts.iter().map(is_cavity).collect();
+    report.components = parts.len();
+    report.cavities = cavities.iter().filter(|&&is_cavity| is_cavity).count();
+    let mut told = vec![false; parts.len()];
+    for (at, triangle) in surface.triangles.iter_mut().enumerate() {
+        let component = orientation.component[at] as usize;
+        if (parts[component].volume < 0.0) != cavities[component] {
+            triangle.swap(1, 2);
+            if !std::mem::replace(&mut told[component], true) {
+                report.inverted.add(places.numbers[at]);
+            }
+        }
     }
 }
 
@@ -48,9 +49,9 @@ struct Part {
     volume: f64,
 }
 
-fn parts(mesh: &SurfaceMesh, component: &[u32], components: usize) -> Vec<Part> {
-    let mut triangles = vec![Vec::new(); components];
-    for (corners, &number) in mesh.all_corners().zip(component) {
+fn parts(mesh: &SurfaceMesh, orientation: &Orientation) -> Vec<Part> {
+    let mut triangles = vec![Vec::new(); orientation.components];
+    for (corners, &number) in mesh.all_corners().zip(&orientation.component) {
         triangles[number as usize].push(corners);
     }
     triangles.into_iter().map(Part::of).collect()

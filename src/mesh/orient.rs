@@ -4,7 +4,8 @@
 //! triangle the fill crosses every edge that has exactly two triangles; edges with more are
 //! not crossed, so parts that merely touch there are components of their own.
 
-use crate::mesh::edges::{EdgeTable, NO_PARTNER, side_vertices};
+use crate::mesh::edges::{Edge, EdgeTable, NO_PARTNER, side_vertices};
+use crate::mesh::report::{EdgePlace, Refusal, Tally};
 
 /// The components of a surface and the turns that make each consistent.
 #[derive(Clone, Debug)]
@@ -77,4 +78,87 @@ fn turn_minority(members: &[u32], turned: &mut [bool]) {
             turned[member as usize] ^= true;
         }
     }
+}
+
+/// Names sides as the user knows them: by the mesh as read.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Places<'a> {
+    /// The triangles as read.
+    pub(crate) read: &'a [[u32; 3]],
+    /// The number as read of every triangle now.
+    pub(crate) numbers: &'a [u32],
+}
+
+impl Places<'_> {
+    /// The place of a side, numbered before any triangle was turned.
+    pub(crate) fn of_side(&self, side: u32) -> EdgePlace {
+        let triangle = self.numbers[side as usize / 3];
+        let vertices = side_vertices(self.read, 3 * triangle + side % 3);
+        EdgePlace { vertices, triangle }
+    }
+}
+
+/// Turns the minority of each component; returns which.
+pub(crate) fn turn_to_neighbors(
+    triangles: &mut [[u32; 3]],
+    orientation: &Orientation,
+    places: &Places<'_>,
+) -> Result<Tally<u32>, Refusal> {
+    if let Some(side) = orientation.contradiction {
+        let first = places.of_side(side);
+        return Err(Refusal::OneSided { first });
+    }
+    let mut tally = Tally::default();
+    for (at, triangle) in triangles.iter_mut().enumerate() {
+        if orientation.turned[at] {
+            triangle.swap(1, 2);
+            tally.add(places.numbers[at]);
+        }
+    }
+    Ok(tally)
+}
+
+/// Refuses edges of more than two triangles unless each component runs along them as often
+/// forward as backward; returns those that are so. `triangles` are turned already, `edges` are
+/// those from before, whose sides still name the right triangles.
+pub(crate) fn check_balance(
+    triangles: &[[u32; 3]],
+    edges: &EdgeTable,
+    orientation: &Orientation,
+    places: &Places<'_>,
+) -> Result<Tally<EdgePlace>, Refusal> {
+    let crowded = edges.iter().filter(|edge| edge.sides.len() > 2);
+    let (balanced, others): (Vec<_>, Vec<_>) =
+        crowded.partition(|edge| is_balanced(triangles, edge, orientation));
+    let tally = |edges: Vec<Edge<'_>>| {
+        edges
+            .iter()
+            .map(|edge| places.of_side(edge.sides[0]))
+            .collect()
+    };
+    let Tally { count, first } = tally(others);
+    match first {
+        Some(first) => Err(Refusal::NonManifold { count, first }),
+        None => Ok(tally(balanced)),
+    }
+}
+
+fn is_balanced(triangles: &[[u32; 3]], edge: &Edge<'_>, orientation: &Orientation) -> bool {
+    let use_of = |&side: &u32| {
+        let triangle = side as usize / 3;
+        (
+            orientation.component[triangle],
+            direction(triangles[triangle], edge.vertices),
+        )
+    };
+    let mut uses: Vec<(u32, i32)> = edge.sides.iter().map(use_of).collect();
+    uses.sort_unstable();
+    let mut groups = uses.chunk_by(|one, other| one.0 == other.0);
+    groups.all(|group| group.iter().map(|&(_, direction)| direction).sum::<i32>() == 0)
+}
+
+/// +1 if the triangle runs from the first to the second vertex, −1 if back.
+fn direction([a, b, c]: [u32; 3], edge: [u32; 2]) -> i32 {
+    let runs_along = [[a, b], [b, c], [c, a]].contains(&edge);
+    if runs_along { 1 } else { -1 }
 }

@@ -12,11 +12,11 @@
 use nalgebra::Point3;
 
 use crate::mesh::crossings::crossings;
-use crate::mesh::edges::{EdgeTable, side_vertices};
-use crate::mesh::nesting::{Nesting, nesting};
-use crate::mesh::orient::{Orientation, orient};
+use crate::mesh::edges::EdgeTable;
+use crate::mesh::nesting::turn_outward;
+use crate::mesh::orient::{Orientation, Places, check_balance, orient, turn_to_neighbors};
 use crate::mesh::repair::{Triangles, drop_collapsed, drop_duplicates, weld};
-use crate::mesh::report::{EdgePlace, Refusal, SurfaceReport, Tally};
+use crate::mesh::report::{Refusal, SurfaceReport, Tally};
 use crate::mesh::similarity::Similarity;
 use crate::mesh::surface::{SurfaceMesh, triangle_area};
 use crate::mesh::tets::compact;
@@ -66,13 +66,17 @@ pub fn validate(mesh: &SurfaceMesh) -> Result<(ClosedSurface, SurfaceReport), Re
     let mut report = SurfaceReport::default();
     let (vertices, mut triangles, edges) = closed_triangles(mesh, &mut report)?;
     let orientation = orient(&triangles.corners, &edges);
-    turn_to_neighbors(&mut triangles, &orientation, &mut report)?;
-    check_balance(&triangles, &edges, &orientation, &mut report)?;
+    let places = Places {
+        read: &mesh.triangles,
+        numbers: &triangles.numbers,
+    };
+    report.reoriented = turn_to_neighbors(&mut triangles.corners, &orientation, &places)?;
+    report.touching = check_balance(&triangles.corners, &edges, &orientation, &places)?;
     let mut surface = SurfaceMesh {
         vertices,
         triangles: triangles.corners,
     };
-    turn_components(&mut surface, &triangles.numbers, &orientation, &mut report);
+    turn_outward(&mut surface, &places, &orientation, &mut report);
     describe(
         &surface,
         &triangles.numbers,
@@ -125,7 +129,7 @@ fn closed_triangles(
     let mut vertices = mesh.vertices.clone();
     let mut triangles = Triangles::of(&mesh.triangles);
     let edges = cleaned(&mut triangles, vertices.len(), report);
-    let Some(refusal) = open(&edges, &triangles) else {
+    let Some(refusal) = open(&edges, mesh, &triangles) else {
         return Ok((vertices, triangles, edges));
     };
     triangles = Triangles::of(&mesh.triangles);
@@ -134,7 +138,7 @@ fn closed_triangles(
         return Err(refusal);
     }
     let edges = cleaned(&mut triangles, vertices.len(), report);
-    match open(&edges, &triangles) {
+    match open(&edges, mesh, &triangles) {
         None if triangles.corners.is_empty() => Err(Refusal::Flat),
         None => Ok((vertices, triangles, edges)),
         Some(refusal) => Err(refusal),
@@ -148,115 +152,14 @@ fn cleaned(triangles: &mut Triangles, vertices: usize, report: &mut SurfaceRepor
 }
 
 /// The refusal of edges with a single triangle, if there are any.
-fn open(edges: &EdgeTable, triangles: &Triangles) -> Option<Refusal> {
+fn open(edges: &EdgeTable, mesh: &SurfaceMesh, triangles: &Triangles) -> Option<Refusal> {
+    let places = Places {
+        read: &mesh.triangles,
+        numbers: &triangles.numbers,
+    };
     let boundary = edges.iter().filter(|edge| edge.sides.len() == 1);
-    let places = boundary.map(|edge| place(triangles, edge.sides[0]));
-    let Tally { count, first } = places.collect();
+    let Tally { count, first } = boundary.map(|edge| places.of_side(edge.sides[0])).collect();
     first.map(|first| Refusal::Open { count, first })
-}
-
-fn place(triangles: &Triangles, side: u32) -> EdgePlace {
-    EdgePlace {
-        vertices: side_vertices(&triangles.corners, side),
-        triangle: triangles.numbers[side as usize / 3],
-    }
-}
-
-fn turn_to_neighbors(
-    triangles: &mut Triangles,
-    orientation: &Orientation,
-    report: &mut SurfaceReport,
-) -> Result<(), Refusal> {
-    if let Some(side) = orientation.contradiction {
-        let first = place(triangles, side);
-        return Err(Refusal::OneSided { first });
-    }
-    for (at, _) in orientation
-        .turned
-        .iter()
-        .enumerate()
-        .filter(|&(_, &turned)| turned)
-    {
-        triangles.corners[at].swap(1, 2);
-        report.reoriented.add(triangles.numbers[at]);
-    }
-    Ok(())
-}
-
-/// Refuses edges of more than two triangles unless each component runs along them as often
-/// forward as backward. Sides are renumbered by turning, but triangles are not: the direction
-/// is found anew.
-fn check_balance(
-    triangles: &Triangles,
-    edges: &EdgeTable,
-    orientation: &Orientation,
-    report: &mut SurfaceReport,
-) -> Result<(), Refusal> {
-    let mut refused = Tally::default();
-    for edge in edges.iter().filter(|edge| edge.sides.len() > 2) {
-        let triangle = edge.sides[0] / 3;
-        let at = EdgePlace {
-            vertices: edge.vertices,
-            triangle: triangles.numbers[triangle as usize],
-        };
-        let mut uses: Vec<(u32, i32)> = (edge.sides.iter())
-            .map(|&side| side as usize / 3)
-            .map(|triangle| {
-                (
-                    orientation.component[triangle],
-                    direction(triangles.corners[triangle], edge.vertices),
-                )
-            })
-            .collect();
-        uses.sort_unstable();
-        let balanced =
-            |group: &[(u32, i32)]| group.iter().map(|&(_, direction)| direction).sum::<i32>() == 0;
-        if uses.chunk_by(|one, other| one.0 == other.0).all(balanced) {
-            report.touching.add(at);
-        } else {
-            refused.add(at);
-        }
-    }
-    let Tally { count, first } = refused;
-    first.map_or(Ok(()), |first| Err(Refusal::NonManifold { count, first }))
-}
-
-/// +1 if the triangle runs from the first to the second vertex, −1 if back.
-fn direction([a, b, c]: [u32; 3], [from, to]: [u32; 2]) -> i32 {
-    if [[a, b], [b, c], [c, a]].contains(&[from, to]) {
-        1
-    } else {
-        -1
-    }
-}
-
-/// Turns components outward, cavities inward.
-fn turn_components(
-    surface: &mut SurfaceMesh,
-    numbers: &[u32],
-    orientation: &Orientation,
-    report: &mut SurfaceReport,
-) {
-    let Nesting { volumes, depths } =
-        nesting(surface, &orientation.component, orientation.components);
-    let is_cavity = |component: usize| depths[component] % 2 == 1;
-    let inverted: Vec<bool> = (0..orientation.components)
-        .map(|component| (volumes[component] < 0.0) != is_cavity(component))
-        .collect();
-    report.components = orientation.components;
-    report.cavities = (0..orientation.components)
-        .filter(|&component| is_cavity(component))
-        .count();
-    let mut told = vec![false; orientation.components];
-    for (at, triangle) in surface.triangles.iter_mut().enumerate() {
-        let component = orientation.component[at] as usize;
-        if inverted[component] {
-            triangle.swap(1, 2);
-            if !std::mem::replace(&mut told[component], true) {
-                report.inverted.add(numbers[at]);
-            }
-        }
-    }
 }
 
 /// Genus and flat triangles.

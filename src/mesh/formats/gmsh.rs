@@ -260,13 +260,13 @@ impl File<'_> {
 
     /// Moves past the line `$End…` of a section.
     fn skip_to_end(&mut self, section: &[u8]) -> Result<(), Fault> {
-        let is_known = [&b"$Nodes"[..], b"$Elements", b"$MeshFormat"].contains(&section);
+        let is_counted = section == b"$Nodes" || section == b"$Elements";
         loop {
             let word = self.words.some_word("the end of a section")?;
             if word.strip_prefix(b"$End") == section.strip_prefix(b"$") {
                 return Ok(());
             }
-            if is_known && section != b"$MeshFormat" {
+            if is_counted {
                 return Err(self
                     .words
                     .unexpected("the end of a section, its count was too low", word));
