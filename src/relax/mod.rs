@@ -3,9 +3,12 @@
 //! A loop ([`lloyd`]) works on any [`tessellation`]: [`space`] is the one of solids, [`plane`] that
 //! of planar domains. It shows an observer one [`record`] per move.
 
+pub mod figures;
 pub mod lloyd;
 pub mod measure_plane;
 pub mod plane;
 pub mod record;
 pub mod space;
 pub mod tessellation;
+
+mod shape;

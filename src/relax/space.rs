@@ -8,8 +8,11 @@ use crate::chebyshev::integrand::Integrand;
 use crate::chebyshev::walk::WalkScratch;
 use crate::domain::space::{Domain, PieceScratch, displacement};
 use crate::geometry::bounds::Bounds;
+use crate::geometry::clip::ClipScratch;
 use crate::geometry::moments::Moments;
 use crate::geometry::polyhedron::Polyhedron;
+use crate::relax::figures::CellFigures;
+use crate::relax::shape::Shape;
 use crate::relax::tessellation::{Assessment, Norm, Question, Tessellation};
 use crate::voronoi::cell::Cell;
 use crate::voronoi::diagram::{Diagram, DiagramError};
@@ -35,6 +38,21 @@ impl Space {
     #[must_use]
     pub fn domain(&self) -> &dyn Domain {
         self.domain.as_ref()
+    }
+}
+
+impl Space {
+    /// The figures of the cells of all `sites`, in site order.
+    ///
+    /// # Errors
+    /// When the sites have no diagram.
+    pub fn figures(
+        &self,
+        sites: &[Point3<f64>],
+        question: Question,
+    ) -> Result<Vec<CellFigures<3>>, DiagramError> {
+        let diagram = Diagram::new(self.domain(), sites)?;
+        diagram.map(|memory: &mut CellMemory, cell| memory.figures(self.domain(), &cell, question))
     }
 }
 
@@ -74,6 +92,7 @@ pub struct CellMemory {
     moments: Moments,
     walk: WalkScratch,
     piece: PieceScratch,
+    clip: ClipScratch,
 }
 
 impl CellMemory {
@@ -104,6 +123,51 @@ impl CellMemory {
     #[must_use]
     pub fn moments(&self) -> &Moments {
         &self.moments
+    }
+
+    /// The figures of `cell`.
+    pub fn figures(
+        &mut self,
+        domain: &dyn Domain,
+        cell: &Cell<'_>,
+        asked: Question,
+    ) -> CellFigures<3> {
+        self.load(domain, cell);
+        let volume = self.moments.volume;
+        let Self { piece, clip, .. } = self;
+        let mut shape = Shape::default();
+        domain.pieces(&cell.position, cell.polyhedron, piece, &mut |sign, part| {
+            shape.add(sign, part, volume, clip);
+        });
+        let assessment = self.assess(domain, cell, asked);
+        let centroid = self.moments.centroid();
+        let at = |center: &Vector3<f64>, memory: &mut Self| {
+            let pieces = &memory.pieces[..memory.used];
+            energy(pieces, center, asked.order, &mut memory.walk)
+        };
+        let step = displacement(&domain.periods(), &cell.position, &assessment.target);
+        let (gradient, center_energy) = match asked.norm {
+            Norm::Linf => {
+                let gradient = at(&Vector3::zeros(), self).gradient;
+                (gradient, at(&step, self).value)
+            }
+            Norm::L2 => (
+                -2.0 * self.moments.first,
+                self.moments.second_about(&Point3::from(step)),
+            ),
+        };
+        CellFigures {
+            volume,
+            centroid: domain.wrap(&(cell.position + centroid.coords)),
+            energy: assessment.energy,
+            gradient,
+            center: assessment.target,
+            center_energy,
+            facets: shape.facets(volume),
+            chebyshev: assessment.chebyshev,
+            cubeness: shape.cubeness(volume),
+            axis_aligned: shape.axis_aligned(),
+        }
     }
 
     fn assess(&mut self, domain: &dyn Domain, cell: &Cell<'_>, asked: Question) -> Assessment<3> {
