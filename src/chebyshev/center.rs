@@ -1,67 +1,159 @@
 //! The center of a cell: the minimizer of its Chebyshev energy within bounds.
 //!
 //! E is convex in the center (for pieces that sum to a set), so Newton's method with the exact
-//! Hessian finds it in two to five evaluations. L-BFGS-B is the choice of \[BL\] section 3.5.
+//! Hessian finds it in two to five evaluations. L-BFGS-B, which knows gradients only, is the choice
+//! of \[BL\] section 3.5. The search is the same in the plane and in space.
 
-use nalgebra::Vector3;
+use std::ops::ControlFlow;
+
+use nalgebra::{SVector, Vector3};
 
 use crate::chebyshev::energy::{SignedPiece, energy};
 use crate::chebyshev::walk::WalkScratch;
 use crate::geometry::bounds::Bounds;
+use crate::minimize::lbfgsb::lbfgsb;
+use crate::minimize::lbfgsb_options::LbfgsbOptions;
 use crate::minimize::newton::{NewtonOptions, newton};
+use crate::minimize::problem::Evaluation;
 
-/// What is minimized: the energy of order p of signed pieces, in coordinates about their site.
+/// The projected gradient at which L-BFGS-B stops, relative to that of a step of the cell's size.
+/// The gradient falls about linearly, so centers agree with Newton's to 1e-10 of that size.
+const LBFGSB_TOLERANCE: f64 = 1e-11;
+
+/// Which share of the way to the border of its cell a site goes whose center lies beyond it: so
+/// near that little is lost, and so far that rounding cannot carry two sites to one place.
+///
+/// A center may lie outside a slanted, slender cell, for the Chebyshev distance to a point can
+/// shrink as the point leaves a convex set. The energy is convex, so it falls all along the line;
+/// and a site that stays inside its own cell can neither leave the domain nor meet another.
+pub const SHY_OF_BORDER: f64 = 1023.0 / 1024.0;
+
+/// Which algorithm finds a cell's center.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Minimizer {
+    /// Projected Newton with exact Hessians.
+    Newton,
+    /// Limited-memory BFGS with bounds, the choice of \[BL\] section 3.5.
+    Lbfgsb,
+}
+
+/// Where and how to look for a center.
 #[derive(Clone, Copy, Debug)]
-pub struct Objective<'a> {
-    /// The pieces.
-    pub pieces: &'a [SignedPiece],
-    /// p ≥ 1.
+pub struct Search<const D: usize> {
+    /// The algorithm.
+    pub minimizer: Minimizer,
+    /// The order p ≥ 1 of the energy.
     pub order: u32,
-    /// Their volume (L³), by which gradients and steps are measured.
+    /// The cell's volume (L^D), by which steps and gradients are measured.
     pub volume: f64,
+    /// The box that holds the center, relative to the site; it holds the site.
+    pub bounds: Bounds<D>,
 }
 
 /// A center and what finding it told.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Center {
+pub struct Center<const D: usize> {
     /// The center's displacement from the site.
-    pub point: Vector3<f64>,
-    /// The energy about the center (L^(3+p)).
+    pub point: SVector<f64, D>,
+    /// The energy about the center (L^(D+p)).
     pub energy: f64,
-    /// The energy about the site, where the search began (L^(3+p)).
+    /// The energy about the site, where the search began (L^(D+p)).
     pub energy_at_site: f64,
-    /// The gradient about the site (L^(2+p)).
-    pub gradient_at_site: Vector3<f64>,
+    /// The gradient about the site (L^(D+p−1)).
+    pub gradient_at_site: SVector<f64, D>,
     /// How many evaluations it took.
     pub evaluations: u32,
 }
 
-impl Objective<'_> {
-    /// The center within `bounds`, which hold the site, searched from the site by projected
-    /// Newton; the projected gradient there is at most 1e-12 of that of a step of the cell's size.
+impl<const D: usize> Search<D> {
+    /// The center of the cell whose energy `evaluate` gives about a displacement from the site.
+    ///
+    /// Newton ends with a projected gradient of at most 1e-12 of that of a step of the cell's
+    /// size, L-BFGS-B of 1e-11.
     #[must_use]
-    pub fn center(&self, bounds: &Bounds<3>, scratch: &mut WalkScratch) -> Center {
+    pub fn center(&self, mut evaluate: impl FnMut(&SVector<f64, D>) -> Evaluation<D>) -> Center<D> {
         let mut first = None;
-        let length = self.volume.cbrt();
-        let scale = self.volume * length.powi(self.order as i32 - 1);
-        let found = newton(
-            |center| {
-                let evaluation = energy(self.pieces, center, self.order, scratch);
-                first.get_or_insert((evaluation.value, evaluation.gradient));
-                evaluation
-            },
-            &Vector3::zeros(),
-            &bounds.min.coords,
-            &bounds.max.coords,
-            &NewtonOptions::new(scale, length),
-        );
-        let (energy_at_site, gradient_at_site) = first.unwrap_or((found.value, found.gradient));
+        let mut noted = |center: &SVector<f64, D>| {
+            let evaluation = evaluate(center);
+            first.get_or_insert((evaluation.value, evaluation.gradient));
+            evaluation
+        };
+        let (point, energy, evaluations) = match self.minimizer {
+            Minimizer::Newton => self.by_newton(&mut noted),
+            Minimizer::Lbfgsb => self.by_lbfgsb(&mut noted),
+        };
+        let (energy_at_site, gradient_at_site) = first.unwrap_or((energy, SVector::zeros()));
         Center {
-            point: found.point,
-            energy: found.value,
+            point,
+            energy,
             energy_at_site,
             gradient_at_site,
-            evaluations: found.evaluations,
+            evaluations,
         }
     }
+
+    /// The cell's size (L) and p V s^(p−1), what a fragment's share of the gradient is like.
+    fn scales(&self) -> (f64, f64) {
+        let length = self.volume.max(0.0).powf(1.0 / D as f64);
+        let scale = (1..self.order).fold(self.volume * f64::from(self.order), |s, _| s * length);
+        (length, scale)
+    }
+
+    fn by_newton(
+        &self,
+        evaluate: &mut dyn FnMut(&SVector<f64, D>) -> Evaluation<D>,
+    ) -> (SVector<f64, D>, f64, u32) {
+        let (length, scale) = self.scales();
+        let found = newton(
+            evaluate,
+            &SVector::zeros(),
+            &self.bounds.min.coords,
+            &self.bounds.max.coords,
+            &NewtonOptions::new(scale, length),
+        );
+        (found.point, found.value, found.evaluations)
+    }
+
+    /// In units of the cell, since L-BFGS-B first steps by the bare gradient.
+    fn by_lbfgsb(
+        &self,
+        evaluate: &mut dyn FnMut(&SVector<f64, D>) -> Evaluation<D>,
+    ) -> (SVector<f64, D>, f64, u32) {
+        let (length, scale) = self.scales();
+        let mut objective = |x: &[f64], gradient: &mut [f64]| {
+            let evaluation = evaluate(&(SVector::from_column_slice(x) * length));
+            gradient.copy_from_slice((evaluation.gradient / scale).as_slice());
+            evaluation.value / (scale * length)
+        };
+        let options = LbfgsbOptions {
+            gradient_tolerance: LBFGSB_TOLERANCE,
+            largest_step: 1.0,
+            group: D,
+            ..LbfgsbOptions::default()
+        };
+        let [lower, upper] = [self.bounds.min, self.bounds.max].map(|end| end.coords / length);
+        let found = lbfgsb(
+            &mut objective,
+            &[0.0; D],
+            lower.as_slice(),
+            upper.as_slice(),
+            &options,
+            |_| ControlFlow::Continue(()),
+        );
+        match found {
+            Ok(end) => {
+                let point = SVector::from_column_slice(end.state.point()) * length;
+                let evaluations = end.state.evaluations() as u32;
+                (point, end.state.value() * scale * length, evaluations)
+            }
+            // A box without room holds nothing but the site.
+            Err(_) => (SVector::zeros(), evaluate(&SVector::zeros()).value, 1),
+        }
+    }
+}
+
+/// The center of signed pieces in coordinates about their site.
+#[must_use]
+pub fn center(pieces: &[SignedPiece], search: &Search<3>, scratch: &mut WalkScratch) -> Center<3> {
+    search.center(|center: &Vector3<f64>| energy(pieces, center, search.order, scratch))
 }

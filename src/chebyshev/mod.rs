@@ -2,14 +2,13 @@
 //!
 //! [`fragments`] cuts a cell into the six fragments of \[BL\] as geometry. The integrals come the
 //! short way: [`integrand`] keeps what does not depend on the center, [`walk`] splits the piece's
-//! surface by [`sector`], [`energy`] sums up, [`center`] minimizes. [`plane`] and [`plane_center`]
-//! are the counterparts in the plane.
+//! surface by [`sector`], [`energy`] sums up, [`center`] minimizes. [`plane`] holds
+//! the integrals in the plane.
 
 pub mod center;
 pub mod energy;
 pub mod fragments;
 pub mod integrand;
 pub mod plane;
-pub mod plane_center;
 pub mod sector;
 pub mod walk;

@@ -81,9 +81,8 @@ impl Figures {
     #[must_use]
     pub fn of<const D: usize>(domain_volume: f64, cells: &[CellFigures<D>]) -> Self {
         let count = cells.len() as f64;
-        let mean = |figure: &dyn Fn(&CellFigures<D>) -> f64| {
-            cells.iter().map(figure).sum::<f64>() / count
-        };
+        let mean =
+            |figure: &dyn Fn(&CellFigures<D>) -> f64| cells.iter().map(figure).sum::<f64>() / count;
         let volume_mean = mean(&|cell| cell.volume);
         let variance = mean(&|cell| (cell.volume - volume_mean).powi(2));
         let mut facet_histogram = BTreeMap::new();

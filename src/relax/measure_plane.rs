@@ -70,7 +70,7 @@ fn figures(cell: &PlaneCell, question: Question) -> PlaneCellFigures {
         gradient: at_site.gradient,
         chebyshev: energy_with_derivatives(polygon, &origin, 1).value,
         center: cell.site + minimum.map(|m| m.point).unwrap_or_default(),
-        center_energy: minimum.map_or(at_site.value, |m| m.value),
+        center_energy: minimum.map_or(at_site.value, |m| m.energy),
         facets: facets(polygon),
         cubeness: cubeness(polygon),
         axis_aligned: axis_aligned(polygon),

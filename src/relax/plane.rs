@@ -1,16 +1,18 @@
 //! The plane as a space to relax in: diagrams from `voronoi`, worth from `chebyshev`.
 
-use nalgebra::Point2;
+use nalgebra::{Point2, Vector2};
 use rayon::prelude::*;
 
-use crate::chebyshev::plane::energy;
-use crate::chebyshev::plane_center::{center, step_inside};
+use crate::chebyshev::center::{Center, SHY_OF_BORDER, Search};
+use crate::chebyshev::plane::{energy, energy_with_derivatives};
 use crate::domain::plane::PlaneDomain;
 use crate::geometry::bounds::Bounds;
 use crate::geometry::polygon::ConvexPolygon;
-use crate::minimize::problem::Minimum;
 use crate::relax::tessellation::{Assessment, Norm, Question, Tessellation};
 use crate::voronoi::plane::{PlaneCell, PlaneDiagram, PlaneDiagramError};
+
+/// A reach above this means that the center lies inside or on the border.
+const ON_BORDER: f64 = 1.0 - 1e-12;
 
 /// A rectangle or convex polygon in which sites relax.
 #[derive(Clone, Debug, PartialEq)]
@@ -50,15 +52,16 @@ impl Tessellation<2> for Plane {
 
 /// The minimum of the cell's energy over its own bounding box, in coordinates relative to the
 /// site; none for a cell that rounding has left without area.
-pub(crate) fn relative_center(cell: &PlaneCell, question: Question) -> Option<Minimum<2>> {
+pub(crate) fn relative_center(cell: &PlaneCell, question: Question) -> Option<Center<2>> {
     let polygon = &cell.polygon;
     (polygon.area() > 0.0).then(|| {
-        center(
-            polygon,
-            &Point2::origin(),
-            &polygon.bounds(),
-            question.order,
-        )
+        let search = Search {
+            minimizer: question.minimizer,
+            order: question.order,
+            volume: polygon.area(),
+            bounds: polygon.bounds(),
+        };
+        search.center(|c| energy_with_derivatives(polygon, &Point2::from(*c), question.order))
     })
 }
 
@@ -71,6 +74,18 @@ fn toward_center(cell: &PlaneCell, bounds: &Bounds<2>, question: Question) -> As
         chebyshev: energy_at_site(polygon, 1),
         target: bounds.clamp(&(cell.site + step.unwrap_or_default())),
         evaluations: minimum.map_or(0, |m| m.evaluations),
+    }
+}
+
+/// Where a site moves that wants to go to `center`: all the way if that lies in the cell
+/// `polygon` (which has the site as origin), else along the straight line, up to just before the
+/// cell's boundary.
+fn step_inside(polygon: &ConvexPolygon, center: &Point2<f64>) -> Vector2<f64> {
+    let reach = polygon.reach(&Point2::origin(), &center.coords);
+    if reach >= ON_BORDER {
+        center.coords
+    } else {
+        center.coords * (reach * SHY_OF_BORDER)
     }
 }
 

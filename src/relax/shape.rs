@@ -41,7 +41,10 @@ impl Shape {
     /// How many facets are larger than [`FACET_SHARE`] of V^{2/3}.
     pub(crate) fn facets(&self, volume: f64) -> u32 {
         let least = FACET_SHARE * volume.cbrt().powi(2);
-        self.areas.values().filter(|area| area.norm() > least).count() as u32
+        self.areas
+            .values()
+            .filter(|area| area.norm() > least)
+            .count() as u32
     }
 
     /// The share of the facet area whose unit normal has a component of at least [`ALIGNED`].
@@ -60,7 +63,11 @@ impl Shape {
     /// |C ∩ Q| / |C ∪ Q| for the cube Q of the cell's volume about its site.
     pub(crate) fn cubeness(&self, volume: f64) -> f64 {
         let union = 2.0 * volume - self.overlap;
-        if union > 0.0 { self.overlap / union } else { 0.0 }
+        if union > 0.0 {
+            self.overlap / union
+        } else {
+            0.0
+        }
     }
 }
 

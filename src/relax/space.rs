@@ -2,7 +2,7 @@
 
 use nalgebra::{Point3, Vector3};
 
-use crate::chebyshev::center::Objective;
+use crate::chebyshev::center::{SHY_OF_BORDER, Search, center};
 use crate::chebyshev::energy::{SignedPiece, energy};
 use crate::chebyshev::integrand::Integrand;
 use crate::chebyshev::walk::WalkScratch;
@@ -16,10 +16,6 @@ use crate::relax::shape::Shape;
 use crate::relax::tessellation::{Assessment, Norm, Question, Tessellation};
 use crate::voronoi::cell::Cell;
 use crate::voronoi::diagram::{Diagram, DiagramError};
-
-/// How far towards the border of its cell a site goes whose center lies beyond that border. Less
-/// than all of the way, so that two such sites never meet on a common facet.
-const SHORT_OF_BORDER: f64 = 0.9;
 
 /// A domain in which sites have cells.
 #[derive(Debug)]
@@ -184,13 +180,13 @@ impl CellMemory {
         asked: Question,
     ) -> Assessment<3> {
         let pieces = &self.pieces[..self.used];
-        let objective = Objective {
-            pieces,
+        let search = Search {
+            minimizer: asked.minimizer,
             order: asked.order,
             volume: self.moments.volume,
+            bounds: reach(domain, cell),
         };
-        let bounds = reach(domain, cell);
-        let center = objective.center(&bounds, &mut self.walk);
+        let center = center(pieces, &search, &mut self.walk);
         let chebyshev = if asked.order == 1 {
             center.energy_at_site
         } else {
@@ -234,14 +230,14 @@ fn reach(domain: &dyn Domain, cell: &Cell<'_>) -> Bounds<3> {
 }
 
 /// The share of `step` that a site may make: all of it while that ends in the cell, else
-/// [`SHORT_OF_BORDER`] of the way to the border. Since the energy is convex it falls all the way.
+/// [`SHY_OF_BORDER`] of the way to the border. Since the energy is convex it falls all the way.
 fn share_within(cell: &Polyhedron, step: &Vector3<f64>) -> f64 {
     let mut share: f64 = 1.0;
     for facet in cell.facets() {
         let border = facet.half_space();
         let climb = border.normal.dot(step);
         if climb > border.offset {
-            share = share.min(SHORT_OF_BORDER * (border.offset / climb).max(0.0));
+            share = share.min(SHY_OF_BORDER * (border.offset / climb).max(0.0));
         }
     }
     share

@@ -2,6 +2,8 @@
 
 use nalgebra::Point;
 
+/// Part of a [`Question`]; the floors above may not look further down for it.
+pub use crate::chebyshev::center::Minimizer;
 use crate::geometry::bounds::Bounds;
 
 /// Which distance a site minimizes over its cell.
@@ -11,15 +13,6 @@ pub enum Norm {
     Linf,
     /// The Euclidean distance: a site moves to its cell's centroid (the classical control).
     L2,
-}
-
-/// Which algorithm finds a cell's center.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Minimizer {
-    /// Projected Newton with exact Hessians.
-    Newton,
-    /// Limited-memory BFGS with bounds, the choice of \[BL\] section 3.5.
-    Lbfgsb,
 }
 
 /// What a loop wants to know of every cell.
