@@ -1,20 +1,17 @@
 //! Domains of the plane: rectangles and convex polygons.
 //!
-//! A domain is kept as one counter-clockwise convex polygon. Its edges carry wall labels: the
-//! wall k of a rectangle is bottom, right, top, left for k = 0…3, of corners the side that joins
+//! A domain is kept as one counter-clockwise convex polygon. Its edges are labelled as walls
+//! ([`Beyond::Wall`]): wall k of a rectangle is bottom, right, top, left for k = 0…3, of corners the side that joins
 //! corner k to the next one, of half-planes the half-plane k.
 
 use nalgebra::{Point2, Vector2};
 use thiserror::Error;
 
+use crate::domain::beyond::Beyond;
 use crate::geometry::bounds::Bounds;
 use crate::geometry::half_plane::HalfPlane;
 use crate::geometry::label::Label;
 use crate::geometry::polygon::{ConvexPolygon, Edge};
-
-/// The bit that tells walls from neighbors: wall k carries the label `WALL + k`, and labels
-/// below `WALL` are left to the Voronoi floor.
-pub const WALL: Label = 1 << 63;
 
 /// How far, relative to the domain's largest extent, a corner may lie on the wrong side of a
 /// wall, or a point outside the domain, and still count as on it: a thousand roundings.
@@ -183,10 +180,8 @@ impl PlaneDomain {
     }
 }
 
-/// The label of wall `index`.
-#[must_use]
-pub fn wall(index: usize) -> Label {
-    WALL + index as Label
+fn wall(index: usize) -> Label {
+    Beyond::Wall(index as u32).label()
 }
 
 fn no_area(extent: &Vector2<f64>) -> PlaneDomainError {

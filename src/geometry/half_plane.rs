@@ -43,13 +43,4 @@ impl HalfPlane {
     pub fn height(&self, point: &Point2<f64>) -> f64 {
         self.normal.dot(&point.coords) - self.offset
     }
-
-    /// The same set in coordinates whose origin lies at `origin`.
-    #[must_use]
-    pub fn relative_to(&self, origin: &Point2<f64>) -> Self {
-        Self {
-            normal: self.normal,
-            offset: -self.height(origin),
-        }
-    }
 }

@@ -11,13 +11,13 @@
 //! Cells are kept relative to their sites: bisectors and cuts are then as exact for a small domain
 //! far from the origin as for one around it.
 
-use nalgebra::{Point2, Vector2};
+use nalgebra::Point2;
 use rayon::prelude::*;
 use thiserror::Error;
 
-use crate::domain::plane::{PlaneDomain, WALL};
+use crate::domain::beyond::Beyond;
+use crate::domain::plane::PlaneDomain;
 use crate::geometry::half_plane::HalfPlane;
-use crate::geometry::label::Label;
 use crate::geometry::polygon::ConvexPolygon;
 use crate::voronoi::delaunay::delaunay_neighbors;
 use crate::voronoi::plane_grid::PlaneGrid;
@@ -72,8 +72,7 @@ pub enum PlaneDiagramError {
 pub struct PlaneCell {
     /// The site.
     pub site: Point2<f64>,
-    /// The cell with the site as origin. Edges carry the neighbor's index, or a wall's label of
-    /// [`crate::domain::plane`].
+    /// The cell with the site as origin. [`Beyond`] reads the labels of its edges.
     pub polygon: ConvexPolygon,
 }
 
@@ -83,12 +82,6 @@ impl PlaneCell {
         let origin = self.site.coords;
         self.polygon.vertices().iter().map(move |v| v + origin)
     }
-}
-
-/// The site behind an edge; none behind a wall.
-#[must_use]
-pub fn neighbor(label: Label) -> Option<usize> {
-    (label < WALL).then_some(label as usize)
 }
 
 /// The Voronoi diagram of sites in a domain of the plane.
@@ -189,9 +182,12 @@ fn uncut(domain: &PlaneDomain, site: &Point2<f64>) -> PlaneCell {
 }
 
 fn cut(cell: &mut PlaneCell, sites: &[Point2<f64>], other: usize) {
-    let displacement: Vector2<f64> = sites[other] - cell.site;
-    cell.polygon
-        .clip(&HalfPlane::nearer_to_origin(&displacement), other as Label);
+    let bisector = HalfPlane::nearer_to_origin(&(sites[other] - cell.site));
+    let neighbor = Beyond::Neighbor {
+        site: other as u32,
+        image: [0; 3],
+    };
+    cell.polygon.clip(&bisector, neighbor.label());
 }
 
 /// No site farther than this from a cell's own can cut the cell.
