@@ -1,3 +1,23 @@
-//! The `chebloyd` program.
+//! The `chebloyd` program: parse, run, print the error once, exit code.
 
-fn main() {}
+mod cli;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use crate::cli::arguments::Arguments;
+
+fn main() -> ExitCode {
+    match cli::command::run(&Arguments::parse()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            // Where stderr is closed there is nobody to tell.
+            let _ = std::io::Write::write_fmt(
+                &mut std::io::stderr(),
+                format_args!("error: {failure}\n"),
+            );
+            failure.exit_code()
+        }
+    }
+}

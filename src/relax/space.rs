@@ -215,7 +215,7 @@ impl CellMemory {
 }
 
 /// The box in which the site may move, relative to it: around its cell and within the domain's.
-fn reach(domain: &dyn Domain, cell: &Cell<'_>) -> Bounds<3> {
+pub(crate) fn reach(domain: &dyn Domain, cell: &Cell<'_>) -> Bounds<3> {
     let around = cell.polyhedron.bounds();
     let mut within = domain.bounds();
     for (axis, period) in domain.periods().iter().enumerate() {

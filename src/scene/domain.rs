@@ -1,12 +1,21 @@
 //! The scene's `domain`: where the sites live.
 //!
-//! Plain numbers in the scene's dimension, judged by `validate`; the domain floor makes
-//! walls of them.
+//! Plain numbers in the scene's dimension: judged here one by one, together by the domain floor,
+//! of whose domains [`Domain::solid`] or [`Domain::plane`] makes one.
 
+use nalgebra::{Vector2, Vector3};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::domain::convex::ConvexPolyhedron;
+use crate::domain::cuboid::Cuboid;
+use crate::domain::plane::PlaneDomain;
+use crate::domain::space;
+use crate::geometry::bounds::Bounds;
+use crate::geometry::half_plane::HalfPlane;
+use crate::geometry::half_space::HalfSpace;
 use crate::scene::error::Error;
+use crate::scene::place::point;
 use crate::scene::validate::{all_finite, dimensions_match};
 
 /// A domain by its scene key.
@@ -61,20 +70,53 @@ impl Domain {
         }
     }
 
-    /// Along which of the `D` axes the domain repeats itself.
-    #[must_use]
-    pub fn periodic<const D: usize>(&self) -> [bool; D] {
-        let mut axes = [false; D];
-        if let Self::Box(domain) = self {
-            for (axis, &periodic) in axes.iter_mut().zip(&domain.periodic) {
-                *axis = periodic;
+    /// The domain in space, of a validated scene of dimension 3.
+    ///
+    /// # Errors
+    /// [`Error::Solid`] when the numbers together are no domain.
+    pub fn solid(&self) -> Result<Box<dyn space::Domain>, Error> {
+        Ok(match self {
+            Self::Box(domain) => {
+                let periodic = std::array::from_fn(|axis| domain.periodic[axis]);
+                Box::new(Cuboid::new(domain.bounds(), periodic)?)
             }
-        }
-        axes
+            Self::HalfSpaces(rows) => Box::new(ConvexPolyhedron::new(&numbered(rows, half_space))?),
+            Self::Polygon(_) => return Err(polygon_in_space()),
+        })
+    }
+
+    /// The domain in the plane, of a validated scene of dimension 2.
+    ///
+    /// # Errors
+    /// [`Error::Plane`] when the numbers together are no domain, [`Error::Value`] for what only
+    /// space has.
+    pub fn plane(&self) -> Result<PlaneDomain, Error> {
+        Ok(match self {
+            Self::Box(domain) => PlaneDomain::rectangle(&domain.plane()?)?,
+            Self::HalfSpaces(rows) => PlaneDomain::from_half_planes(&numbered(rows, half_plane))?,
+            Self::Polygon(corners) => PlaneDomain::from_corners(&numbered(corners, point))?,
+        })
     }
 }
 
 impl BoxDomain {
+    fn bounds<const D: usize>(&self) -> Bounds<D> {
+        Bounds {
+            min: point(&self.min),
+            max: point(&self.max),
+        }
+    }
+
+    fn plane(&self) -> Result<Bounds<2>, Error> {
+        if self.periodic.contains(&true) {
+            return Err(Error::value(
+                "domain.box.periodic",
+                "only a box in space can be periodic; leave it out or set \"dimension\": 3",
+            ));
+        }
+        Ok(self.bounds())
+    }
+
     fn validate(&self, dimension: usize) -> Result<(), Error> {
         dimensions_match("domain.box.min", self.min.len(), dimension)?;
         dimensions_match("domain.box.max", self.max.len(), dimension)?;
@@ -92,6 +134,24 @@ impl BoxDomain {
             }
         }
         Ok(())
+    }
+}
+
+fn numbered<T>(rows: &[Vec<f64>], make: impl Fn(&[f64]) -> T) -> Vec<T> {
+    rows.iter().map(|row| make(row)).collect()
+}
+
+fn half_space(row: &[f64]) -> HalfSpace {
+    HalfSpace {
+        normal: Vector3::new(row[0], row[1], row[2]),
+        offset: row[3],
+    }
+}
+
+fn half_plane(row: &[f64]) -> HalfPlane {
+    HalfPlane {
+        normal: Vector2::new(row[0], row[1]),
+        offset: row[2],
     }
 }
 
@@ -127,13 +187,15 @@ fn validate_half_spaces(rows: &[Vec<f64>], dimension: usize) -> Result<(), Error
     Ok(())
 }
 
+fn polygon_in_space() -> Error {
+    let message = "a polygon needs \"dimension\": 2 in the scene";
+    Error::value("domain.polygon", message)
+}
+
 fn validate_polygon(corners: &[Vec<f64>], dimension: usize) -> Result<(), Error> {
     const KEY: &str = "domain.polygon";
     if dimension != 2 {
-        return Err(Error::value(
-            KEY,
-            "a polygon needs \"dimension\": 2 in the scene",
-        ));
+        return Err(polygon_in_space());
     }
     for (index, corner) in corners.iter().enumerate() {
         let key = format!("{KEY}[{index}]");
@@ -146,48 +208,12 @@ fn validate_polygon(corners: &[Vec<f64>], dimension: usize) -> Result<(), Error>
             format!("{} corners bound no area", corners.len()),
         ));
     }
-    let turns: Vec<f64> = (0..corners.len()).map(|at| turn(corners, at)).collect();
-    if turns.iter().all(|&turn| turn == 0.0) {
-        return Err(Error::value(
-            KEY,
-            "the polygon has no area: its corners lie on a line",
-        ));
-    }
-    if let Some(at) = reflex_corner(&turns) {
-        let message = format!(
-            "the polygon is not convex at corner {at} {:?}; give the corners of its hull in order",
-            corners[at]
-        );
-        return Err(Error::value(KEY, message));
-    }
     Ok(())
-}
-
-/// Twice the signed area of corner `at` and its two neighbors.
-fn turn(corners: &[Vec<f64>], at: usize) -> f64 {
-    let count = corners.len();
-    let (a, b, c) = (
-        &corners[(at + count - 1) % count],
-        &corners[at],
-        &corners[(at + 1) % count],
-    );
-    (b[0] - a[0]) * (c[1] - b[1]) - (b[1] - a[1]) * (c[0] - b[0])
-}
-
-/// The first corner that turns against the first turn there is.
-fn reflex_corner(turns: &[f64]) -> Option<usize> {
-    let way = turns.iter().find(|&&turn| turn != 0.0)?.signum();
-    turns.iter().position(|&turn| turn * way < 0.0)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn polygon(corners: &[[f64; 2]]) -> Result<(), Error> {
-        let corners = corners.iter().map(|corner| corner.to_vec()).collect();
-        Domain::Polygon(corners).validate(2)
-    }
 
     #[test]
     fn a_box_without_numbers_is_the_unit_box() {
@@ -199,24 +225,6 @@ mod tests {
             periodic: vec![false, false],
         };
         assert_eq!(domain, Domain::Box(expected));
-    }
-
-    #[test]
-    fn convex_polygons_pass_either_way_round() {
-        polygon(&[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.5, 1.0], [0.0, 1.0]])
-            .expect("counter-clockwise");
-        polygon(&[[0.0, 0.0], [0.0, 1.0], [1.0, 1.0]]).expect("clockwise");
-    }
-
-    #[test]
-    fn a_polygon_with_a_dent_or_on_a_line_is_refused() {
-        let dent = polygon(&[[0.0, 0.0], [1.0, 0.0], [0.2, 0.2], [0.0, 1.0]]).unwrap_err();
-        assert!(
-            dent.to_string().contains("not convex at corner 2"),
-            "{dent}"
-        );
-        let line = polygon(&[[0.0, 0.0], [1.0, 1.0], [2.0, 2.0]]).unwrap_err();
-        assert!(line.to_string().contains("no area"), "{line}");
     }
 
     #[test]

@@ -2,6 +2,9 @@
 
 use std::path::PathBuf;
 
+use crate::domain::error::DomainError;
+use crate::domain::plane::PlaneDomainError;
+
 /// Why a scene or its sites cannot be used. Site indices count from zero, lines from one.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -122,6 +125,12 @@ pub enum Error {
         /// How many more sites repeat an earlier one.
         others: usize,
     },
+    /// The scene's domain in space is none.
+    #[error("the scene's `domain`: {0}")]
+    Solid(#[from] DomainError),
+    /// The scene's domain in the plane is none.
+    #[error("the scene's `domain`: {0}")]
+    Plane(#[from] PlaneDomainError),
     /// No site fell into the domain.
     #[error(
         "no random point fell into the domain in {draws} draws: it fills too little of its bounding box"

@@ -109,12 +109,12 @@ mod tests {
     #[test]
     fn the_grid_is_cropped_to_the_region() {
         let left = Region {
-            contains: &|point: &Point2<f64>| point.x < 1.0,
+            contains: Box::new(|point: &Point2<f64>| point.x < 1.0),
             ..region()
         };
         assert_eq!(sites(&grid(0.0), &left).expect("two remain").len(), 2);
         let nothing = Region {
-            contains: &|_: &Point2<f64>| false,
+            contains: Box::new(|_| false),
             ..region()
         };
         assert!(matches!(sites(&grid(0.0), &nothing), Err(Error::EmptyGrid)));

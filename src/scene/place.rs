@@ -28,6 +28,6 @@ pub fn place<const D: usize>(
 }
 
 /// `row` has `D` numbers: the scene has been validated.
-fn point<const D: usize>(row: &[f64]) -> Point<f64, D> {
+pub(crate) fn point<const D: usize>(row: &[f64]) -> Point<f64, D> {
     Point::from(std::array::from_fn::<f64, D, _>(|axis| row[axis]))
 }

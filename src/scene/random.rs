@@ -117,7 +117,7 @@ mod tests {
                 max: Point2::new(1.0, 1.0),
             },
             periodic: [false; 2],
-            contains: &triangle,
+            contains: Box::new(triangle),
         };
         let sites = sites(500, 1, &region).expect("half of the square is room");
         assert_eq!(sites.len(), 500);
@@ -127,7 +127,7 @@ mod tests {
     #[test]
     fn a_region_without_room_is_refused() {
         let region = Region {
-            contains: &|_| false,
+            contains: Box::new(|_| false),
             ..Region::of_box(cube(), [false; 3])
         };
         assert!(matches!(sites(1, 1, &region), Err(Error::NoRoom { .. })));

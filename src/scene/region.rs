@@ -4,7 +4,12 @@ use std::fmt;
 
 use nalgebra::Point;
 
+use crate::domain::plane::PlaneDomain;
+use crate::domain::space::Domain;
 use crate::geometry::bounds::Bounds;
+
+/// Says whether a point lies in a closed domain.
+pub type Contains<'a, const D: usize> = Box<dyn Fn(&Point<f64, D>) -> bool + Sync + 'a>;
 
 /// What placing and checking sites needs to know of a domain.
 pub struct Region<'a, const D: usize> {
@@ -12,8 +17,8 @@ pub struct Region<'a, const D: usize> {
     pub bounds: Bounds<D>,
     /// Along which axes the domain repeats itself.
     pub periodic: [bool; D],
-    /// Whether the closed domain holds a point of its bounding box.
-    pub contains: &'a (dyn Fn(&Point<f64, D>) -> bool + Sync),
+    /// Whether the closed domain holds a point.
+    pub contains: Contains<'a, D>,
 }
 
 impl<const D: usize> Region<'_, D> {
@@ -23,14 +28,34 @@ impl<const D: usize> Region<'_, D> {
         Self {
             bounds,
             periodic,
-            contains: &|_| true,
+            contains: Box::new(move |point| bounds.contains(point)),
+        }
+    }
+
+    /// The region of a domain in space.
+    #[must_use]
+    pub fn of_solid(domain: &dyn Domain) -> Region<'_, 3> {
+        Region {
+            bounds: domain.bounds(),
+            periodic: domain.periods().map(|period| period.is_some()),
+            contains: Box::new(|point| domain.contains(point)),
+        }
+    }
+
+    /// The region of a domain in the plane.
+    #[must_use]
+    pub fn of_plane(domain: &PlaneDomain) -> Region<'_, 2> {
+        Region {
+            bounds: domain.bounds(),
+            periodic: [false; 2],
+            contains: Box::new(|point| domain.contains(point)),
         }
     }
 
     /// Whether the domain holds `point`.
     #[must_use]
     pub fn holds(&self, point: &Point<f64, D>) -> bool {
-        self.bounds.contains(point) && (self.contains)(point)
+        (self.contains)(point)
     }
 
     /// The image of `point` on the lower wall where it lies on the upper wall of a periodic axis.

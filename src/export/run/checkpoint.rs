@@ -1,6 +1,6 @@
 //! The sites of one iteration, to the bit: where a resumed run starts.
 //!
-//! `checkpoint.bin` is a line of JSON (the [`Header`]) followed by the coordinates, site by site,
+//! `checkpoint.bin` is a line of JSON (its layout and counts) followed by the coordinates, site by site,
 //! as little-endian f64.
 //!
 //! Everything after a checkpoint can be computed again, so they need not be frequent: a
@@ -25,16 +25,13 @@ const LEAST_INTERVAL: Duration = Duration::from_secs(1);
 /// And this many times as far apart as one takes to write: 4 % of a run's time.
 const INTERVAL_PER_WRITE: u32 = 25;
 
-/// Where a run stands, beside its sites.
+/// The first line of the file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Header {
+struct Header {
     format: u32,
     dimension: usize,
     sites: usize,
-    /// Moves made so far.
-    pub iteration: u64,
-    /// Energy evaluations so far, per site.
-    pub evaluations: f64,
+    iteration: u64,
 }
 
 /// A run's state after some iteration.
@@ -42,8 +39,6 @@ pub struct Header {
 pub struct Checkpoint<const D: usize> {
     /// Moves made so far.
     pub iteration: u64,
-    /// Energy evaluations so far, per site.
-    pub evaluations: f64,
     /// Where the sites stand.
     pub sites: Vec<Point<f64, D>>,
 }
@@ -55,7 +50,6 @@ pub struct Checkpoint<const D: usize> {
 pub fn write<const D: usize>(
     path: &Path,
     iteration: u64,
-    evaluations: f64,
     sites: &[Point<f64, D>],
 ) -> Result<(), RunError> {
     let header = Header {
@@ -63,7 +57,6 @@ pub fn write<const D: usize>(
         dimension: D,
         sites: sites.len(),
         iteration,
-        evaluations,
     };
     let written = whole_file::write(path, |file| {
         serde_json::to_writer(&mut *file, &header).map_err(io::Error::from)?;
@@ -108,7 +101,6 @@ fn parse<const D: usize>(bytes: &[u8]) -> Result<Checkpoint<D>, String> {
     }
     Ok(Checkpoint {
         iteration: header.iteration,
-        evaluations: header.evaluations,
         sites: data.chunks_exact(8 * D).map(point).collect(),
     })
 }
@@ -159,11 +151,11 @@ mod tests {
             Point::from([0.1, -0.0, 1e-300]),
             Point::from([0.2, 0.3, 0.1 + 0.2]),
         ];
-        write(&path, 7, 31.0 / 3.0, &sites).expect("room for a checkpoint");
+        write(&path, 7, &sites).expect("room for a checkpoint");
         let again = read::<3>(&path)
             .expect("what was written reads")
             .expect("a file");
-        assert_eq!((again.iteration, again.evaluations), (7, 31.0 / 3.0));
+        assert_eq!(again.iteration, 7);
         let bits = |sites: &[Point<f64, 3>]| -> Vec<u64> {
             let values = sites.iter().flat_map(|site| site.iter().copied());
             values.map(f64::to_bits).collect()
@@ -178,7 +170,7 @@ mod tests {
             &b""[..],
             b"{}\n",
             b"no header",
-            b"{\"format\":1,\"dimension\":3,\"sites\":2,\"iteration\":1,\"evaluations\":0}\n1234",
+            b"{\"format\":1,\"dimension\":3,\"sites\":2,\"iteration\":1}\n1234",
         ] {
             assert!(parse::<3>(bytes).is_err());
         }

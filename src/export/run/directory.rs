@@ -117,6 +117,12 @@ impl RunDirectory {
         &mut self.log
     }
 
+    /// The directory itself.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
     /// The path of the file `name` in the directory.
     #[must_use]
     pub fn file(&self, name: &str) -> PathBuf {
@@ -164,7 +170,7 @@ impl RunDirectory {
         let start = Instant::now();
         self.log.sync()?;
         let path = self.file(CHECKPOINT);
-        checkpoint::write(&path, record.iteration, record.evaluations, sites)?;
+        checkpoint::write(&path, record.iteration, sites)?;
         self.pace = Pace::after(start.elapsed());
         Ok(())
     }

@@ -1,0 +1,261 @@
+//! A run from its first record to its last file, or from where an earlier process left it.
+
+use std::ops::ControlFlow;
+use std::path::Path;
+
+use nalgebra::Point;
+
+use chebloyd::export::log::read_log;
+use chebloyd::export::run::description;
+use chebloyd::export::run::directory::RunDirectory;
+use chebloyd::export::run::error::RunError;
+use chebloyd::export::{sites, whole_file};
+use chebloyd::plot::convergence::{Run, convergence};
+use chebloyd::plot::svg::svg;
+use chebloyd::relax::figures::Figures;
+use chebloyd::relax::lloyd::{Ended, LloydOptions, lloyd};
+use chebloyd::relax::record::{Record, optimal_energy};
+use chebloyd::scene::description::Scene;
+use chebloyd::scene::method::Method;
+
+use crate::cli::arguments::Common;
+use crate::cli::failure::Failure;
+use crate::cli::ground::Ground;
+use crate::cli::interrupt;
+use crate::cli::progress::Progress;
+use crate::cli::question::question;
+use crate::cli::stdout;
+
+/// What `run.json` holds.
+pub(crate) type Description = description::Description<Scene, Figures>;
+
+/// How `run.json` calls the end that Ctrl-C brings.
+const INTERRUPTED: &str = "interrupted";
+
+/// A run that is about to begin or to go on.
+pub(crate) struct Job<'a, const D: usize, G> {
+    ground: &'a G,
+    directory: RunDirectory,
+    description: Description,
+    sites: Vec<Point<f64, D>>,
+    /// The last record in the log, which describes `sites`; none at the beginning.
+    last: Option<Record>,
+}
+
+impl<'a, const D: usize, G: Ground<D>> Job<'a, D, G> {
+    /// A new run in the directory `out`.
+    pub(crate) fn start(
+        ground: &'a G,
+        scene: Scene,
+        sites: Vec<Point<f64, D>>,
+        out: &Path,
+    ) -> Result<Self, Failure> {
+        let volume = ground.volume();
+        let description = Description {
+            program: env!("CARGO_PKG_NAME").to_owned(),
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            scene,
+            sites: sites.len(),
+            domain_volume: volume,
+            optimal_energy: optimal_energy::<D>(volume, sites.len(), 1),
+            initial: None,
+            last: None,
+            ended: None,
+            seconds: 0.0,
+            threads: rayon::current_num_threads(),
+        };
+        let directory = RunDirectory::create(out, &description).map_err(Failure::input)?;
+        Ok(Self {
+            ground,
+            directory,
+            description,
+            sites,
+            last: None,
+        })
+    }
+
+    /// The run of `directory` from its last checkpoint, or from the start if it has none.
+    pub(crate) fn resume(
+        ground: &'a G,
+        mut directory: RunDirectory,
+        mut description: Description,
+    ) -> Result<Self, Failure> {
+        let checkpoint = directory.checkpoint().map_err(Failure::input)?;
+        let (sites, last) = match checkpoint {
+            Some(checkpoint) => {
+                let asked = description.scene.method.iterations();
+                if asked < checkpoint.iteration {
+                    return Err(already_further(asked, checkpoint.iteration));
+                }
+                let last = directory.log().rewind(checkpoint.iteration);
+                (checkpoint.sites, Some(last.map_err(Failure::input)?))
+            }
+            None => {
+                let sites = ground.place(&description.scene)?;
+                directory.log().clear().map_err(Failure::input)?;
+                (sites, None)
+            }
+        };
+        description.last = None;
+        description.ended = None;
+        description.threads = rayon::current_num_threads();
+        directory.describe(&description).map_err(Failure::input)?;
+        Ok(Self {
+            ground,
+            directory,
+            description,
+            sites,
+            last,
+        })
+    }
+
+    /// Runs to the end and leaves all files.
+    pub(crate) fn run(mut self, common: Common) -> Result<(), Failure> {
+        interrupt::listen()?;
+        if self.description.initial.is_none() {
+            self.description.initial = Some(self.figures()?);
+            self.directory
+                .describe(&self.description)
+                .map_err(Failure::run)?;
+        }
+        let ended = self.relax(common)?;
+        self.leave_files()?;
+        self.description.last = Some(self.figures()?);
+        self.description.ended = Some(ended.to_owned());
+        self.description.seconds = self.seconds();
+        self.directory
+            .describe(&self.description)
+            .map_err(Failure::run)?;
+        if common.quiet {
+            return Ok(());
+        }
+        stdout::print(self.summary())
+    }
+
+    /// Moves the sites, keeping the log; says how it ended.
+    fn relax(&mut self, common: Common) -> Result<&'static str, Failure> {
+        let Method::Lloyd(method) = &self.description.scene.method;
+        let options = LloydOptions {
+            iterations: method.iterations,
+            tolerance: method.tolerance,
+            question: question(&self.description.scene),
+        };
+        let resumed = self.last.clone();
+        let done = resumed.as_ref().map_or(0, |record| record.iteration);
+        let progress = Progress::new(method.iterations, done, common);
+        let (directory, last) = (&mut self.directory, &mut self.last);
+        let mut failure: Option<RunError> = None;
+        let mut observe = |record: &Record, sites: &[Point<f64, D>]| {
+            *last = Some(record.clone());
+            progress.show(record);
+            failure = directory.record(record, sites).err();
+            if failure.is_some() || interrupt::asked() {
+                return ControlFlow::Break(());
+            }
+            ControlFlow::Continue(())
+        };
+        let ended = lloyd(
+            self.ground,
+            &mut self.sites,
+            &options,
+            resumed.as_ref(),
+            &mut observe,
+        );
+        progress.finish();
+        if let Some(failure) = failure {
+            return Err(Failure::run(failure));
+        }
+        Ok(match ended.map_err(Failure::run)? {
+            Ended::Iterations => "iterations",
+            Ended::Tolerance => "tolerance",
+            Ended::Interrupted => INTERRUPTED,
+        })
+    }
+
+    /// The checkpoint, the sites, the cells and the curves.
+    fn leave_files(&mut self) -> Result<(), Failure> {
+        if let Some(last) = &self.last {
+            self.directory
+                .keep(last, &self.sites)
+                .map_err(Failure::run)?;
+        }
+        self.leave("sites.csv", |file| sites::write_csv(&self.sites, file))?;
+        let output = &self.description.scene.output;
+        if output.cells {
+            let question = question(&self.description.scene);
+            self.ground
+                .draw_cells(&self.sites, question, &self.directory)
+                .map_err(|error| Failure::run(format!("cannot write the cells: {error}")))?;
+        }
+        if output.plot {
+            let records = read_log(&self.directory.file("log.jsonl")).map_err(Failure::run)?;
+            let runs = [Run {
+                name: "energy and movement",
+                records: &records,
+            }];
+            let figure = svg(&convergence(&runs));
+            self.leave("convergence.svg", |file| {
+                std::io::Write::write_all(file, figure.as_bytes())
+            })?;
+        }
+        Ok(())
+    }
+
+    fn leave(
+        &self,
+        name: &str,
+        content: impl FnOnce(&mut std::io::BufWriter<std::fs::File>) -> std::io::Result<()>,
+    ) -> Result<(), Failure> {
+        let path = self.directory.file(name);
+        whole_file::write(&path, content)
+            .map_err(|error| Failure::run(format!("cannot write {}: {error}", path.display())))
+    }
+
+    fn figures(&self) -> Result<Figures, Failure> {
+        let question = question(&self.description.scene);
+        Ground::figures(self.ground, &self.sites, question).map_err(Failure::run)
+    }
+
+    fn seconds(&self) -> f64 {
+        self.last.as_ref().map_or(0.0, |record| record.seconds)
+    }
+
+    fn summary(&self) -> String {
+        let done = self.last.as_ref().map_or(0, |record| record.iteration);
+        let [Some(from), Some(to)] = [&self.description.initial, &self.description.last] else {
+            return String::new();
+        };
+        let out = self.directory.path().display();
+        let mut text = format!(
+            "{} sites, {done} iterations in {:.2} s\n\
+             energy              {:8.2} % → {:.2} %\n\
+             cubeness            {:8.3}   → {:.3}\n\
+             six-facet cells     {:8.1} % → {:.1} %\n\
+             axis-aligned area   {:8.3}   → {:.3}\n",
+            to.sites,
+            self.seconds(),
+            from.energy_percent,
+            to.energy_percent,
+            from.cubeness,
+            to.cubeness,
+            100.0 * from.six_facet_fraction,
+            100.0 * to.six_facet_fraction,
+            from.axis_aligned_area,
+            to.axis_aligned_area,
+        );
+        text += &match self.description.ended.as_deref() {
+            Some(INTERRUPTED) => {
+                format!("interrupted; go on with: chebloyd relax --resume --out {out}\n")
+            }
+            _ => format!("log, sites and cells are in {out}\n"),
+        };
+        text
+    }
+}
+
+fn already_further(asked: u64, done: u64) -> Failure {
+    Failure::input(format!(
+        "the run has {done} iterations already, more than the {asked} asked for; \
+         --iterations counts from the start"
+    ))
+}

@@ -1,0 +1,18 @@
+//! The command line: one file per subcommand, thin.
+
+pub(crate) mod arguments;
+pub(crate) mod command;
+pub(crate) mod completions;
+pub(crate) mod failure;
+pub(crate) mod ground;
+pub(crate) mod interrupt;
+pub(crate) mod job;
+pub(crate) mod man;
+pub(crate) mod measure;
+pub(crate) mod plot;
+pub(crate) mod progress;
+pub(crate) mod question;
+pub(crate) mod relax;
+pub(crate) mod scene_options;
+pub(crate) mod schema;
+pub(crate) mod stdout;

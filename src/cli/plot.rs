@@ -1,0 +1,116 @@
+//! `chebloyd plot`.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+
+use chebloyd::export::log::read_log;
+use chebloyd::export::whole_file;
+use chebloyd::plot::convergence::{Run, convergence};
+use chebloyd::plot::figure::Figure;
+use chebloyd::plot::{png, svg};
+use chebloyd::relax::record::Record;
+
+use crate::cli::arguments::Common;
+use crate::cli::failure::Failure;
+use crate::cli::stdout;
+
+/// Draw the energy and movement curves of one or several runs
+#[derive(Debug, Args)]
+pub(crate) struct Options {
+    /// Logs of runs, or the directories that hold them
+    #[arg(required = true, value_name = "LOG.jsonl")]
+    logs: Vec<PathBuf>,
+    /// The picture to write: .svg or .png
+    #[arg(long, short, value_name = "FILE", default_value = "convergence.svg")]
+    output: PathBuf,
+}
+
+/// Pixels per unit of an SVG: text stays sharp on fine screens.
+const PNG_SCALE: f64 = 2.0;
+
+pub(crate) fn run(options: &Options, common: Common) -> Result<(), Failure> {
+    let format = Format::of(&options.output)?;
+    let logs: Vec<PathBuf> = options.logs.iter().map(|path| log_in(path)).collect();
+    let records = logs
+        .iter()
+        .map(|path| records(path))
+        .collect::<Result<Vec<_>, _>>()?;
+    let names: Vec<String> = logs.iter().map(|path| name(path)).collect();
+    let runs: Vec<Run<'_>> = names
+        .iter()
+        .zip(&records)
+        .map(|(name, records)| Run { name, records })
+        .collect();
+    let bytes = format.draw(&convergence(&runs))?;
+    whole_file::write(&options.output, |file| file.write_all(&bytes)).map_err(|error| {
+        Failure::input(format!(
+            "cannot write {}: {error}",
+            options.output.display()
+        ))
+    })?;
+    if common.quiet {
+        return Ok(());
+    }
+    stdout::print(format!("{}\n", options.output.display()))
+}
+
+#[derive(Clone, Copy)]
+enum Format {
+    Svg,
+    Png,
+}
+
+impl Format {
+    fn of(path: &Path) -> Result<Self, Failure> {
+        let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
+        match extension.to_str() {
+            Some("svg") => Ok(Self::Svg),
+            Some("png") => Ok(Self::Png),
+            _ => Err(Failure::input(format!(
+                "cannot tell the format of {}: name it .svg or .png",
+                path.display()
+            ))),
+        }
+    }
+
+    fn draw(self, figure: &Figure) -> Result<Vec<u8>, Failure> {
+        match self {
+            Self::Svg => Ok(svg::svg(figure).into_bytes()),
+            Self::Png => png::png(figure, PNG_SCALE).map_err(Failure::run),
+        }
+    }
+}
+
+/// The log itself where `path` is a run's directory.
+fn log_in(path: &Path) -> PathBuf {
+    if path.is_dir() {
+        path.join("log.jsonl")
+    } else {
+        path.to_owned()
+    }
+}
+
+fn records(path: &Path) -> Result<Vec<Record>, Failure> {
+    let records = read_log(path).map_err(Failure::input)?;
+    if records.is_empty() {
+        return Err(Failure::input(format!(
+            "{} holds no records",
+            path.display()
+        )));
+    }
+    Ok(records)
+}
+
+/// What tells runs apart: the directory where the log has its usual name, else the file.
+fn name(path: &Path) -> String {
+    let own = path.file_stem().unwrap_or_default();
+    let folder = path.parent().and_then(Path::file_name);
+    let name = if own == "log" {
+        folder.unwrap_or(own)
+    } else {
+        own
+    };
+    name.to_string_lossy().into_owned()
+}

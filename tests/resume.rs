@@ -1,0 +1,180 @@
+//! However a run ends, it goes on to the same bytes.
+
+#[path = "common/desk.rs"]
+mod desk;
+
+use std::fs;
+use std::process::{Child, Command};
+
+use serde_json::Value;
+
+use desk::{Desk, LONG, SMALL, assert_all_in};
+
+#[test]
+fn a_run_goes_on_where_it_ended() {
+    let desk = Desk::new();
+    let relax = |rest: &[&str]| {
+        let mut arguments = vec!["relax", "--count", "60", "--seed", "5"];
+        arguments.extend(rest);
+        desk.stdout(&arguments);
+    };
+    relax(&["--iterations", "9", "--out", "whole"]);
+    relax(&["--iterations", "4", "--out", "parts"]);
+    desk.stdout(&[
+        "relax",
+        "--resume",
+        "--out",
+        "parts",
+        "--iterations",
+        "9",
+        "--threads",
+        "1",
+    ]);
+    assert_eq!(desk.read("whole/sites.csv"), desk.read("parts/sites.csv"));
+    assert_eq!(desk.records("whole"), desk.records("parts"));
+    let (whole, parts) = (desk.json("whole/run.json"), desk.json("parts/run.json"));
+    assert_eq!(whole["final"], parts["final"]);
+    assert_eq!(whole["initial"], parts["initial"]);
+    assert_eq!(parts["scene"]["method"]["lloyd"]["iterations"], 9);
+
+    // Nothing to add: the files stay as they are.
+    desk.stdout(&["relax", "--resume", "--out", "parts"]);
+    assert_eq!(desk.records("whole"), desk.records("parts"));
+    let told = desk.refusal(&["relax", "--resume", "--out", "parts", "--iterations", "3"]);
+    assert_all_in(&told, &["9 iterations already", "3"]);
+}
+
+#[test]
+fn a_resumed_run_can_stop_by_tolerance() {
+    let desk = Desk::new();
+    desk.stdout(&["relax", "--count", "30", "--iterations", "3"]);
+    desk.stdout(&[
+        "relax",
+        "--resume",
+        "--iterations",
+        "500",
+        "--tolerance",
+        "2",
+    ]);
+    let run = desk.json("relaxed/run.json");
+    assert_eq!(run["ended"], "tolerance");
+    let records = desk.records("relaxed");
+    let movement = |record: &Value| record["movement_percent"].as_f64().expect("a number");
+    assert!(records.len() < 501);
+    assert!(movement(&records[records.len() - 1]) < 2.0);
+    assert!(
+        records[4..records.len() - 1]
+            .iter()
+            .all(|record| movement(record) >= 2.0)
+    );
+}
+
+#[cfg(unix)]
+#[test]
+fn a_killed_run_goes_on_from_its_last_complete_record() {
+    use std::os::unix::process::ExitStatusExt;
+    let desk = Desk::new();
+    let mut whole = vec!["relax", "--out", "whole"];
+    whole.extend(LONG);
+    desk.stdout(&whole);
+
+    let mut child = desk.start("killed", 12);
+    child.kill().expect("a child to kill");
+    let status = child.wait().expect("a child");
+    assert_eq!(status.signal(), Some(9), "killed on the way");
+    let run = desk.json("killed/run.json");
+    assert_eq!(run["ended"], Value::Null);
+    assert!(!desk.path("killed/sites.csv").exists());
+    // A kill in the middle of a line.
+    let mut log = desk.read("killed/log.jsonl");
+    log.extend(b"{\"iteration\":");
+    desk.write("killed/log.jsonl", log);
+
+    desk.stdout(&["relax", "--resume", "--out", "killed"]);
+    assert_eq!(desk.read("whole/sites.csv"), desk.read("killed/sites.csv"));
+    assert_eq!(desk.records("whole"), desk.records("killed"));
+    assert_eq!(desk.json("killed/run.json")["ended"], "iterations");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_run_killed_before_its_first_record_starts_again() {
+    let desk = Desk::new();
+    let mut arguments = vec!["relax", "--out", "r"];
+    arguments.extend(SMALL);
+    desk.stdout(&arguments);
+    let sites = desk.read("r/sites.csv");
+    let mut run = desk.json("r/run.json");
+    for key in ["initial", "final", "ended"] {
+        run[key] = Value::Null;
+    }
+    desk.write("r/run.json", run.to_string());
+    desk.write("r/log.jsonl", "{\"itera");
+    for name in ["checkpoint.bin", "sites.csv"] {
+        fs::remove_file(desk.path("r").join(name)).expect("a file to remove");
+    }
+    desk.stdout(&["relax", "--resume", "--out", "r"]);
+    assert_eq!(sites, desk.read("r/sites.csv"));
+    assert_eq!(desk.records("r").len(), 3);
+}
+
+#[cfg(unix)]
+#[test]
+fn ctrl_c_finishes_the_iteration_and_leaves_complete_files() {
+    let desk = Desk::new();
+    let child = desk.start("r", 4);
+    interrupt(&child);
+    let output = child.wait_with_output().expect("a child");
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    assert_all_in(
+        &String::from_utf8_lossy(&output.stdout),
+        &["interrupted", "--resume --out r"],
+    );
+    let run = desk.json("r/run.json");
+    assert_eq!(run["ended"], "interrupted");
+    assert!(run["final"].is_object());
+    let done = desk.records("r").len() - 1;
+    assert!(done < 40, "it was interrupted on the way");
+    for name in ["sites.csv", "convergence.svg"] {
+        assert!(desk.path("r").join(name).exists(), "{name}");
+    }
+
+    // What was left is exactly what a run of so many iterations leaves, and can go on.
+    let count = done.to_string();
+    let mut whole = vec!["relax", "--out", "whole"];
+    whole.extend(LONG);
+    whole[8] = &count;
+    desk.stdout(&whole);
+    assert_eq!(desk.read("whole/sites.csv"), desk.read("r/sites.csv"));
+    let more = (done + 2).to_string();
+    desk.stdout(&["relax", "--resume", "--out", "r", "--iterations", &more]);
+    desk.stdout(&["relax", "--resume", "--out", "whole", "--iterations", &more]);
+    assert_eq!(desk.read("whole/sites.csv"), desk.read("r/sites.csv"));
+    assert_eq!(desk.records("whole"), desk.records("r"));
+}
+
+#[cfg(unix)]
+fn interrupt(child: &Child) {
+    let sent = Command::new("kill")
+        .args(["-INT", &child.id().to_string()])
+        .status();
+    assert!(sent.expect("kill is there").success());
+}
+
+#[cfg(unix)]
+#[test]
+fn a_directory_in_use_is_refused() {
+    let desk = Desk::new();
+    let mut child = desk.start("r", 2);
+    for arguments in [
+        &["relax", "--resume", "--out", "r"][..],
+        &["relax", "--force", "--out", "r"],
+    ] {
+        let output = desk.run(arguments);
+        let told = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(2), "{told}");
+        assert_all_in(&told, &["r is in use"]);
+    }
+    child.kill().expect("a child to kill");
+    child.wait().expect("a child");
+}
