@@ -13,7 +13,8 @@ use nalgebra::{Matrix3, Vector3};
 
 use crate::chebyshev::integrand::Integrand;
 use crate::chebyshev::sector::{Interface, Sector};
-use crate::chebyshev::walk::{FacetView, Visit, WalkScratch, walk};
+use crate::chebyshev::visit::{FacetView, Visit};
+use crate::chebyshev::walk::{WalkScratch, walk};
 use crate::integrals::simplex::complete_homogeneous;
 use crate::minimize::problem::Evaluation;
 

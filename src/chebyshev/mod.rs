@@ -12,3 +12,6 @@ pub mod integrand;
 pub mod plane;
 pub mod sector;
 pub mod walk;
+
+mod segments;
+mod visit;

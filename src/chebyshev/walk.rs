@@ -15,40 +15,9 @@
 use nalgebra::Vector3;
 
 use crate::chebyshev::integrand::{EdgeConstants, FacetConstants, Integrand};
-use crate::chebyshev::sector::{Interface, Sector, diagonal_ray, pierced};
-
-/// A facet as seen from the center of the walk.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct FacetView {
-    /// The anchor's displacement from the center.
-    pub(crate) anchor: Vector3<f64>,
-    /// The center's signed height below the facet's plane.
-    pub(crate) height: f64,
-}
-
-/// Takes what the walk reports. Positions are displacements from the center.
-pub(crate) trait Visit {
-    /// The part (a, b) of an edge lies in `sector`; the triangle with the anchor has the signed
-    /// area `doubled_area / 2`.
-    fn share(
-        &mut self,
-        facet: &FacetView,
-        sector: Sector,
-        doubled_area: f64,
-        a: &Vector3<f64>,
-        b: &Vector3<f64>,
-    );
-
-    /// The directed part (u, v) of the interface lies on the facet.
-    fn segment(
-        &mut self,
-        facet: &FacetView,
-        interface: Interface,
-        doubled_area: f64,
-        u: &Vector3<f64>,
-        v: &Vector3<f64>,
-    );
-}
+use crate::chebyshev::sector::{Interface, Sector};
+use crate::chebyshev::segments::{Endpoint, Role, report_segments};
+use crate::chebyshev::visit::{FacetView, Visit};
 
 /// The memory of [`walk`], to be reused from one center to the next.
 #[derive(Clone, Debug, Default)]
@@ -67,28 +36,6 @@ struct Crossing {
     endpoint: Endpoint,
     /// One more than the place of the facet's crossing before this one; zero for none.
     before: u32,
-}
-
-#[derive(Clone, Copy, Debug)]
-struct Endpoint {
-    interface: Interface,
-    role: Role,
-    point: Vector3<f64>,
-}
-
-/// What an endpoint is to a segment with the interface's first sector on its left.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Role {
-    Start,
-    End,
-    /// The end of a segment that has been reported.
-    Taken,
-}
-
-impl Role {
-    fn start_if(is_start: bool) -> Self {
-        if is_start { Self::Start } else { Self::End }
-    }
 }
 
 /// Walks the surface of a piece as seen from `center` (in the piece's coordinates).
@@ -230,7 +177,7 @@ fn note(
     *last = scratch.crossings.len() as u32;
 }
 
-/// Pairs a facet's crossings and pierced diagonals to segments.
+/// Gathers a facet's crossings and reports its segments.
 fn join_segments(
     constants: &FacetConstants,
     facet: usize,
@@ -244,79 +191,12 @@ fn join_segments(
         endpoints,
         ..
     } = scratch;
-    let view = facets[facet];
     endpoints.clear();
-    let mut crossed = 0;
     let mut number = last[facet];
     while number != 0 {
         let crossing = crossings[number as usize - 1];
-        crossed ^= crossing.endpoint.interface.bit();
         endpoints.push(crossing.endpoint);
         number = crossing.before;
     }
-    push_diagonals(constants, &view, crossed, endpoints);
-    for start in 0..endpoints.len() {
-        let Endpoint {
-            interface,
-            role: Role::Start,
-            point: u,
-        } = endpoints[start]
-        else {
-            continue;
-        };
-        let end = endpoints
-            .iter_mut()
-            .find(|end| end.interface == interface && end.role == Role::End);
-        if let Some(end) = end {
-            end.role = Role::Taken;
-            let v = end.point;
-            let doubled_area = constants
-                .normal
-                .dot(&(u - view.anchor).cross(&(v - view.anchor)));
-            visitor.segment(&view, interface, doubled_area, &u, &v);
-        }
-    }
-}
-
-/// Adds the points in which diagonals pierce the facet, each an endpoint of three interfaces.
-fn push_diagonals(
-    constants: &FacetConstants,
-    view: &FacetView,
-    crossed: u16,
-    endpoints: &mut Vec<Endpoint>,
-) {
-    let mut inside = pierced(crossed);
-    let seen_from_inside = view.height >= 0.0;
-    let steepness = |diagonal: u8| {
-        let dot = constants.normal.dot(&diagonal_ray(diagonal));
-        if seen_from_inside { dot } else { -dot }
-    };
-    if inside.count_ones() == 4 {
-        // The facet spans a whole sector: this one or the opposite.
-        let balance = |set: u8| -> f64 { members(set).map(steepness).sum() };
-        if balance(!inside) > balance(inside) {
-            inside = !inside;
-        }
-    }
-    for diagonal in members(inside) {
-        let slope = steepness(diagonal);
-        let reach = view.height.abs() / slope;
-        let point = if slope > 0.0 && reach.is_finite() {
-            diagonal_ray(diagonal) * reach
-        } else {
-            // Rounding alone says that this diagonal pierces: its triangle has no area.
-            endpoints.first().map_or(view.anchor, |first| first.point)
-        };
-        for (interface, ends) in Interface::at_diagonal(diagonal) {
-            endpoints.push(Endpoint {
-                interface,
-                role: Role::start_if(ends != seen_from_inside),
-                point,
-            });
-        }
-    }
-}
-
-fn members(set: u8) -> impl Iterator<Item = u8> {
-    (0..8).filter(move |member| set >> member & 1 == 1)
+    report_segments(constants, &facets[facet], endpoints, visitor);
 }

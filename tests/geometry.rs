@@ -1,0 +1,212 @@
+//! Half-spaces and polyhedra: the identities that every clip must keep.
+
+use chebloyd::geometry::bounds::Bounds;
+use chebloyd::geometry::clip::{Clip, ClipScratch, clip};
+use chebloyd::geometry::half_space::HalfSpace;
+use chebloyd::geometry::moments::Moments;
+use chebloyd::geometry::polyhedron::Polyhedron;
+use nalgebra::{Point3, Vector3};
+use proptest::prelude::*;
+
+fn cube() -> Polyhedron {
+    let corner = Point3::new(1.0, 1.0, 1.0);
+    let around = Bounds {
+        min: -corner,
+        max: corner,
+    };
+    Polyhedron::cuboid(&around, [100, 101, 102, 103, 104, 105])
+}
+
+fn volume(polyhedron: &Polyhedron) -> f64 {
+    Moments::of(polyhedron).volume
+}
+
+fn opposite(half_space: &HalfSpace) -> HalfSpace {
+    HalfSpace {
+        normal: -half_space.normal,
+        offset: -half_space.offset,
+    }
+}
+
+/// What must hold of every polyhedron: closed loops, V − E + F = 2, no boundary.
+fn check(polyhedron: &Polyhedron) -> Result<(), String> {
+    if polyhedron.is_empty() {
+        return Ok(());
+    }
+    let vertices = polyhedron.vertex_count();
+    let mut facets = 0;
+    let mut sides = 0;
+    let mut closure = Vector3::zeros();
+    for facet in polyhedron.facets() {
+        facets += 1;
+        let loop_length = facet.vertex_numbers().take(vertices + 1).count();
+        if loop_length > vertices || loop_length < 3 {
+            return Err(format!("facet {} has {loop_length} corners", facet.number));
+        }
+        sides += loop_length;
+        closure += facet.area_vector();
+        let plane = facet.half_space().normalized();
+        let far = facet
+            .corners()
+            .map(|c| plane.excess(&c).abs())
+            .fold(0.0, f64::max);
+        if far > 1e-12 {
+            return Err(format!("facet {} is {far} off its plane", facet.number));
+        }
+    }
+    if sides != 3 * vertices {
+        return Err(format!("{sides} sides at {vertices} vertices"));
+    }
+    if vertices + facets != sides / 2 + 2 {
+        return Err(format!("V {vertices} − E {} + F {facets} ≠ 2", sides / 2));
+    }
+    if closure.norm() > 1e-13 {
+        return Err(format!("the surface does not close: {closure:?}"));
+    }
+    Ok(())
+}
+
+fn half_space() -> impl Strategy<Value = HalfSpace> {
+    let part = -1.0..1.0;
+    ((part.clone(), part.clone(), part), 0.2..1.5)
+        .prop_filter("a direction", |((x, y, z), _)| x * x + y * y + z * z > 1e-3)
+        .prop_map(|((x, y, z), distance): ((f64, f64, f64), f64)| {
+            HalfSpace::bisector(Vector3::new(x, y, z).normalize() * (2.0 * distance))
+        })
+}
+
+/// Planes through lattice points: many pass through common vertices and edges.
+fn lattice_half_space() -> impl Strategy<Value = HalfSpace> {
+    let part = -2..=2i32;
+    ((part.clone(), part.clone(), part), -3..=6i32)
+        .prop_filter("a direction", |((x, y, z), _)| (x, y, z) != (&0, &0, &0))
+        .prop_map(|((x, y, z), offset)| HalfSpace {
+            normal: Vector3::new(f64::from(x), f64::from(y), f64::from(z)),
+            offset: f64::from(offset) / 2.0,
+        })
+}
+
+fn clipped(planes: &[HalfSpace]) -> Polyhedron {
+    let mut polyhedron = cube();
+    let mut scratch = ClipScratch::default();
+    for (label, plane) in planes.iter().enumerate() {
+        clip(&mut polyhedron, plane, label as u64, &mut scratch);
+    }
+    polyhedron
+}
+
+proptest! {
+    #[test]
+    fn clips_leave_a_closed_simple_polytope(planes in prop::collection::vec(half_space(), 0..30)) {
+        prop_assert_eq!(check(&clipped(&planes)), Ok(()));
+    }
+
+    #[test]
+    fn planes_through_common_points_do_too(
+        planes in prop::collection::vec(lattice_half_space(), 0..30)
+    ) {
+        prop_assert_eq!(check(&clipped(&planes)), Ok(()));
+    }
+
+    #[test]
+    fn a_clip_and_its_opposite_share_out_the_volume(
+        planes in prop::collection::vec(half_space(), 0..12),
+        last in prop_oneof![half_space(), lattice_half_space()],
+    ) {
+        let whole = clipped(&planes);
+        let mut scratch = ClipScratch::default();
+        let (mut inside, mut outside) = (whole.clone(), whole.clone());
+        clip(&mut inside, &last, 1, &mut scratch);
+        clip(&mut outside, &opposite(&last), 1, &mut scratch);
+        let sum = volume(&inside) + volume(&outside);
+        prop_assert!((sum - volume(&whole)).abs() <= 1e-13, "{} instead of {}", sum, volume(&whole));
+    }
+
+    #[test]
+    fn the_order_of_clips_does_not_matter(
+        planes in prop::collection::vec(prop_oneof![half_space(), lattice_half_space()], 0..12)
+    ) {
+        let forward = volume(&clipped(&planes));
+        let reversed: Vec<_> = planes.iter().rev().copied().collect();
+        prop_assert!((forward - volume(&clipped(&reversed))).abs() <= 1e-13);
+    }
+
+    #[test]
+    fn the_same_plane_cuts_once(planes in prop::collection::vec(half_space(), 1..12)) {
+        let once = clipped(&planes);
+        let mut twice = once.clone();
+        let mut scratch = ClipScratch::default();
+        for plane in &planes {
+            clip(&mut twice, plane, 9, &mut scratch);
+        }
+        prop_assert!((volume(&once) - volume(&twice)).abs() <= 1e-13);
+    }
+}
+
+#[test]
+fn a_clip_says_what_it_did() {
+    let mut scratch = ClipScratch::default();
+    let normal = Vector3::new(1.0, 0.0, 0.0);
+    let mut polyhedron = cube();
+    let at = |offset| HalfSpace { normal, offset };
+    // The wall itself is not crossed.
+    assert_eq!(
+        clip(&mut polyhedron, &at(1.0), 1, &mut scratch),
+        Clip::Unchanged
+    );
+    assert_eq!(clip(&mut polyhedron, &at(0.5), 1, &mut scratch), Clip::Cut);
+    assert!((volume(&polyhedron) - 6.0).abs() < 1e-15);
+    assert_eq!(
+        clip(&mut polyhedron, &at(-2.0), 1, &mut scratch),
+        Clip::Emptied
+    );
+    assert!(polyhedron.is_empty());
+    assert!(volume(&polyhedron).abs() < f64::MIN_POSITIVE);
+}
+
+#[test]
+fn labels_stay_with_their_facets() {
+    let corner = HalfSpace {
+        normal: Vector3::new(1.0, 1.0, 1.0),
+        offset: 2.5,
+    };
+    let polyhedron = clipped(&[corner]);
+    let labels: Vec<_> = polyhedron.facets().map(|facet| facet.label()).collect();
+    assert_eq!(labels, [100, 101, 102, 103, 104, 105, 0]);
+    let cut = polyhedron.facets().last().unwrap();
+    assert_eq!(cut.corners().count(), 3);
+    assert_eq!(cut.half_space(), corner);
+}
+
+#[test]
+fn tetrahedra_of_either_orientation_are_the_same_set() {
+    let corners = [
+        Point3::origin(),
+        Point3::new(1.0, 0.0, 0.0),
+        Point3::new(0.0, 2.0, 0.0),
+        Point3::new(0.0, 0.0, 3.0),
+    ];
+    let mirrored = [corners[1], corners[0], corners[2], corners[3]];
+    for (corners, labels) in [(corners, [0, 1, 2, 3]), (mirrored, [1, 0, 2, 3])] {
+        let tetrahedron = Polyhedron::tetrahedron(&corners, labels);
+        assert_eq!(check(&tetrahedron), Ok(()));
+        let moments = Moments::of(&tetrahedron);
+        assert!((moments.volume - 1.0).abs() < 1e-15);
+        assert!((moments.centroid() - Point3::new(0.25, 0.5, 0.75)).norm() < 1e-15);
+        // ∫ x² + y² + z² over it is V (1² + 2² + 3²)/10.
+        assert!((moments.second - 1.4).abs() < 1e-14);
+        let slanted = tetrahedron
+            .facets()
+            .find(|facet| facet.label() == 0)
+            .unwrap();
+        assert!(slanted.half_space().normal.min() > 0.0);
+    }
+}
+
+#[test]
+fn moments_follow_the_parallel_axis_relation() {
+    let moments = Moments::of(&cube());
+    assert!((moments.second - 8.0).abs() < 1e-14);
+    // About a corner: 8 + 8 · 3.
+    assert!((moments.second_about(&Point3::new(1.0, 1.0, 1.0)) - 32.0).abs() < 1e-13);
+}
