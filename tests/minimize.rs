@@ -396,11 +396,12 @@ struct LargeQuadratic {
 }
 
 impl LargeQuadratic {
-    fn random(random: &mut Random, size: usize) -> Self {
+    /// Of `size` variables; with a `width` of 1 about half of them end at a bound, with 5 few.
+    fn random(random: &mut Random, size: usize, width: f64) -> Self {
         let root = DMatrix::from_fn(size, size, |_, _| random.signed());
         let mut uniform =
             |width: f64| -> Vec<f64> { (0..size).map(|_| width * random.signed()).collect() };
-        let (one, other) = (uniform(1.0), uniform(1.0));
+        let (one, other) = (uniform(width), uniform(width));
         Self {
             hessian: &root * root.transpose() / size as f64 + DMatrix::identity(size, size) * 0.01,
             middle: DVector::from_vec(uniform(1.5)),
@@ -479,7 +480,8 @@ fn lbfgsb_meets_the_optimality_conditions_and_a_second_implementation() {
     let mut random = Random::seeded(0xb200);
     for size in [10, 20, 50, 100, 200] {
         for case in 0..20 {
-            let problem = LargeQuadratic::random(&mut random, size);
+            let width = [1.0, 2.0, 5.0][case % 3];
+            let problem = LargeQuadratic::random(&mut random, size, width);
             let found = problem.minimum(&options(1e-9));
             let violation = problem.violation(found.state.point());
             assert!(found.ended.converged(), "{size} {case}: {}", found.ended);
@@ -593,7 +595,7 @@ fn lbfgsb_and_newton_find_the_same_center() {
 #[test]
 fn lbfgsb_gives_the_same_steps_in_any_unit() {
     // Lengths in units 2^20 smaller, values in units 2^30 larger: powers of two are exact.
-    let problem = LargeQuadratic::random(&mut Random::seeded(23), 30);
+    let problem = LargeQuadratic::random(&mut Random::seeded(23), 30, 1.0);
     let (length, value) = ((2.0_f64).powi(-20), (2.0_f64).powi(30));
     let shrunk = |numbers: &[f64]| -> Vec<f64> { numbers.iter().map(|x| x * length).collect() };
     let small = lbfgsb(
@@ -623,7 +625,7 @@ fn lbfgsb_gives_the_same_steps_in_any_unit() {
 
 #[test]
 fn lbfgsb_never_moves_a_site_farther_than_allowed() {
-    let problem = LargeQuadratic::random(&mut Random::seeded(29), 60);
+    let problem = LargeQuadratic::random(&mut Random::seeded(29), 60, 1.0);
     let wide = (vec![-3.0; 60], vec![3.0; 60]);
     let mut last = problem.start.clone();
     let found = lbfgsb(
@@ -661,7 +663,7 @@ fn lbfgsb_never_moves_a_site_farther_than_allowed() {
 #[test]
 fn lbfgsb_taken_up_again_goes_on_bit_for_bit() {
     for size in [3, 40] {
-        let problem = LargeQuadratic::random(&mut Random::seeded(31), size);
+        let problem = LargeQuadratic::random(&mut Random::seeded(31), size, 1.0);
         let options = LbfgsbOptions {
             memory: 5,
             ..options(1e-10)
@@ -732,7 +734,7 @@ fn lbfgsb_backs_off_from_trials_that_are_not_finite() {
 
 #[test]
 fn lbfgsb_ends_where_it_cannot_go_on() {
-    let mut problem = LargeQuadratic::random(&mut Random::seeded(37), 10);
+    let mut problem = LargeQuadratic::random(&mut Random::seeded(37), 10, 1.0);
     let never_finite = lbfgsb(
         |_, _| f64::INFINITY,
         &problem.start,

@@ -132,13 +132,19 @@ impl<'a> Compact<'a> {
 
     /// Row `variable` of `W`.
     pub(crate) fn row(&self, variable: usize) -> DVector<f64> {
+        let mut row = DVector::zeros(self.width());
+        self.copy_row(variable, &mut row);
+        row
+    }
+
+    /// Copies row `variable` of `W`.
+    pub(crate) fn copy_row(&self, variable: usize, row: &mut DVector<f64>) {
         let changes = self.history.changes().iter().map(|y| y[variable]);
-        let steps = self
-            .history
-            .steps()
-            .iter()
-            .map(|s| self.theta * s[variable]);
-        DVector::from_iterator(self.width(), changes.chain(steps))
+        let steps = self.history.steps().iter();
+        let steps = steps.map(|s| self.theta * s[variable]);
+        for (target, entry) in row.iter_mut().zip(changes.chain(steps)) {
+            *target = entry;
+        }
     }
 
     /// `Wᵀ v`.

@@ -113,12 +113,9 @@ fn all_products(products: &Products, theta: f64) -> DMatrix<f64> {
 /// `Σ w wᵀ` over the rows of `W` of the free variables, or of the held ones.
 fn sum_of_rows(model: &Compact, free: &[bool], of_free: bool) -> DMatrix<f64> {
     let mut sum = DMatrix::zeros(model.width(), model.width());
-    for (variable, _) in free
-        .iter()
-        .enumerate()
-        .filter(|(_, free)| **free == of_free)
-    {
-        let row: DVector<f64> = model.row(variable);
+    let mut row = DVector::zeros(model.width());
+    for (variable, _) in (0..).zip(free).filter(|(_, free)| **free == of_free) {
+        model.copy_row(variable, &mut row);
         sum.ger(1.0, &row, &row, 1.0);
     }
     sum
