@@ -1,99 +1,105 @@
-//! Eight simplices at a time.
+//! Four simplices at a time.
 //!
 //! The ten moments of a simplex are some hundred multiplications without a branch, so they run as
-//! wide as the machine if the data lie by component: [`Lanes`] holds one number of eight
-//! simplices. Every lane adds up its own sum, and the eight are added at the end in one order;
+//! wide as the machine if the data lie by component: a [`Lanes`] holds one number of four
+//! simplices. Each lane adds up its own sums, and the four are added at the end in one order;
 //! how many lanes an instruction really takes changes no bit, because nothing is contracted or
-//! reordered across lanes. Lanes without a simplex hold zeros, which add nothing.
+//! reordered. The coordinates go from the vertices straight into registers: writing them to a
+//! buffer first took as long as all the arithmetic. A block that is not full is filled up with
+//! simplices shrunk to a point, whose volume is exactly 0.
 
 use crate::integrals::moments::Moments;
-
-/// Simplices handled together.
-pub const WIDTH: usize = 8;
+use nalgebra::Point3;
+use wide::f64x4;
 
 /// One number of [`WIDTH`] simplices.
-pub type Lanes = [f64; WIDTH];
+pub type Lanes = f64x4;
 
-/// The running sums of `∫ρ·{1, x, y, z, x², y², z², xy, yz, zx}`, before the simplex's constant
-/// factors.
+/// A position of [`WIDTH`] simplices, by component.
+pub type LanePoint = [Lanes; 3];
+
+/// Simplices handled together. Eight spill every register of the default x86-64 target.
+pub const WIDTH: usize = 4;
+
+/// The factors of mass, first and second moments that [`Sums::add_constant`] leaves out: the
+/// Dirichlet weights of a tetrahedron for 1, y and y yᵀ, times the 6 in six times the volume.
+pub const CONSTANT: [f64; 3] = [1.0 / 6.0, 1.0 / 24.0, 1.0 / 120.0];
+
+/// The factors that [`Sums::add_linear`] leaves out: the weights of ρ, ρ y and ρ y yᵀ, and the
+/// halves of σ and of the second moments.
+pub const LINEAR: [f64; 3] = [1.0 / 12.0, 1.0 / 120.0, 1.0 / 360.0];
+
+/// Running sums of ∫ρ·{1, x, y, z, x², y², z², xy, yz, zx}, before the constant factors.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Sums {
     ten: [Lanes; 10],
 }
 
 impl Sums {
-    /// Adds 6·volume · Σ_i … of the simplices spanned by an origin of density `apex_density`
-    /// and `K` corners: the integrals over a simplex of (linear density) × {1, y, y yᵀ}.
+    /// Adds simplices spanned by the origin, of density `apex_density`, and `K` corners. For
+    /// tetrahedra that do not have the origin for a corner, K = 4 and the apex density is 0.
     ///
-    /// With S = Σ v_i, σ = Σ ρ_i, D = Σ ρ_i v_i over all corners (the apex at 0 adds to σ alone),
-    /// the Dirichlet weights 1/24, 1/120, 1/720 of a tetrahedron leave
-    /// σ, σ S + D and Σ (σ + 2ρ_i) v_i v_iᵀ + U Sᵀ + S Uᵀ with U = σ S / 2 + D.
+    /// With σ = Σ ρ_i, S = Σ v_i, u_i = (σ/2 + ρ_i) v_i and U = Σ u_i, the integrals of ρ, ρ y
+    /// and ρ y yᵀ are proportional to σ, σ S/2 + U and Σ u_i v_iᵀ + (U Sᵀ + S Uᵀ)/2: a product
+    /// ρ_i v_j v_kᵀ counts 1, 2 or 6 times as none, two or three of its indices meet.
     #[inline(always)]
     pub fn add_linear<const K: usize>(
         &mut self,
-        six_volumes: &Lanes,
-        corners: &[[Lanes; 3]; K],
+        six_volumes: Lanes,
+        corners: &[LanePoint; K],
         densities: &[Lanes; K],
-        apex_density: f64,
+        apex_density: Lanes,
     ) {
-        for lane in 0..WIDTH {
-            let volume = six_volumes[lane];
-            let mut sigma = apex_density;
-            let (mut s, mut d, mut second) = ([0.0; 3], [0.0; 3], [0.0; 6]);
-            for density in densities {
-                sigma += density[lane];
-            }
-            for (corner, density) in corners.iter().zip(densities) {
-                let v = [corner[0][lane], corner[1][lane], corner[2][lane]];
-                let weight = sigma + 2.0 * density[lane];
-                let w = [weight * v[0], weight * v[1], weight * v[2]];
-                for axis in 0..3 {
-                    s[axis] += v[axis];
-                    d[axis] += density[lane] * v[axis];
-                    second[axis] += w[axis] * v[axis];
-                    second[3 + axis] += w[axis] * v[(axis + 1) % 3];
-                }
-            }
-            self.ten[0][lane] += volume * sigma;
+        let one_half = Lanes::splat(0.5);
+        let total = densities
+            .iter()
+            .fold(apex_density, |sum, &density| sum + density);
+        let half = total * one_half;
+        let (mut s, mut u, mut second) = zeros();
+        for (corner, &density) in corners.iter().zip(densities) {
+            let weight = half + density;
             for axis in 0..3 {
-                let next = (axis + 1) % 3;
-                let u = 0.5 * sigma * s[axis] + d[axis];
-                let u_next = 0.5 * sigma * s[next] + d[next];
-                self.ten[1 + axis][lane] += volume * (sigma * s[axis] + d[axis]);
-                self.ten[4 + axis][lane] += volume * (second[axis] + 2.0 * u * s[axis]);
-                self.ten[7 + axis][lane] +=
-                    volume * (second[3 + axis] + u * s[next] + u_next * s[axis]);
+                let weighed = weight * corner[axis];
+                s[axis] += corner[axis];
+                u[axis] += weighed;
+                second[axis] += weighed * corner[axis];
+                second[3 + axis] += weighed * corner[(axis + 1) % 3];
             }
+        }
+        self.ten[0] += six_volumes * half;
+        for axis in 0..3 {
+            let next = (axis + 1) % 3;
+            let mixed = one_half * (u[axis] * s[next] + u[next] * s[axis]);
+            self.ten[1 + axis] += six_volumes * (half * s[axis] + u[axis]);
+            self.ten[4 + axis] += six_volumes * (second[axis] + u[axis] * s[axis]);
+            self.ten[7 + axis] += six_volumes * (second[3 + axis] + mixed);
         }
     }
 
-    /// The same for density 1, where the weights 1/6, 1/24, 1/120 leave 1, S and Σ v vᵀ + S Sᵀ.
+    /// The same at density 1: 1, Σ v_i and Σ v_i v_iᵀ + Σ v_i (Σ v_i)ᵀ.
     #[inline(always)]
-    pub fn add_constant<const K: usize>(&mut self, six_volumes: &Lanes, corners: &[[Lanes; 3]; K]) {
-        for lane in 0..WIDTH {
-            let volume = six_volumes[lane];
-            let (mut s, mut second) = ([0.0; 3], [0.0; 6]);
-            for corner in corners {
-                let v = [corner[0][lane], corner[1][lane], corner[2][lane]];
-                for axis in 0..3 {
-                    s[axis] += v[axis];
-                    second[axis] += v[axis] * v[axis];
-                    second[3 + axis] += v[axis] * v[(axis + 1) % 3];
-                }
-            }
-            self.ten[0][lane] += volume;
+    pub fn add_constant<const K: usize>(&mut self, six_volumes: Lanes, corners: &[LanePoint; K]) {
+        let (mut s, _, mut second) = zeros();
+        for corner in corners {
             for axis in 0..3 {
-                let next = (axis + 1) % 3;
-                self.ten[1 + axis][lane] += volume * s[axis];
-                self.ten[4 + axis][lane] += volume * (second[axis] + s[axis] * s[axis]);
-                self.ten[7 + axis][lane] += volume * (second[3 + axis] + s[axis] * s[next]);
+                s[axis] += corner[axis];
+                second[axis] += corner[axis] * corner[axis];
+                second[3 + axis] += corner[axis] * corner[(axis + 1) % 3];
             }
+        }
+        self.ten[0] += six_volumes;
+        for axis in 0..3 {
+            let next = (axis + 1) % 3;
+            self.ten[1 + axis] += six_volumes * s[axis];
+            self.ten[4 + axis] += six_volumes * (second[axis] + s[axis] * s[axis]);
+            self.ten[7 + axis] += six_volumes * (second[3 + axis] + s[axis] * s[next]);
         }
     }
 
-    /// The moments, given the factors of mass, first and second moments.
+    /// The moments, given the factors that the additions left out.
+    #[must_use]
     pub fn moments(&self, [mass, first, second]: [f64; 3]) -> Moments {
-        let mut ten = self.ten.map(|lanes| lanes.iter().sum::<f64>());
+        let mut ten = self.ten.map(sum_of_lanes);
         ten[0] *= mass;
         for sum in &mut ten[1..4] {
             *sum *= first;
@@ -105,15 +111,58 @@ impl Sums {
     }
 }
 
+/// The lanes added in their order.
+#[must_use]
+pub fn sum_of_lanes(lanes: Lanes) -> f64 {
+    let [a, b, c, d] = lanes.to_array();
+    (a + b) + (c + d)
+}
+
+/// Corner by corner the vertices that up to [`WIDTH`] simplices name; the missing ones shrink to
+/// the first simplex's first vertex. The block must not be empty.
+#[inline(always)]
+pub fn named<const K: usize>(block: &[[u32; K]]) -> [[usize; WIDTH]; K] {
+    let point = [block[0][0]; K];
+    let at = |lane: usize| block.get(lane).unwrap_or(&point);
+    let lanes = [at(0), at(1), at(2), at(3)];
+    std::array::from_fn(|corner| lanes.map(|simplex| simplex[corner] as usize))
+}
+
+/// The positions of four vertices relative to `origin`, by component.
+#[inline(always)]
+pub fn gathered(vertices: &[Point3<f64>], named: [usize; WIDTH], origin: &LanePoint) -> LanePoint {
+    let [a, b, c, d] = named.map(|vertex| &vertices[vertex]);
+    [
+        Lanes::from([a.x, b.x, c.x, d.x]) - origin[0],
+        Lanes::from([a.y, b.y, c.y, d.y]) - origin[1],
+        Lanes::from([a.z, b.z, c.z, d.z]) - origin[2],
+    ]
+}
+
+/// The same point in every lane.
+#[must_use]
+pub fn splat(point: &Point3<f64>) -> LanePoint {
+    [point.x, point.y, point.z].map(Lanes::splat)
+}
+
 /// Six times the signed volumes of tetrahedra with one corner at 0: a · (b × c).
 #[inline(always)]
-pub fn six_volumes([a, b, c]: &[[Lanes; 3]; 3]) -> Lanes {
-    let mut volumes = [0.0; WIDTH];
-    for (lane, volume) in volumes.iter_mut().enumerate() {
-        let x = b[1][lane] * c[2][lane] - b[2][lane] * c[1][lane];
-        let y = b[2][lane] * c[0][lane] - b[0][lane] * c[2][lane];
-        let z = b[0][lane] * c[1][lane] - b[1][lane] * c[0][lane];
-        *volume = a[0][lane] * x + a[1][lane] * y + a[2][lane] * z;
-    }
-    volumes
+#[must_use]
+pub fn six_volumes([a, b, c]: &[LanePoint; 3]) -> Lanes {
+    a[0] * (b[1] * c[2] - b[2] * c[1])
+        + a[1] * (b[2] * c[0] - b[0] * c[2])
+        + a[2] * (b[0] * c[1] - b[1] * c[0])
+}
+
+/// Six times the signed volumes of tetrahedra, from the edges at the first corner: a small one
+/// far from the origin keeps its digits.
+#[inline(always)]
+#[must_use]
+pub fn six_volumes_by_edges([a, others @ ..]: &[LanePoint; 4]) -> Lanes {
+    let edge = |to: &LanePoint| [to[0] - a[0], to[1] - a[1], to[2] - a[2]];
+    six_volumes(&others.each_ref().map(edge))
+}
+
+fn zeros() -> ([Lanes; 3], [Lanes; 3], [Lanes; 6]) {
+    ([Lanes::ZERO; 3], [Lanes::ZERO; 3], [Lanes::ZERO; 6])
 }

@@ -75,7 +75,7 @@ pub fn solid(vertices: &[Point3<f64>], faces: &[Face], exponents: Exponents) -> 
     let flux = faces.iter().flat_map(Face::triangles).map(|triangle| {
         let corners = corners(vertices, triangle);
         let measure = vector_area(&corners).x;
-        over_simplex(measure, &corners.map(|corner| corner.coords), raised)
+        over_simplex(measure, corners.map(|corner| corner.coords), raised)
     });
     flux.sum::<f64>() / f64::from(alpha + 1)
 }

@@ -6,6 +6,10 @@
 //! at 0 costs nothing); density times {1, y, y yᵀ} is then read off the summed table once. Time:
 //! triangles × (n + 5 choose 3) for a density of degree n.
 
+use crate::integrals::lanes::{
+    LanePoint, Lanes, WIDTH, gathered, named, six_volumes, six_volumes_by_edges, splat,
+    sum_of_lanes,
+};
 use crate::integrals::moments::Moments;
 use crate::integrals::pairwise::sum_by_halves;
 use crate::integrals::polynomial::Polynomial;
@@ -40,19 +44,7 @@ pub fn solid(
     density: &Polynomial,
     origin: &Point3<f64>,
 ) -> Moments {
-    let monomials = Monomials::up_to(density.degree() + 2);
-    let sums = sum_by_halves(triangles.len(), &|range| {
-        let mut sums = Table(vec![0.0; monomials.exponents().len()]);
-        let mut table = Vec::new();
-        for triangle in &triangles[range] {
-            let corners = triangle.map(|vertex| vertices[vertex as usize] - origin);
-            let six_volumes = corners[0].dot(&corners[1].cross(&corners[2]));
-            monomials.coefficients(&corners, &mut table);
-            sums.add_scaled(six_volumes, &table);
-        }
-        sums
-    });
-    weighed(&monomials, &sums, &density.seen_from(origin))
+    integrated(vertices, triangles, density, origin, six_volumes)
 }
 
 /// The ten moments of tetrahedra (signed volumes) of polynomial density, measured from `origin`.
@@ -67,17 +59,32 @@ pub fn tetrahedra(
     density: &Polynomial,
     origin: &Point3<f64>,
 ) -> Moments {
+    integrated(vertices, tets, density, origin, six_volumes_by_edges)
+}
+
+/// Both of the above: `measure` is six times the volume spanned by `K` corners, and by the origin
+/// if K = 3.
+fn integrated<const K: usize>(
+    vertices: &[Point3<f64>],
+    simplices: &[[u32; K]],
+    density: &Polynomial,
+    origin: &Point3<f64>,
+    measure: impl Fn(&[LanePoint; K]) -> Lanes + Sync,
+) -> Moments {
     let monomials = Monomials::up_to(density.degree() + 2);
-    let sums = sum_by_halves(tets.len(), &|range| {
-        let mut sums = Table(vec![0.0; monomials.exponents().len()]);
+    let lane_origin = splat(origin);
+    let sums = sum_by_halves(simplices.len(), &|range| {
+        let mut sums = vec![Lanes::ZERO; monomials.exponents().len()];
         let mut table = Vec::new();
-        for tet in &tets[range] {
-            let corners = tet.map(|vertex| vertices[vertex as usize] - origin);
-            let [a, b, c, d] = corners;
+        for block in simplices[range].chunks(WIDTH) {
+            let corners = named(block).map(|named| gathered(vertices, named, &lane_origin));
+            let six_volumes = measure(&corners);
             monomials.coefficients(&corners, &mut table);
-            sums.add_scaled((b - a).cross(&(c - a)).dot(&(d - a)), &table);
+            for (sum, coefficient) in sums.iter_mut().zip(&table) {
+                *sum += six_volumes * *coefficient;
+            }
         }
-        sums
+        Table(sums.into_iter().map(sum_of_lanes).collect())
     });
     weighed(&monomials, &sums, &density.seen_from(origin))
 }
@@ -85,14 +92,6 @@ pub fn tetrahedra(
 /// Σ 6·volume · coefficient per monomial.
 #[derive(Debug)]
 struct Table(Vec<f64>);
-
-impl Table {
-    fn add_scaled(&mut self, six_volumes: f64, coefficients: &[f64]) {
-        for (sum, coefficient) in self.0.iter_mut().zip(coefficients) {
-            *sum += six_volumes * coefficient;
-        }
-    }
-}
 
 impl Add for Table {
     type Output = Self;

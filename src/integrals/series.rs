@@ -15,6 +15,7 @@
 
 use nalgebra::Vector3;
 use std::collections::HashMap;
+use std::ops::{Add, Mul};
 
 /// The powers (α, β, γ) of x, y and z in a monomial.
 pub type Exponents = [u32; 3];
@@ -98,19 +99,23 @@ impl Monomials {
         self.exponents.iter().position(|&other| other == exponents)
     }
 
-    /// Fills `table` with the coefficients c of the simplex with these corners.
+    /// Fills `table` with the coefficients c of the simplex with these corners, for one simplex
+    /// (`f64`) or several at a time (SIMD lanes).
     ///
     /// The table grows to one entry more than there are monomials: the last stands for what no
     /// monomial divides and stays 0.
-    pub fn coefficients(&self, corners: &[Vector3<f64>], table: &mut Vec<f64>) {
+    pub fn coefficients<T>(&self, corners: &[[T; 3]], table: &mut Vec<T>)
+    where
+        T: Copy + From<f64> + Add<Output = T> + Mul<Output = T>,
+    {
         let count = self.exponents.len();
         table.clear();
-        table.resize(count + 1, 0.0);
-        table[0] = 1.0;
-        for corner in corners {
+        table.resize(count + 1, T::from(0.0));
+        table[0] = T::from(1.0);
+        for [x, y, z] in corners {
             for (entry, [by_x, by_y, by_z]) in self.divided.iter().enumerate().skip(1) {
-                table[entry] +=
-                    corner.x * table[*by_x] + corner.y * table[*by_y] + corner.z * table[*by_z];
+                let step = *x * table[*by_x] + *y * table[*by_y] + *z * table[*by_z];
+                table[entry] = table[entry] + step;
             }
         }
     }
@@ -118,10 +123,14 @@ impl Monomials {
 
 /// ∫ x^α y^β z^γ over a simplex of known d-dimensional `volume`, d one less than the corners.
 #[must_use]
-pub fn over_simplex(volume: f64, corners: &[Vector3<f64>], exponents: Exponents) -> f64 {
+pub fn over_simplex<const K: usize>(
+    volume: f64,
+    corners: [Vector3<f64>; K],
+    exponents: Exponents,
+) -> f64 {
     let mut table = Vec::new();
     let monomials = Monomials::dividing(exponents);
-    monomials.coefficients(corners, &mut table);
+    monomials.coefficients(&corners.map(Into::into), &mut table);
     let dimension = u32::try_from(corners.len().saturating_sub(1)).unwrap_or(u32::MAX);
     volume * weight(dimension, exponents) * table[monomials.exponents().len() - 1]
 }

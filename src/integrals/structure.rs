@@ -34,11 +34,7 @@ pub fn polygon(points: &[Point2<f64>], alpha: u32, beta: u32) -> f64 {
         .zip(next)
         .map(|(a, b)| {
             let area = 0.5 * (a.x * b.y - a.y * b.x);
-            over_simplex(
-                area,
-                &[flat(a), flat(b), Vector3::zeros()],
-                [alpha, beta, 0],
-            )
+            over_simplex(area, [flat(a), flat(b), Vector3::zeros()], [alpha, beta, 0])
         })
         .sum()
 }
@@ -48,7 +44,7 @@ pub fn polygon(points: &[Point2<f64>], alpha: u32, beta: u32) -> f64 {
 #[must_use]
 pub fn triangle(corners: &[Point3<f64>; 3], exponents: Exponents) -> f64 {
     let area = 0.5 * doubled_area(corners).norm();
-    over_simplex(area, &corners.map(|corner| corner.coords), exponents)
+    over_simplex(area, corners.map(|corner| corner.coords), exponents)
 }
 
 /// ∫ x^α y^β z^γ dV over a tetrahedron, with the sign of det(b − a, c − a, d − a).
@@ -56,7 +52,7 @@ pub fn triangle(corners: &[Point3<f64>; 3], exponents: Exponents) -> f64 {
 pub fn tetrahedron(corners: &[Point3<f64>; 4], exponents: Exponents) -> f64 {
     let [a, b, c, d] = corners;
     let volume = (b - a).cross(&(c - a)).dot(&(d - a)) / 6.0;
-    over_simplex(volume, &corners.map(|corner| corner.coords), exponents)
+    over_simplex(volume, corners.map(|corner| corner.coords), exponents)
 }
 
 /// ∫ x^α y^β z^γ dA over a triangulated surface, open or closed: \[CP\] eq. 12.
@@ -115,7 +111,7 @@ fn sum_over_triangles(
         let mut table = Vec::new();
         triangles[range].iter().fold(0.0, |sum, named| {
             let corners = named.map(|vertex| vertices[vertex as usize]);
-            monomials.coefficients(&corners.map(|corner| corner.coords), &mut table);
+            monomials.coefficients(&corners.map(|corner| corner.coords.into()), &mut table);
             sum + measure(&doubled_area(&corners)) * table[last]
         })
     });

@@ -5,7 +5,9 @@
 //! theorem with the field y f(y) / (3 + n) for every homogeneous part f of degree n, so no
 //! tetrahedron is ever built and none need lie inside. Time is linear in the triangles.
 
-use crate::integrals::lanes::{Lanes, Sums, WIDTH, six_volumes};
+use crate::integrals::lanes::{
+    CONSTANT, LINEAR, LanePoint, Lanes, Sums, WIDTH, gathered, named, six_volumes, splat,
+};
 use crate::integrals::moments::Moments;
 use crate::integrals::pairwise::sum_by_halves;
 use nalgebra::{Point3, Vector3};
@@ -29,13 +31,14 @@ pub struct LinearDensity {
 /// If a triangle names a vertex that is not there.
 #[must_use]
 pub fn constant(vertices: &[Point3<f64>], triangles: &[[u32; 3]], origin: &Point3<f64>) -> Moments {
+    let origin = splat(origin);
     sum_by_halves(triangles.len(), &|range| {
         let mut sums = Sums::default();
         for block in triangles[range].chunks(WIDTH) {
-            let corners = gathered(vertices, block, origin);
-            sums.add_constant(&six_volumes(&corners), &corners);
+            let corners = named(block).map(|named| gathered(vertices, named, &origin));
+            sums.add_constant(six_volumes(&corners), &corners);
         }
-        sums.moments([1.0 / 6.0, 1.0 / 24.0, 1.0 / 120.0])
+        sums.moments(CONSTANT)
     })
 }
 
@@ -52,23 +55,19 @@ pub fn linear(
     density: &LinearDensity,
     origin: &Point3<f64>,
 ) -> Moments {
-    let gradient = density.gradient;
+    let origin = splat(origin);
+    let gradient = splat(&density.gradient.into());
+    let apex = Lanes::splat(density.value);
+    let density_at =
+        |y: &LanePoint| apex + (gradient[0] * y[0] + gradient[1] * y[1] + gradient[2] * y[2]);
     sum_by_halves(triangles.len(), &|range| {
         let mut sums = Sums::default();
         for block in triangles[range].chunks(WIDTH) {
-            let corners = gathered(vertices, block, origin);
-            let densities = corners.each_ref().map(|corner| {
-                let mut values = [density.value; WIDTH];
-                for (lane, value) in values.iter_mut().enumerate() {
-                    *value += gradient.x * corner[0][lane]
-                        + gradient.y * corner[1][lane]
-                        + gradient.z * corner[2][lane];
-                }
-                values
-            });
-            sums.add_linear(&six_volumes(&corners), &corners, &densities, density.value);
+            let corners = named(block).map(|named| gathered(vertices, named, &origin));
+            let densities = corners.each_ref().map(density_at);
+            sums.add_linear(six_volumes(&corners), &corners, &densities, apex);
         }
-        sums.moments([1.0 / 24.0, 1.0 / 120.0, 1.0 / 720.0])
+        sums.moments(LINEAR)
     })
 }
 
@@ -85,19 +84,4 @@ pub fn area(vertices: &[Point3<f64>], triangles: &[[u32; 3]]) -> f64 {
             sum + (b - a).cross(&(c - a)).norm()
         })
     })
-}
-
-/// The corners of up to [`WIDTH`] triangles by component; lanes left over hold zeros.
-#[inline(always)]
-fn gathered(vertices: &[Point3<f64>], block: &[[u32; 3]], origin: &Point3<f64>) -> [[Lanes; 3]; 3] {
-    let mut corners = [[[0.0; WIDTH]; 3]; 3];
-    for (lane, triangle) in block.iter().enumerate() {
-        for (corner, vertex) in corners.iter_mut().zip(triangle) {
-            let offset = vertices[*vertex as usize] - origin;
-            for axis in 0..3 {
-                corner[axis][lane] = offset[axis];
-            }
-        }
-    }
-    corners
 }

@@ -9,7 +9,9 @@
 //!
 //! Volumes carry the sign of det(B − A, C − A, D − A), so a body may be a signed sum.
 
-use crate::integrals::lanes::{Lanes, Sums, WIDTH, six_volumes};
+use crate::integrals::lanes::{
+    CONSTANT, LINEAR, Lanes, Sums, WIDTH, gathered, named, six_volumes_by_edges, splat,
+};
 use crate::integrals::moments::Moments;
 use crate::integrals::pairwise::sum_by_halves;
 use nalgebra::{Matrix3, Point3};
@@ -61,14 +63,22 @@ pub fn moments(
     densities: &[f64],
     origin: &Point3<f64>,
 ) -> Moments {
+    let origin = splat(origin);
+    let density_at = |named: [usize; WIDTH]| Lanes::from(named.map(|vertex| densities[vertex]));
     sum_by_halves(tets.len(), &|range| {
         let mut sums = Sums::default();
         for block in tets[range].chunks(WIDTH) {
-            let corners = gathered(vertices, block, origin);
-            let values = gathered_values(densities, block);
-            sums.add_linear(&edge_volumes(&corners), &corners, &values, 0.0);
+            let named = named(block);
+            let corners = named.map(|named| gathered(vertices, named, &origin));
+            let values = named.map(density_at);
+            sums.add_linear(
+                six_volumes_by_edges(&corners),
+                &corners,
+                &values,
+                Lanes::ZERO,
+            );
         }
-        sums.moments([1.0 / 24.0, 1.0 / 120.0, 1.0 / 720.0])
+        sums.moments(LINEAR)
     })
 }
 
@@ -79,53 +89,13 @@ pub fn moments(
 /// If a tetrahedron names a vertex that is not there.
 #[must_use]
 pub fn constant(vertices: &[Point3<f64>], tets: &[[u32; 4]], origin: &Point3<f64>) -> Moments {
+    let origin = splat(origin);
     sum_by_halves(tets.len(), &|range| {
         let mut sums = Sums::default();
         for block in tets[range].chunks(WIDTH) {
-            let corners = gathered(vertices, block, origin);
-            sums.add_constant(&edge_volumes(&corners), &corners);
+            let corners = named(block).map(|named| gathered(vertices, named, &origin));
+            sums.add_constant(six_volumes_by_edges(&corners), &corners);
         }
-        sums.moments([1.0 / 6.0, 1.0 / 24.0, 1.0 / 120.0])
+        sums.moments(CONSTANT)
     })
-}
-
-/// Six times the volumes, from the edges at the first corner: a small tetrahedron far from the
-/// origin keeps its digits.
-#[inline(always)]
-fn edge_volumes([a, others @ ..]: &[[Lanes; 3]; 4]) -> Lanes {
-    let mut edges = *others;
-    for edge in &mut edges {
-        for axis in 0..3 {
-            for lane in 0..WIDTH {
-                edge[axis][lane] -= a[axis][lane];
-            }
-        }
-    }
-    six_volumes(&edges)
-}
-
-/// The corners of up to [`WIDTH`] tetrahedra by component; lanes left over hold zeros.
-#[inline(always)]
-fn gathered(vertices: &[Point3<f64>], block: &[[u32; 4]], origin: &Point3<f64>) -> [[Lanes; 3]; 4] {
-    let mut corners = [[[0.0; WIDTH]; 3]; 4];
-    for (lane, tet) in block.iter().enumerate() {
-        for (corner, vertex) in corners.iter_mut().zip(tet) {
-            let offset = vertices[*vertex as usize] - origin;
-            for axis in 0..3 {
-                corner[axis][lane] = offset[axis];
-            }
-        }
-    }
-    corners
-}
-
-#[inline(always)]
-fn gathered_values(densities: &[f64], block: &[[u32; 4]]) -> [Lanes; 4] {
-    let mut values = [[0.0; WIDTH]; 4];
-    for (lane, tet) in block.iter().enumerate() {
-        for (value, vertex) in values.iter_mut().zip(tet) {
-            value[lane] = densities[*vertex as usize];
-        }
-    }
-    values
 }

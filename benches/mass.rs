@@ -1,0 +1,179 @@
+//! How fast mass properties are: `cargo bench --bench mass`.
+//!
+//! Prints one table. Every time is the least of several runs on one thread unless it says
+//! otherwise. "Read" rows do nothing but add up the same data by the same path (indices and
+//! vertices), which is what no integration can beat. If Python with NumPy is present
+//! (`PYTHON=… cargo bench --bench mass` to choose one), `benches/mass_numpy.py` runs the same
+//! formulas on the same number of tetrahedra beside it.
+
+use chebloyd::integrals::surface::LinearDensity;
+use chebloyd::integrals::{polynomial_density, surface, tetrahedra};
+use nalgebra::{Point3, Vector3};
+use std::f64::consts::TAU;
+use std::hint::black_box;
+use std::process::Command;
+use std::time::{Duration, Instant};
+
+const ORIGIN: Point3<f64> = Point3::new(0.4, 0.5, 0.6);
+
+fn main() {
+    println!(
+        "{:<52}{:>12}{:>12}",
+        "on one thread unless it says otherwise", "ms", "ns each"
+    );
+    let one = rayon::ThreadPoolBuilder::new().num_threads(1).build();
+    let one = one.expect("a pool of one thread");
+    one.install(|| {
+        let linear = tetrahedra_rows(55);
+        numpy_row(linear);
+        surface_rows("torus, 198 k triangles (buddha has 199 k)", 315);
+        surface_rows("torus, 2.0 M triangles", 1000);
+    });
+    let (vertices, triangles) = torus(1000);
+    let threads = rayon::current_num_threads();
+    let name = format!("  linear density, 2.0 M triangles, {threads} threads");
+    row(&name, triangles.len(), &|| {
+        surface::linear(&vertices, &triangles, &DENSITY, &ORIGIN).mass
+    });
+}
+
+const DENSITY: LinearDensity = LinearDensity {
+    value: 1.0,
+    gradient: Vector3::new(0.1, 0.2, 0.3),
+};
+
+fn tetrahedra_rows(cells: u32) -> f64 {
+    let (vertices, tets) = grid_of_tetrahedra(cells);
+    let densities: Vec<f64> = vertices.iter().map(|v| 1.0 + v.z).collect();
+    let count = tets.len();
+    println!("{count} tetrahedra on {} shared vertices", vertices.len());
+    let read = row("  read: indices, corners, densities", count, &|| {
+        tets.iter()
+            .flatten()
+            .map(|&v| vertices[v as usize].coords.sum() + densities[v as usize])
+            .sum()
+    });
+    row(
+        "  constant density: volume, center, inertia",
+        count,
+        &|| tetrahedra::constant(&vertices, &tets, &ORIGIN).mass,
+    );
+    let linear = row("  linear density: mass, center, inertia", count, &|| {
+        tetrahedra::moments(&vertices, &tets, &densities, &ORIGIN).mass
+    });
+    println!("  linear / read = {:.2}", linear / read);
+    linear
+}
+
+fn surface_rows(name: &str, side: u32) {
+    let (vertices, triangles) = torus(side);
+    let count = triangles.len();
+    println!("{name}");
+    row("  read: indices, corners", count, &|| {
+        triangles
+            .iter()
+            .flatten()
+            .map(|&v| vertices[v as usize].coords.sum())
+            .sum()
+    });
+    row("  surface area", count, &|| {
+        surface::area(&vertices, &triangles)
+    });
+    let constant = row(
+        "  constant density: volume, center, inertia",
+        count,
+        &|| surface::constant(&vertices, &triangles, &ORIGIN).mass,
+    );
+    let linear = row("  linear density: mass, center, inertia", count, &|| {
+        surface::linear(&vertices, &triangles, &DENSITY, &ORIGIN).mass
+    });
+    println!("  linear / constant = {:.2}", linear / constant);
+    let quadratic = "1 + 2*x - 0.5*y*z".parse().expect("a polynomial");
+    row("  density 1 + 2*x - 0.5*y*z", count, &|| {
+        polynomial_density::solid(&vertices, &triangles, &quadratic, &ORIGIN).mass
+    });
+}
+
+/// Prints a row and returns nanoseconds per item.
+fn row(name: &str, count: usize, work: &dyn Fn() -> f64) -> f64 {
+    let best = (0..7)
+        .map(|_| {
+            let start = Instant::now();
+            black_box(work());
+            start.elapsed()
+        })
+        .min()
+        .unwrap_or(Duration::ZERO);
+    let each = best.as_secs_f64() * 1e9 / count as f64;
+    println!("{name:<52}{:>12.2}{each:>12.2}", best.as_secs_f64() * 1e3);
+    each
+}
+
+/// The same formulas in NumPy, if there is one.
+fn numpy_row(ours: f64) {
+    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/benches/mass_numpy.py");
+    let python = std::env::var("PYTHON").unwrap_or_else(|_| "python3".into());
+    let output = Command::new(&python).args([script, "1000000"]).output();
+    let each = output
+        .ok()
+        .filter(|output| output.status.success())
+        .and_then(|output| String::from_utf8(output.stdout).ok())
+        .and_then(|text| text.trim().parse::<f64>().ok());
+    match each {
+        Some(each) => {
+            println!(
+                "{:<52}{:>12.2}{each:>12.2}",
+                "  linear density, NumPy", each
+            );
+            println!("  NumPy / ours = {:.1}", each / ours);
+        }
+        None => println!("  NumPy row skipped: {python} has no NumPy"),
+    }
+}
+
+/// `cells`³ cubes of six tetrahedra each, jittered so that no two are alike.
+fn grid_of_tetrahedra(cells: u32) -> (Vec<Point3<f64>>, Vec<[u32; 4]>) {
+    let side = cells + 1;
+    let mut vertices = Vec::new();
+    for i in 0..side * side * side {
+        let at = [i % side, i / side % side, i / (side * side)].map(f64::from);
+        let jitter = (f64::from(i) * 0.618).fract() * 0.2;
+        vertices.push(Point3::from(at.map(|x| (x + jitter) / f64::from(cells))));
+    }
+    let (x, y, z) = (1, side, side * side);
+    let mut tets = Vec::new();
+    for corner in 0..side * side * side {
+        let at = [corner % side, corner / side % side, corner / (side * side)];
+        if at.iter().all(|&i| i < cells) {
+            for (a, b) in [(x, y), (y, z), (z, x)] {
+                let far = corner + x + y + z;
+                tets.push([corner, corner + a, corner + a + b, far]);
+                tets.push([corner, corner + a + b, corner + b, far]);
+            }
+        }
+    }
+    (vertices, tets)
+}
+
+/// A torus of 2·`side`² triangles.
+fn torus(side: u32) -> (Vec<Point3<f64>>, Vec<[u32; 3]>) {
+    let angle = |i: u32| f64::from(i) * TAU / f64::from(side);
+    let mut vertices = Vec::new();
+    let mut triangles = Vec::new();
+    for i in 0..side {
+        for j in 0..side {
+            let ring = 1.0 + 0.4 * angle(j).cos();
+            let (sine, cosine) = angle(i).sin_cos();
+            vertices.push(Point3::new(
+                ring * cosine,
+                ring * sine,
+                0.4 * angle(j).sin(),
+            ));
+            let (next_i, next_j) = ((i + 1) % side, (j + 1) % side);
+            let [a, b, c, d] =
+                [(i, j), (next_i, j), (next_i, next_j), (i, next_j)].map(|(i, j)| i * side + j);
+            triangles.extend([[a, b, c], [a, c, d]]);
+        }
+    }
+    (vertices, triangles)
+}
