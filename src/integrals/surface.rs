@@ -7,6 +7,7 @@
 
 use crate::integrals::lanes::{
     CONSTANT, LINEAR, LanePoint, Lanes, Sums, WIDTH, gathered, named, six_volumes, splat,
+    sum_of_lanes,
 };
 use crate::integrals::moments::Moments;
 use crate::integrals::pairwise::sum_by_halves;
@@ -69,6 +70,23 @@ pub fn linear(
         }
         sums.moments(LINEAR)
     })
+}
+
+/// The volume (L³) alone, measured from `origin`: \[M\] eq. 18.
+///
+/// # Panics
+///
+/// If a triangle names a vertex that is not there.
+#[must_use]
+pub fn volume(vertices: &[Point3<f64>], triangles: &[[u32; 3]], origin: &Point3<f64>) -> f64 {
+    let origin = splat(origin);
+    let six = sum_by_halves(triangles.len(), &|range| {
+        let cones = triangles[range].chunks(WIDTH).map(|block| {
+            six_volumes(&named(block).map(|named| gathered(vertices, named, &origin)))
+        });
+        sum_of_lanes(cones.fold(Lanes::ZERO, |sum, cone| sum + cone))
+    });
+    six / 6.0
 }
 
 /// The area (L²) of a surface, open or closed: \[CP\] eq. 11-12.

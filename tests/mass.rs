@@ -1,0 +1,622 @@
+//! What must hold of bodies: transfer of axes, cutting, profiles, three ways to one mass.
+
+use chebloyd::geometry::bounds::Bounds;
+use chebloyd::integrals::moments::Moments;
+use chebloyd::integrals::polynomial::Polynomial;
+use chebloyd::integrals::{polynomial_density, structure, surface, tetrahedra};
+use chebloyd::mass::body::Body;
+use chebloyd::mass::cut::cut;
+use chebloyd::mass::density::{Density, Ramp};
+use chebloyd::mass::profile::{Profile, ProfileError};
+use chebloyd::mass::split::{Side, split};
+use chebloyd::mass::weigh::{WeighError, weigh_surface, weigh_tets};
+use chebloyd::mesh::load::{Solid, load};
+use chebloyd::mesh::shapes::boxes::{cuboid, unit_cube, unit_cube_tets};
+use chebloyd::mesh::shapes::bracket::bracket;
+use chebloyd::mesh::shapes::sphere::icosphere;
+use chebloyd::mesh::shapes::tubes::torus;
+use chebloyd::mesh::sound::validate_tets;
+use chebloyd::mesh::surface::SurfaceMesh;
+use chebloyd::mesh::tets::{TetMesh, VertexData};
+use chebloyd::mesh::validate::validate;
+use nalgebra::{Matrix3, Point3, Rotation3, Vector3};
+use proptest::prelude::*;
+use std::path::Path;
+
+fn close(got: f64, expected: f64, relative: f64, what: &str) {
+    assert!(
+        (got - expected).abs() <= relative * expected.abs(),
+        "{what}: {got} is not {expected}"
+    );
+}
+
+/// Masses, centers and inertias agree relative to the body's size.
+fn same(a: &Body, b: &Body, relative: f64, what: &str) {
+    let size = b.inertia_center().norm();
+    let length = (size / b.mass).sqrt();
+    close(a.mass, b.mass, relative, what);
+    let apart = (a.center_of_mass() - b.center_of_mass()).norm();
+    assert!(apart <= relative * length, "{what}: centers {apart} apart");
+    let apart = (a.inertia_center() - b.inertia_center()).norm();
+    assert!(apart <= relative * size, "{what}: inertias {apart} apart");
+}
+
+fn block(min: [f64; 3], max: [f64; 3]) -> SurfaceMesh {
+    cuboid(&Bounds {
+        min: min.into(),
+        max: max.into(),
+    })
+}
+
+fn weighed(mesh: &SurfaceMesh, density: &Density) -> Body {
+    weigh_surface(mesh, density, &mesh.bounds()).unwrap()
+}
+
+fn ramp(axis: usize) -> Density {
+    let (from, to) = (0.0, 1.0);
+    Density::Ramp(Ramp { axis, from, to })
+}
+
+fn moved(mesh: &SurfaceMesh, map: impl Fn(&Point3<f64>) -> Point3<f64>) -> SurfaceMesh {
+    SurfaceMesh {
+        vertices: mesh.vertices.iter().map(map).collect(),
+        triangles: mesh.triangles.clone(),
+    }
+}
+
+// ------------------------------------------------------------- bodies
+
+#[test]
+fn a_box_has_its_textbook_inertia() {
+    let mesh = block([1.0, 2.0, 3.0], [2.0, 4.0, 6.0]);
+    let body = weighed(&mesh, &Density::Constant(2.0));
+    close(body.volume, 6.0, 1e-15, "volume");
+    close(body.surface_area, 22.0, 1e-15, "area");
+    close(body.mass, 12.0, 1e-15, "mass");
+    assert!((body.center_of_mass() - Point3::new(1.5, 3.0, 4.5)).norm() < 1e-15);
+    let expected = Matrix3::from_diagonal(&Vector3::new(13.0, 10.0, 5.0));
+    assert!((body.inertia_center() - expected).amax() < 1e-14);
+    let c = Vector3::<f64>::new(1.5, 3.0, 4.5);
+    let about_origin: Matrix3<f64> =
+        expected + 12.0 * (Matrix3::from_diagonal_element(c.norm_squared()) - c * c.transpose());
+    assert!((body.inertia_origin() - about_origin).amax() < 1e-13);
+    let edge = body.moment_about_axis(&Point3::new(1.0, 2.0, 0.0), &Vector3::new(0.0, 0.0, -3.0));
+    close(edge, 12.0 * (1.0 + 4.0) / 3.0, 1e-14, "about an edge");
+}
+
+#[test]
+fn a_unit_cube_at_a_million_keeps_twelve_digits() {
+    for shift in [Vector3::repeat(1e6), Vector3::new(1e6, -3e6, 2e6)] {
+        let mesh = moved(&unit_cube(), |v| v + shift);
+        let body = weighed(&mesh, &Density::Constant(1.0));
+        close(body.mass, 1.0, 1e-15, "mass");
+        let sixth = Matrix3::from_diagonal_element(1.0 / 6.0);
+        assert!((body.inertia_center() - sixth).amax() < 1e-15);
+        assert!((body.principal().moments - Vector3::repeat(1.0 / 6.0)).amax() < 1e-15);
+        let graded = weighed(&mesh, &ramp(2));
+        close(graded.mass, 0.5, 1e-15, "graded mass");
+        // ∫z³ − (∫z²)²/∫z + ∫zy² − ∫z·¼ with the unit cube's own coordinates
+        let expected = 1.0 / 4.0 - 2.0 / 9.0 + 1.0 / 6.0 - 1.0 / 8.0;
+        close(
+            graded.inertia_center().m11,
+            expected,
+            1e-12,
+            "graded inertia",
+        );
+        // Two halves taken together far away.
+        let halves = [
+            moved(&block([0.0; 3], [0.5, 1.0, 1.0]), |v| v + shift),
+            moved(&block([0.5, 0.0, 0.0], [1.0; 3]), |v| v + shift),
+        ];
+        let halves = halves.map(|half| weighed(&half, &Density::Constant(1.0)));
+        let whole = Body::combined(&halves).unwrap();
+        assert!((whole.inertia_center() - sixth).amax() < 1e-15);
+    }
+}
+
+#[test]
+fn parts_taken_together_are_the_whole() {
+    let whole = block([0.0; 3], [3.0, 1.0, 2.0]);
+    let parts = [
+        block([0.0; 3], [1.0, 1.0, 2.0]),
+        block([1.0, 0.0, 0.0], [3.0, 1.0, 0.5]),
+        block([1.0, 0.0, 0.5], [3.0, 1.0, 2.0]),
+    ];
+    for density in [Density::Constant(3.0), "1 + x^2*y - 0.5*z".parse().unwrap()] {
+        let bodies = parts.each_ref().map(|part| weighed(part, &density));
+        let together = Body::combined(&bodies).unwrap();
+        same(&together, &weighed(&whole, &density), 1e-14, "parts");
+        close(together.volume, 6.0, 1e-15, "volume");
+    }
+    let [near, far, _] = parts
+        .each_ref()
+        .map(|part| weighed(part, &Density::Constant(1.0)));
+    let heavy = Body::combined(&[near.weighing(3.0), far.weighing(1.0)]).unwrap();
+    close(heavy.mass, 4.0, 1e-15, "given masses");
+    close(
+        heavy.center_of_mass().x,
+        (3.0 * 0.5 + 1.0 * 2.0) / 4.0,
+        1e-15,
+        "given masses",
+    );
+    assert!(Body::combined(&[]).is_none());
+}
+
+#[test]
+fn the_body_frame_is_right_handed_and_diagonalizes() {
+    let turn = Rotation3::from_euler_angles(0.3, -1.1, 2.0);
+    let mesh = moved(&block([-1.0, -2.0, -3.0], [1.0, 2.0, 3.0]), |v| turn * v);
+    let body = weighed(&mesh, &Density::Constant(1.0));
+    let principal = body.principal();
+    let mass = 48.0;
+    for (got, sides) in principal
+        .moments
+        .iter()
+        .zip([[1.0, 2.0], [1.0, 3.0], [2.0, 3.0]])
+    {
+        let [a, b] = sides.map(|half: f64| half * half);
+        close(*got, mass * (a + b) / 3.0, 1e-14, "principal moment");
+    }
+    let [a, b, c] = principal.axes;
+    assert!((a.cross(&b) - c).norm() < 1e-15);
+    assert!(
+        (turn.matrix().column(2) - a)
+            .norm()
+            .min((turn.matrix().column(2) + a).norm())
+            < 1e-14
+    );
+    for axis in [a, b] {
+        assert!(axis[axis.iamax()] > 0.0);
+    }
+    for (axis, moment) in principal.axes.iter().zip(principal.moments.iter()) {
+        assert!((body.inertia_center() * axis - axis * *moment).norm() < 1e-12);
+        let about = body.moment_about_axis(&body.center_of_mass(), axis);
+        close(about, *moment, 1e-14, "about a principal axis");
+    }
+}
+
+#[test]
+fn a_cube_has_the_coordinate_axes_for_its_body_frame() {
+    let third = 1.0 / 3.0;
+    let mesh = block([-third, 1.0, 0.1], [2.0 * third, 2.0, 1.1]);
+    let principal = weighed(&mesh, &Density::Constant(1.0)).principal();
+    for (axis, unit) in principal
+        .axes
+        .iter()
+        .zip(Matrix3::<f64>::identity().column_iter())
+    {
+        assert!(
+            (axis - unit).norm() < 1e-15 || axis.amax() > 1.0 - 1e-15,
+            "{axis}"
+        );
+    }
+}
+
+// ------------------------------------------------------------- splitting and cutting
+
+fn tet_volume(corners: &[Point3<f64>; 4]) -> f64 {
+    tetrahedra::volume(corners)
+}
+
+/// Every placement of four corners about a plane, every order of ids.
+#[test]
+fn every_case_of_a_split_conserves_volume_and_orientation() {
+    let orders: Vec<[u32; 4]> = (0..256)
+        .map(|code: u32| [0, 1, 2, 3].map(|k| code >> (2 * k) & 3))
+        .filter(|ids| (0..4).all(|id| ids.contains(&id)))
+        .collect();
+    assert_eq!(orders.len(), 24);
+    let corners = [
+        [0.0, 0.0, 0.1],
+        [1.0, 0.2, 0.0],
+        [0.1, 1.1, 0.3],
+        [0.3, 0.2, 0.9],
+    ];
+    let corners = corners.map(Point3::from);
+    let whole = tet_volume(&corners);
+    let mut cases = std::collections::BTreeMap::new();
+    for code in 0..81 {
+        let distances = [1, 3, 9, 27].map(|power| {
+            let sign = f64::from(code / power % 3 - 1);
+            sign * (0.3 + f64::from(power) / 40.0)
+        });
+        let sides = distances.map(Side::of);
+        let [below, on] = [Side::Below, Side::On]
+            .map(|side| sides.iter().filter(|&&other| other == side).count());
+        for &ids in &orders {
+            let Some(pieces) = split(sides, ids) else {
+                assert!(below == 0 || below + on == 4);
+                continue;
+            };
+            assert!(below > 0 && below + on < 4);
+            let above = 4 - below - on;
+            cases.insert((below.min(above), on, below.max(above)), pieces.len());
+            let mut sum = 0.0;
+            for (side, nodes) in pieces {
+                let distance_and_place = nodes.map(|[i, j]| {
+                    let share = if i == j {
+                        0.0
+                    } else {
+                        distances[i] / (distances[i] - distances[j])
+                    };
+                    let place = corners[i] + (corners[j] - corners[i]) * share;
+                    (if i == j { distances[i] } else { 0.0 }, place)
+                });
+                let volume = tet_volume(&distance_and_place.map(|(_, place)| place));
+                assert!(volume > 0.0, "{sides:?} {ids:?} {nodes:?}");
+                sum += volume;
+                let wrong = if side == Side::Below { 1.0 } else { -1.0 };
+                assert!(distance_and_place.iter().all(|(d, _)| d * wrong <= 0.0));
+            }
+            close(sum, whole, 1e-14, "volume");
+        }
+    }
+    let expected = [
+        ((1, 0, 3), 4),
+        ((1, 1, 2), 3),
+        ((1, 2, 1), 2),
+        ((2, 0, 2), 6),
+    ];
+    assert_eq!(cases.into_iter().collect::<Vec<_>>(), expected);
+}
+
+fn tets_with_density() -> TetMesh {
+    let mut mesh = unit_cube_tets(3);
+    for vertex in &mut mesh.vertices {
+        let wave = Vector3::new(vertex.y * vertex.z, vertex.x, 0.3 * vertex.x * vertex.y);
+        *vertex += 0.2 * wave;
+    }
+    let values = mesh
+        .vertices
+        .iter()
+        .map(|v| 1.0 + v.x * v.x + v.y)
+        .collect();
+    let name = "density".into();
+    mesh.vertex_data.push(VertexData { name, values });
+    mesh
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    #[test]
+    fn a_cut_mesh_conserves_volume_mass_center_and_conformity(
+        normal in prop::array::uniform3(-1.0_f64..1.0),
+        place in prop::array::uniform3(0.2_f64..0.9),
+        on_grid in any::<bool>(),
+    ) {
+        let mesh = tets_with_density();
+        // Half of the planes pass through a vertex, so that corners lie on them.
+        let vertex = mesh.vertices[(place[0] * 60.0) as usize];
+        let normal = Vector3::from(normal);
+        let offset = if on_grid { normal.dot(&vertex.coords) } else { normal.dot(&Vector3::from(place)) };
+        let halves = cut(&mesh, &normal, offset);
+        let density = Density::Vertex(None);
+        let before = weigh_tets(&mesh, &density, &mesh.bounds()).unwrap();
+        let after = weigh_tets(&halves.mesh, &density, &mesh.bounds()).unwrap();
+        close(after.volume, before.volume, 1e-14, "volume");
+        same(&after, &before, 1e-13, "cut");
+        for (tet, &above) in halves.mesh.all_corners().zip(&halves.above) {
+            prop_assert!(tetrahedra::volume(&tet) >= 0.0);
+            let side = tet.iter().map(|v| normal.dot(&v.coords) - offset);
+            let (low, high) = side.fold((0.0_f64, 0.0_f64), |(l, h), d| (l.min(d), h.max(d)));
+            let on_its_side = if above { low > -1e-14 } else { high < 1e-14 };
+            prop_assert!(on_its_side);
+        }
+        // Conforming: no facet lacks its partner but those of the cube's surface.
+        close(after.surface_area, before.surface_area, 1e-14, "surface");
+    }
+
+    #[test]
+    fn rigid_motions_move_the_body_with_its_axes(
+        angles in prop::array::uniform3(-3.0_f64..3.0),
+        shift in prop::array::uniform3(-50.0_f64..50.0),
+    ) {
+        let mesh = bracket(3);
+        let turn = Rotation3::from_euler_angles(angles[0], angles[1], angles[2]);
+        let image = moved(&mesh, |v| turn * v + Vector3::from(shift));
+        let [body, turned] = [&mesh, &image].map(|mesh| weighed(mesh, &Density::Constant(1.5)));
+        close(turned.mass, body.mass, 1e-13, "mass");
+        let center = turn * body.center_of_mass() + Vector3::from(shift);
+        prop_assert!((turned.center_of_mass() - center).norm() < 1e-12);
+        let inertia = turn.matrix() * body.inertia_center() * turn.matrix().transpose();
+        prop_assert!((turned.inertia_center() - inertia).amax() < 1e-12);
+        let moments = [body, turned].map(|body| body.principal().moments);
+        prop_assert!((moments[0] - moments[1]).amax() < 1e-12);
+    }
+}
+
+// ------------------------------------------------------------- profiles
+
+#[test]
+fn a_profile_over_a_box_is_an_integral_over_its_length() {
+    // Density 1 up to x = 0.5, ramp to 3 at x = 1.5, then 3: Fig. 5 of the paper.
+    let profile = Profile::new(&Vector3::x(), vec![[0.5, 1.0], [1.5, 3.0]]).unwrap();
+    let mesh = block([0.0; 3], [2.0, 1.0, 1.0]);
+    let body = weighed(&mesh, &Density::Profile(profile.clone()));
+    close(body.mass, 0.5 + 2.0 + 1.5, 1e-15, "mass");
+    // ∫ρx = ½·¼ + ∫(2x)x dx over [½, 3/2] + 3·(4 − 9/4)/2
+    let first = 0.125 + (2.0 / 3.0) * (3.375 - 0.125) + 2.625;
+    close(body.center_of_mass().x, first / 4.0, 1e-15, "center");
+    close(body.center_of_mass().y, 0.5, 1e-15, "center");
+    for (s, value) in [(-9.0, 1.0), (0.5, 1.0), (1.0, 2.0), (1.5, 3.0), (9.0, 3.0)] {
+        close(profile.at(s), value, 1e-15, "value");
+    }
+    // Breaks beyond the body leave a linear density.
+    let wide = Profile::new(&Vector3::x(), vec![[-1.0, 0.0], [5.0, 6.0]]).unwrap();
+    let linear = Density::Polynomial("1 + x".parse().unwrap());
+    same(
+        &weighed(&mesh, &Density::Profile(wide)),
+        &weighed(&mesh, &linear),
+        1e-15,
+        "linear",
+    );
+}
+
+#[test]
+fn a_profile_weighs_the_same_in_tetrahedra_and_within_the_surface() {
+    let direction = Vector3::new(1.0, -2.0, 0.5);
+    let breaks = vec![[-1.1, 1.0], [-0.6, 4.0], [-0.2, 0.5], [0.3, 2.0]];
+    let profile = Density::Profile(Profile::new(&direction, breaks).unwrap());
+    let mesh = tets_with_density();
+    let extent = mesh.bounds();
+    let filled = weigh_tets(&mesh, &profile, &extent).unwrap();
+    let bounded = weigh_surface(&mesh.boundary(), &profile, &extent).unwrap();
+    same(&filled, &bounded, 1e-13, "profile");
+    // Cutting the mesh at the planes first and reading the densities at vertices is the same.
+    let Density::Profile(inner) = &profile else {
+        unreachable!("made above")
+    };
+    let unit = direction.normalize();
+    let sliced = [-1.1, -0.6, -0.2, 0.3]
+        .iter()
+        .fold(mesh, |mesh, &offset| cut(&mesh, &unit, offset).mesh);
+    let densities: Vec<f64> = sliced.vertices.iter().map(|v| inner.at_point(v)).collect();
+    let near = extent.center();
+    let moments = tetrahedra::moments(&sliced.vertices, &sliced.tets, &densities, &near);
+    let by_hand = Body::from_moments(filled.volume, 0.0, &moments, &near);
+    same(&by_hand, &filled, 1e-13, "sliced");
+}
+
+#[test]
+fn breaks_that_make_no_profile_are_refused() {
+    let profile = |breaks: &[[f64; 2]]| Profile::new(&Vector3::z(), breaks.to_vec());
+    assert_eq!(profile(&[]), Err(ProfileError::Empty));
+    let order = profile(&[[0.0, 1.0], [0.0, 2.0]]).unwrap_err().to_string();
+    assert_eq!(
+        order,
+        "break 2 of the profile is at 0, not beyond the one before it"
+    );
+    let finite = profile(&[[0.0, f64::NAN]]).unwrap_err().to_string();
+    assert_eq!(finite, "break 1 of the profile is not finite");
+    let nowhere = Profile::new(&Vector3::zeros(), vec![[0.0, 1.0]]);
+    assert_eq!(nowhere, Err(ProfileError::Direction));
+}
+
+// ------------------------------------------------------------- one mass by several ways
+
+/// [CP] eq. 15, term by term, for density × {1, x, …, zx} in coordinates relative to `near`.
+fn by_structure_products(mesh: &SurfaceMesh, density: &Polynomial, near: &Point3<f64>) -> Moments {
+    let local: Vec<_> = mesh
+        .vertices
+        .iter()
+        .map(|v| Point3::from(v - near))
+        .collect();
+    let density = density.seen_from(near);
+    #[rustfmt::skip]
+    let ten = [
+        [0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [2, 0, 0],
+        [0, 2, 0], [0, 0, 2], [1, 1, 0], [0, 1, 1], [1, 0, 1],
+    ];
+    Moments::from_ten(ten.map(|e: [u32; 3]| {
+        let product = density.clone() * Polynomial::monomial(1.0, e);
+        let terms = product.terms();
+        terms
+            .map(|(e, value)| value * structure::solid(&local, &mesh.triangles, e))
+            .sum()
+    }))
+}
+
+/// Tetrahedra of linear density from one vertex of the surface to every triangle.
+fn by_cones(mesh: &SurfaceMesh, density: &Polynomial, near: &Point3<f64>) -> Moments {
+    let values: Vec<f64> = mesh.vertices.iter().map(|v| density.at(v)).collect();
+    let cones: Vec<_> = mesh
+        .triangles
+        .iter()
+        .map(|&[a, b, c]| [0, a, b, c])
+        .collect();
+    tetrahedra::moments(&mesh.vertices, &cones, &values, near)
+}
+
+fn three_ways(mesh: &SurfaceMesh, what: &str) {
+    for axis in 0..3 {
+        let mut mesh = mesh.clone();
+        mesh.fit_unit_height(axis);
+        let mut exponents = [0; 3];
+        exponents[axis] = 1;
+        let density = Polynomial::monomial(1.0, exponents);
+        let near = mesh.bounds().center();
+        let product = weighed(&mesh, &ramp(axis));
+        let ways = [
+            by_structure_products(&mesh, &density, &near),
+            by_cones(&mesh, &density, &near),
+            polynomial_density::solid(&mesh.vertices, &mesh.triangles, &density, &near),
+        ];
+        for moments in ways {
+            let body = Body::from_moments(product.volume, product.surface_area, &moments, &near);
+            same(&body, &product, 1e-12, &format!("{what}, axis {axis}"));
+        }
+    }
+}
+
+#[test]
+fn generated_shapes_weigh_the_same_three_ways() {
+    three_ways(&torus(1.0, 0.4, 24, 12), "torus");
+    three_ways(&bracket(4), "bracket");
+    three_ways(&icosphere(2), "icosphere");
+}
+
+/// A model from ../shared/models, or `None` with a message.
+fn model(name: &str) -> Option<Solid> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let places = ["../shared/models", "../../shared/models"];
+    let paths = places.map(|place| root.join(place).join(name));
+    let Some(path) = paths.iter().find(|path| path.exists()) else {
+        println!("skipped: ../shared/models/{name} is absent");
+        return None;
+    };
+    Some(load(path).unwrap())
+}
+
+#[test]
+fn casting_and_rocker_arm_weigh_the_same_three_ways() {
+    for name in ["casting.off", "rocker-arm.obj"] {
+        if let Some(Solid::Surface(closed, _)) = model(name) {
+            three_ways(closed.surface(), name);
+        }
+    }
+}
+
+#[test]
+fn the_bunny_in_tetrahedra_weighs_what_its_surface_encloses() {
+    let Some(Solid::Tets(sound, _)) = model("bunny.mesh") else {
+        return;
+    };
+    let mut mesh = sound.mesh().clone();
+    for axis in 0..3 {
+        mesh.fit_unit_height(axis);
+        let extent = mesh.bounds();
+        let boundary = mesh.boundary();
+        for density in [
+            Density::Constant(1.0),
+            ramp(axis),
+            "1 + x*y + z^3".parse().unwrap(),
+        ] {
+            let filled = weigh_tets(&mesh, &density, &extent).unwrap();
+            let bounded = weigh_surface(&boundary, &density, &extent).unwrap();
+            same(&filled, &bounded, 1e-12, "bunny");
+            close(filled.surface_area, bounded.surface_area, 1e-13, "area");
+        }
+    }
+}
+
+#[test]
+fn every_density_weighs_the_same_in_tetrahedra_and_within_the_surface() {
+    let mesh = tets_with_density();
+    let extent = mesh.bounds();
+    let boundary = mesh.boundary();
+    for text in [
+        "2",
+        "linear:axis=y,from=1,to=3",
+        "x*y*z + 1",
+        "profile:axis=x,0.2=1,0.7=9",
+    ] {
+        let density: Density = text.parse().unwrap();
+        let filled = weigh_tets(&mesh, &density, &extent).unwrap();
+        let bounded = weigh_surface(&boundary, &density, &extent).unwrap();
+        same(&filled, &bounded, 1e-13, text);
+        close(filled.volume, bounded.volume, 1e-14, text);
+        close(filled.surface_area, bounded.surface_area, 1e-14, text);
+    }
+}
+
+#[test]
+fn a_ball_approaches_the_ball() {
+    let body = weighed(&icosphere(5), &Density::Constant(1.0));
+    let volume = 4.0 / 3.0 * std::f64::consts::PI;
+    close(body.volume, volume, 2e-3, "volume");
+    close(body.surface_area, 3.0 * volume, 2e-3, "area");
+    close(body.inertia_center().m11, 0.4 * volume, 4e-3, "inertia");
+    close(
+        surface::volume(
+            &icosphere(5).vertices,
+            &icosphere(5).triangles,
+            &Point3::origin(),
+        ),
+        body.volume,
+        1e-14,
+        "volume",
+    );
+}
+
+// ------------------------------------------------------------- densities as text, refusals
+
+#[test]
+fn densities_read_what_they_say() {
+    let read = |text: &str| text.parse::<Density>().unwrap();
+    assert_eq!(read("2.5"), Density::Constant(2.5));
+    assert_eq!(read(" 1e3 "), Density::Constant(1000.0));
+    let (axis, from, to) = (2, 0.0, 1.0);
+    assert_eq!(
+        read("linear:axis=z,from=0,to=1"),
+        Density::Ramp(Ramp { axis, from, to })
+    );
+    assert_eq!(
+        read("linear: to=1, from=0, axis=Z"),
+        Density::Ramp(Ramp { axis, from, to })
+    );
+    assert_eq!(read("1+x"), Density::Polynomial("1 + x".parse().unwrap()));
+    assert_eq!(read("vertex"), Density::Vertex(None));
+    assert_eq!(read("vertex:rho"), Density::Vertex(Some("rho".into())));
+    let profile = Profile::new(&Vector3::x(), vec![[0.2, 1.0], [0.8, 5.0]]).unwrap();
+    assert_eq!(
+        read("profile:axis=x,0.2=1,0.8=5"),
+        Density::Profile(profile)
+    );
+}
+
+#[test]
+fn what_is_no_density_is_refused_by_name() {
+    for (text, part) in [
+        (
+            "heavy",
+            "`heavy` is not a density: column 1: expected a number",
+        ),
+        ("lineal:axis=z", "density kind `lineal` does not exist"),
+        ("linear:axis=w,from=0,to=1", "axis `w` does not exist"),
+        ("linear:axis=z,from=0", "a `linear` density needs `to`"),
+        (
+            "linear:axis=z,from=a,to=1",
+            "`a` in `from=a` is not a finite number",
+        ),
+        (
+            "linear:axis=z,low=0",
+            "`low=0` is no setting of a `linear` density",
+        ),
+        ("profile:axis=z,1=2,0=3", "break 2 of the profile is at 0"),
+        ("profile:0=1", "a `profile` density needs `axis`"),
+    ] {
+        let message = text.parse::<Density>().unwrap_err().to_string();
+        assert!(message.contains(part), "{text}: {message}");
+    }
+}
+
+#[test]
+fn what_cannot_be_weighed_is_refused() {
+    let cube = unit_cube();
+    let weigh = |text: &str| weigh_surface(&cube, &text.parse().unwrap(), &cube.bounds());
+    assert_eq!(weigh("0"), Err(WeighError::Massless { mass: 0.0 }));
+    assert!(matches!(weigh("x - 1"), Err(WeighError::Massless { mass }) if mass < 0.0));
+    assert_eq!(weigh("vertex"), Err(WeighError::VertexOfSurface));
+    let tets = tets_with_density();
+    let weigh = |text: &str| weigh_tets(&tets, &text.parse().unwrap(), &tets.bounds());
+    let missing = weigh("vertex:rho").unwrap_err().to_string();
+    assert_eq!(
+        missing,
+        "the mesh has no vertex data `rho`; it has `density`"
+    );
+    assert!(weigh("vertex:density").is_ok());
+}
+
+#[test]
+fn the_generated_shapes_are_sound() {
+    for mesh in [
+        unit_cube(),
+        torus(1.0, 0.4, 24, 12),
+        bracket(4),
+        icosphere(2),
+    ] {
+        validate(&mesh).unwrap();
+    }
+    validate_tets(&tets_with_density()).unwrap();
+}
