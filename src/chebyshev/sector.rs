@@ -6,7 +6,7 @@
 //! interfaces its edges, diagonals its faces.
 //!
 //! A walk around a convex polygon visits sectors; the interfaces it crosses, counted modulo two,
-//! determine which diagonals pierce the polygon. [`pierced`] looks that up, so that a cell's
+//! determine which diagonals pierce the polygon. `pierced` looks that up, so that a cell's
 //! integrals are put together from a consistent subdivision even where rounding alone decided the
 //! sector of a vertex, as it does at every corner of a cube about its center.
 

@@ -19,7 +19,7 @@ use crate::chebyshev::sector::{Interface, Sector};
 use crate::chebyshev::segments::{Endpoint, Role, report_segments};
 use crate::chebyshev::visit::{FacetView, Visit};
 
-/// The memory of [`walk`], to be reused from one center to the next.
+/// The memory of a walk, to be reused from one center to the next.
 #[derive(Clone, Debug, Default)]
 pub struct WalkScratch {
     vertices: Vec<(Vector3<f64>, Sector)>,

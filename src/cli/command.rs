@@ -2,7 +2,7 @@
 
 use crate::cli::arguments::{Arguments, Command, Common};
 use crate::cli::failure::Failure;
-use crate::cli::{completions, man, measure, plot, relax, schema};
+use crate::cli::{bench, completions, man, measure, plot, relax, schema};
 
 /// Runs the command that `arguments` name.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
@@ -12,6 +12,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         Command::Relax(options) => relax::run(options, common),
         Command::Measure(options) => measure::run(options),
         Command::Plot(options) => plot::run(options, common),
+        Command::Bench(options) => bench::run(options, common.threads),
         Command::Schema => schema::run(),
         Command::Completions(options) => completions::run(options),
         Command::Man(options) => man::run(options),

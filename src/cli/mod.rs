@@ -1,6 +1,7 @@
 //! The command line: one file per subcommand, thin.
 
 pub(crate) mod arguments;
+pub(crate) mod bench;
 pub(crate) mod command;
 pub(crate) mod completions;
 pub(crate) mod failure;

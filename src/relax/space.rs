@@ -11,6 +11,7 @@ use crate::geometry::bounds::Bounds;
 use crate::geometry::clip::ClipScratch;
 use crate::geometry::moments::Moments;
 use crate::geometry::polyhedron::Polyhedron;
+use crate::minimize::problem::Evaluation;
 use crate::relax::figures::CellFigures;
 use crate::relax::shape::Shape;
 use crate::relax::tessellation::{Assessment, Norm, Question, Tessellation};
@@ -121,6 +122,13 @@ impl CellMemory {
         &self.moments
     }
 
+    /// The order-p Chebyshev energy of the loaded cell about a displacement from its site, with
+    /// gradient and Hessian.
+    #[must_use]
+    pub fn evaluate(&mut self, center: &Vector3<f64>, order: u32) -> Evaluation<3> {
+        energy(&self.pieces[..self.used], center, order, &mut self.walk)
+    }
+
     /// The figures of `cell`.
     pub fn figures(
         &mut self,
@@ -137,15 +145,11 @@ impl CellMemory {
         });
         let assessment = self.assess(domain, cell, asked);
         let centroid = self.moments.centroid();
-        let at = |center: &Vector3<f64>, memory: &mut Self| {
-            let pieces = &memory.pieces[..memory.used];
-            energy(pieces, center, asked.order, &mut memory.walk)
-        };
         let step = displacement(&domain.periods(), &cell.position, &assessment.target);
         let (gradient, center_energy) = match asked.norm {
             Norm::Linf => {
-                let gradient = at(&Vector3::zeros(), self).gradient;
-                (gradient, at(&step, self).value)
+                let gradient = self.evaluate(&Vector3::zeros(), asked.order).gradient;
+                (gradient, self.evaluate(&step, asked.order).value)
             }
             Norm::L2 => (
                 -2.0 * self.moments.first,

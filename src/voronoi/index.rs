@@ -1,6 +1,6 @@
 //! The spatial index: a uniform grid of bins over the sites.
 //!
-//! Bins are near-cubic and hold [`SITES_PER_BIN`] sites on average over the sites' own bounding
+//! Bins are near-cubic and hold three sites on average over the sites' own bounding
 //! box (over the whole period along periodic axes), however flat that box is. Sites are stored in
 //! bin order, so that a walk over the index is a walk through memory.
 
