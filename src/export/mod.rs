@@ -3,4 +3,5 @@
 pub mod log;
 pub mod run;
 pub mod sites;
+pub mod vtu;
 pub mod whole_file;

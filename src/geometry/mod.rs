@@ -8,3 +8,5 @@ pub mod label;
 pub mod moments;
 pub mod polygon;
 pub mod polyhedron;
+pub mod section;
+pub mod shell;

@@ -67,6 +67,12 @@ impl Axis {
         Self::stepped(low - margin, high + margin, step)
     }
 
+    /// An axis from exactly `min` to exactly `max` with ticks on round numbers.
+    #[must_use]
+    pub fn within(min: f64, max: f64) -> Self {
+        Self::stepped(min, max, round_step((max - min) / TICKS))
+    }
+
     /// An axis of equal ratios around `[low, high]`, both positive, with ticks on decades.
     #[must_use]
     pub fn logarithmic(low: f64, high: f64) -> Self {

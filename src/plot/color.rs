@@ -37,6 +37,13 @@ impl Color {
         }
     }
 
+    /// The brightness that the eye sees, 0 to 255 (ITU-R BT.601).
+    #[must_use]
+    pub fn luma(self) -> f64 {
+        let [r, g, b] = self.rgb.map(f64::from);
+        0.299 * r + 0.587 * g + 0.114 * b
+    }
+
     /// The color with its brightness multiplied by `factor ≥ 0`.
     #[must_use]
     pub fn lit(self, factor: f64) -> Self {
@@ -68,29 +75,44 @@ pub fn viridis(t: f64) -> Color {
     Color::hex(VIRIDIS[stop]).mix(Color::hex(VIRIDIS[stop + 1]), place - stop as f64)
 }
 
+/// Which end of a scale is bright. Most cells of a relaxed tessellation are near the best value,
+/// and only bright colors show outlines and shading.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Best {
+    /// Low values are good, as energies are.
+    Low,
+    /// High values are good, as cubeness is.
+    High,
+}
+
 /// Values of one quantity and the range over which colors spread.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ColorScale {
     /// The quantity's name and unit, for the color bar.
     pub label: String,
-    /// The value of the darkest color; lower ones share it.
+    /// The end of the scale that is bright.
+    pub best: Best,
+    /// The value of one end; lower ones share its color.
     pub min: f64,
-    /// The value of the brightest color; higher ones share it.
+    /// The value of the other end; higher ones share its color.
     pub max: f64,
 }
+
+/// The share of viridis at its dark end that no value gets, so that outlines stay visible.
+const TOO_DARK: f64 = 0.12;
 
 /// The share of the values at either end that may leave the scale, so that one odd cell does not
 /// wash out all others.
 const OUTLIERS: f64 = 0.02;
 
 /// The least range of a fitted scale relative to its values: rounding noise stays one color.
-const LEAST_RANGE: f64 = 1e-6;
+const LEAST_RANGE: f64 = 1e-3;
 
 impl ColorScale {
     /// The scale that spreads its colors over `values` but for the outermost 2 % at either end.
     /// Values that are not finite do not count.
     #[must_use]
-    pub fn fitting(label: &str, values: impl IntoIterator<Item = f64>) -> Self {
+    pub fn fitting(label: &str, best: Best, values: impl IntoIterator<Item = f64>) -> Self {
         let mut sorted: Vec<f64> = values.into_iter().filter(|v| v.is_finite()).collect();
         sorted.sort_by(f64::total_cmp);
         let last = sorted.len().saturating_sub(1);
@@ -100,6 +122,7 @@ impl ColorScale {
         let least = LEAST_RANGE * min.abs().max(max.abs()).max(f64::MIN_POSITIVE);
         Self {
             label: label.to_owned(),
+            best,
             min,
             max: max.max(min + least),
         }
@@ -108,7 +131,12 @@ impl ColorScale {
     /// The color of `value`.
     #[must_use]
     pub fn color(&self, value: f64) -> Color {
-        viridis((value - self.min) / (self.max - self.min))
+        let share = ((value - self.min) / (self.max - self.min)).clamp(0.0, 1.0);
+        let goodness = match self.best {
+            Best::Low => 1.0 - share,
+            Best::High => share,
+        };
+        viridis(TOO_DARK + (1.0 - TOO_DARK) * goodness)
     }
 }
 
@@ -125,11 +153,15 @@ mod tests {
 
     #[test]
     fn a_scale_ignores_outliers_and_survives_constants() {
-        let scale = ColorScale::fitting("", (0..1000).map(f64::from).chain([1e9, f64::NAN]));
+        let scale = ColorScale::fitting(
+            "",
+            Best::Low,
+            (0..1000).map(f64::from).chain([1e9, f64::NAN]),
+        );
         assert!((scale.min - 20.0).abs() < 1e-12 && (scale.max - 980.0).abs() < 1e-12);
-        let constant = ColorScale::fitting("", [100.0; 5]);
+        let constant = ColorScale::fitting("", Best::Low, [100.0; 5]);
         assert!(constant.max > constant.min);
-        let empty = ColorScale::fitting("", []);
-        assert_eq!(empty.color(empty.min), viridis(0.0));
+        let empty = ColorScale::fitting("", Best::Low, []);
+        assert_eq!(empty.color(empty.min), viridis(1.0));
     }
 }

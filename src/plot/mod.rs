@@ -1,12 +1,20 @@
 //! Convergence curves and pictures of cells.
 //!
-//! Every picture is first a [`figure::Figure`], a plain list of shapes, which [`svg`] and [`png`]
-//! write in their formats. Nothing here touches a file system: pictures are strings and bytes.
+//! Every flat picture is first a [`figure::Figure`], a plain list of shapes, which [`svg`] and
+//! [`png`] write in their formats; pictures in space are pixels from the start. Nothing here
+//! touches a file system: pictures are strings and bytes.
 
 pub mod axis;
+pub mod camera;
 pub mod color;
+pub mod color_bar;
 pub mod convergence;
+pub mod cut;
+pub mod cutaway;
+pub mod exploded;
 pub mod figure;
 pub mod font;
+pub mod patches;
 pub mod png;
+pub mod stage;
 pub mod svg;

@@ -38,17 +38,21 @@ pub fn png(figure: &Figure, scale: f64) -> Result<Vec<u8>, PngError> {
 
 /// A white sheet of so many pixels, fractions rounded up.
 pub(crate) fn blank(width: f64, height: f64) -> Result<Pixmap, PngError> {
-    let size = |length: f64| {
-        (0.5..=LONGEST_SIDE)
-            .contains(&length)
-            .then(|| length.ceil() as u32)
-    };
-    let mut sheet = size(width)
-        .zip(size(height))
-        .and_then(|(w, h)| Pixmap::new(w, h))
+    check_size(width, height)?;
+    let mut sheet = Pixmap::new(width.ceil() as u32, height.ceil() as u32)
         .ok_or(PngError::Size { width, height })?;
     sheet.fill(tiny_skia::Color::WHITE);
     Ok(sheet)
+}
+
+/// Refuses pictures without pixels and such that would not fit in memory.
+pub(crate) fn check_size(width: f64, height: f64) -> Result<(), PngError> {
+    let sides = 0.5..=LONGEST_SIDE;
+    if sides.contains(&width) && sides.contains(&height) {
+        Ok(())
+    } else {
+        Err(PngError::Size { width, height })
+    }
 }
 
 /// The sheet as the bytes of a PNG file.
