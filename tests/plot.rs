@@ -1,9 +1,22 @@
 //! What pictures must hold: well-formed files that show everything, whatever the data.
 
+mod common;
+
+use chebloyd::geometry::bounds::Bounds;
+use chebloyd::geometry::half_space::HalfSpace;
+use chebloyd::geometry::section::section;
+use chebloyd::geometry::shell::Shell;
+use chebloyd::plot::color::{Best, ColorScale};
 use chebloyd::plot::convergence::{Run, convergence};
+use chebloyd::plot::cut::Cut;
+use chebloyd::plot::cutaway::{CutawayPicture, Removed};
+use chebloyd::plot::exploded::{Fragment, FragmentedCell, exploded};
+use chebloyd::plot::patches::{Patch, picture};
 use chebloyd::plot::png::png;
 use chebloyd::plot::svg::svg;
 use chebloyd::relax::record::Record;
+use common::{cell, grid_sites, random_sites};
+use nalgebra::{Point2, Point3, Vector3};
 
 /// A made-up run whose movement falls from 12.8 % and energy from 126.4 % to `floor`.
 fn run(count: u64, floor: f64) -> Vec<Record> {
@@ -158,4 +171,259 @@ fn a_picture_without_pixels_is_refused() {
     assert!(png(&figure, 0.0).is_err());
     assert!(png(&figure, 1e9).is_err());
     assert!(png(&figure, f64::NAN).is_err());
+}
+
+fn shells(sites: &[Point3<f64>]) -> Vec<Shell> {
+    let numbers = 0..sites.len();
+    numbers
+        .map(|site| Shell::from(&cell(sites, site)))
+        .collect()
+}
+
+/// Signed area in the plane of `normal`, positive for loops counter-clockwise about it.
+fn area(contour: &[Point3<f64>], normal: &Vector3<f64>) -> f64 {
+    let pairs = contour.iter().zip(contour.iter().cycle().skip(1));
+    let sum: Vector3<f64> = pairs.map(|(a, b)| a.coords.cross(&b.coords)).sum();
+    0.5 * sum.dot(&normal.normalize())
+}
+
+fn section_area(cells: &[Shell], plane: &HalfSpace) -> f64 {
+    let contours = cells.iter().flat_map(|shell| section(shell, plane));
+    contours.map(|contour| area(&contour, &plane.normal)).sum()
+}
+
+#[test]
+fn sections_of_a_diagram_fill_the_section_of_the_cube() {
+    // On the lattice these planes run through facets, edges and vertices.
+    for cells in [
+        shells(&grid_sites(4)),
+        shells(&grid_sites(3)),
+        shells(&random_sites(200, 5)),
+    ] {
+        for height in [0.1, 0.25, 1.0 / 3.0, 0.5, 2.0 / 3.0, 0.75, 1.0] {
+            for axis in 0..3 {
+                let mut normal = Vector3::zeros();
+                normal[axis] = 2.0;
+                let plane = HalfSpace {
+                    normal,
+                    offset: 2.0 * height,
+                };
+                let area = section_area(&cells, &plane);
+                assert!(
+                    (area - 1.0).abs() < 1e-12,
+                    "axis {axis} at {height}: {area}"
+                );
+            }
+        }
+        // The plane x = y through two edges of the cube, and the hexagon x + y + z = 3/2.
+        let normal = Vector3::new(1.0, -1.0, 0.0);
+        let diagonal = section_area(
+            &cells,
+            &HalfSpace {
+                normal,
+                offset: 0.0,
+            },
+        );
+        assert!((diagonal - 2.0_f64.sqrt()).abs() < 1e-12, "{diagonal}");
+        let normal = Vector3::new(1.0, 1.0, 1.0);
+        let hexagon = section_area(
+            &cells,
+            &HalfSpace {
+                normal,
+                offset: 1.5,
+            },
+        );
+        assert!((hexagon - 0.75 * 3.0_f64.sqrt()).abs() < 1e-12, "{hexagon}");
+    }
+}
+
+#[test]
+fn a_plane_beside_a_cell_cuts_nothing() {
+    let cube = Shell::from(&cell(&grid_sites(1), 0));
+    let across = |offset| HalfSpace {
+        normal: Vector3::z(),
+        offset,
+    };
+    assert!(section(&cube, &across(1.1)).is_empty());
+    assert!(section(&cube, &across(-0.1)).is_empty());
+    // Touched from above only: the facet counts for the cell below the plane.
+    assert!(section(&cube, &across(0.0)).is_empty());
+    let nowhere = HalfSpace {
+        normal: Vector3::zeros(),
+        offset: 0.0,
+    };
+    assert!(section(&cube, &nowhere).is_empty());
+}
+
+#[test]
+fn a_cell_that_is_not_convex_has_several_contours() {
+    // A U-shaped prism: two towers on a base, front and back facet not convex.
+    let front = [
+        [0., 0.],
+        [3., 0.],
+        [3., 2.],
+        [2., 2.],
+        [2., 1.],
+        [1., 1.],
+        [1., 2.],
+        [0., 2.],
+    ];
+    let vertices: Vec<Point3<f64>> = [0.0, 1.0]
+        .iter()
+        .flat_map(|y| front.map(|[x, z]| Point3::new(x, *y, z)))
+        .collect();
+    let sides = (0..8).map(|k| vec![(k + 1) % 8, k, k + 8, (k + 1) % 8 + 8]);
+    let ends = [(0..8).collect::<Vec<u32>>(), (8..16).rev().collect()];
+    let shell = Shell::new(&vertices, sides.chain(ends)).expect("valid numbers");
+    assert!((shell.volume() - 5.0).abs() < 1e-14);
+    let plane = HalfSpace {
+        normal: Vector3::z(),
+        offset: 1.5,
+    };
+    let contours = section(&shell, &plane);
+    assert_eq!(contours.len(), 2);
+    for contour in contours {
+        assert!((area(&contour, &plane.normal) - 1.0).abs() < 1e-14);
+    }
+}
+
+fn scale() -> ColorScale {
+    ColorScale::fitting("energy (%)", Best::Low, [100.0, 110.0])
+}
+
+#[test]
+fn a_cut_is_a_picture_of_its_cells() {
+    let cells = shells(&grid_sites(4));
+    let cut = Cut::horizontal(0.6);
+    let patches: Vec<Patch> = cells
+        .iter()
+        .filter_map(|shell| cut.patch(shell, 104.0))
+        .collect();
+    assert_eq!(patches.len(), 16);
+    let figure = picture(&patches, &scale(), "Cut z = 0.6");
+    let document = svg(&figure);
+    tags(&document);
+    let fill = format!("fill=\"#{}\" stroke", hex(scale().color(104.0).rgb));
+    assert_eq!(document.matches(&fill).count(), 16);
+    assert!(document.contains(">Cut z = 0.6<") && document.contains(">energy (%)<"));
+    decoded_size(&png(&figure, 1.0).expect("encodes"));
+}
+
+fn hex(rgb: [u8; 3]) -> String {
+    rgb.iter().map(|part| format!("{part:02x}")).collect()
+}
+
+#[test]
+fn ten_thousand_cells_of_the_plane_are_a_small_picture() {
+    let corner = |k: usize| Point2::new((k % 100) as f64, (k / 100) as f64);
+    let hexagon = [
+        [0.3, 0.0],
+        [0.97, 0.1],
+        [1.13, 0.6],
+        [0.7, 1.0],
+        [0.03, 0.9],
+        [-0.13, 0.4],
+    ];
+    let patches: Vec<Patch> = (0..10_000)
+        .map(|k| Patch {
+            contours: vec![
+                hexagon
+                    .map(|[x, y]| corner(k) + nalgebra::Vector2::new(x, y))
+                    .to_vec(),
+            ],
+            value: 100.0 + (k % 17) as f64,
+            site: Some(corner(k) + nalgebra::Vector2::new(0.5, 0.5)),
+        })
+        .collect();
+    let document = svg(&picture(&patches, &scale(), "plane"));
+    assert!(document.len() < 3_000_000, "{} bytes", document.len());
+    assert_eq!(document.matches("<circle").count(), 10_000);
+}
+
+#[test]
+fn odd_patches_still_give_a_picture() {
+    let point = Patch {
+        contours: vec![vec![Point2::new(1.0, 1.0); 3]],
+        value: f64::NAN,
+        site: None,
+    };
+    for patches in [vec![], vec![point]] {
+        let figure = picture(&patches, &scale(), "");
+        tags(&svg(&figure));
+        decoded_size(&png(&figure, 1.0).expect("encodes"));
+    }
+}
+
+/// The share of pixels that are not white.
+fn inked(bytes: &[u8]) -> f64 {
+    let sheet = tiny_skia::Pixmap::decode_png(bytes).expect("the picture decodes");
+    let white = |pixel: &tiny_skia::PremultipliedColorU8| {
+        pixel.red() == 255 && pixel.green() == 255 && pixel.blue() == 255
+    };
+    let pixels = sheet.pixels();
+    pixels.iter().filter(|pixel| !white(pixel)).count() as f64 / pixels.len() as f64
+}
+
+#[test]
+fn a_cutaway_hides_what_it_removes() {
+    let sites = grid_sites(4);
+    let cells = shells(&sites);
+    let unit = Bounds {
+        min: Point3::origin(),
+        max: Point3::new(1.0, 1.0, 1.0),
+    };
+    let shown = |removed: Removed| {
+        let mut view = CutawayPicture::new(&unit, removed, scale(), "64 cells").expect("a size");
+        let count = sites.iter().filter(|site| view.shows(site)).count();
+        for (site, shell) in sites.iter().zip(&cells) {
+            view.push(shell, site, 104.0);
+        }
+        (count, inked(&view.finish().expect("encodes")))
+    };
+    let [whole, octant, half] = [Removed::Nothing, Removed::Octant, Removed::Half].map(shown);
+    assert_eq!([whole.0, octant.0, half.0], [64, 56, 32]);
+    // The octant's hole lies inside the cube's outline, the removed half does not.
+    assert!(
+        (whole.1 - octant.1).abs() < 1e-3 && half.1 < 0.8 * whole.1,
+        "{whole:?} {half:?}"
+    );
+}
+
+#[test]
+fn an_exploded_cell_shows_all_its_fragments() {
+    // The pyramids over the facets of a cube.
+    let cube = Shell::from(&cell(&grid_sites(1), 0));
+    let center = Point3::new(0.5, 0.5, 0.5);
+    let fragments = cube.loops().map(|facet| {
+        let base: Vec<Point3<f64>> = facet.collect();
+        let middle = base
+            .iter()
+            .map(|corner| corner - center)
+            .sum::<Vector3<f64>>()
+            / 4.0;
+        let mut vertices = base;
+        vertices.push(center);
+        let sides = (0..4).map(|k| vec![(k + 1) % 4, k, 4]);
+        let facets = sides.chain([vec![0, 1, 2, 3]]);
+        Fragment {
+            axis: middle.iamax(),
+            positive: middle.sum() > 0.0,
+            shell: Shell::new(&vertices, facets).expect("valid numbers"),
+        }
+    });
+    let cell = FragmentedCell {
+        caption: "cube".into(),
+        center,
+        fragments: fragments.collect(),
+    };
+    assert!(
+        cell.fragments
+            .iter()
+            .all(|f| (f.shell.volume() - 1.0 / 6.0).abs() < 1e-15)
+    );
+    let one = exploded(std::slice::from_ref(&cell)).expect("encodes");
+    let two = exploded(&[cell.clone(), cell]).expect("encodes");
+    assert!(decoded_size(&two).0 > decoded_size(&one).0);
+    assert!(inked(&one) > 0.3);
+    assert!(exploded(&[]).is_err());
 }

@@ -3,5 +3,6 @@
 pub mod log;
 pub mod run;
 pub mod sites;
+mod spool;
 pub mod vtu;
 pub mod whole_file;

@@ -13,11 +13,10 @@
 //! Every cell has its own points: neighbors do not share them.
 
 use std::fs::File;
-use std::io::{self, BufWriter, Read, Seek, Write};
+use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-use tempfile::{SpooledTempFile, spooled_tempfile_in};
-
+use crate::export::spool::Spool;
 use crate::export::whole_file;
 use crate::geometry::shell::Shell;
 
@@ -123,9 +122,6 @@ impl VtuWriter {
     }
 }
 
-/// An array longer than this (bytes) moves from memory to a scratch file.
-const IN_MEMORY: usize = 1 << 20;
-
 /// VTK's numbers for kinds of cells (vtkCellType.h).
 const EMPTY_CELL: u8 = 0;
 const POLYGON: u8 = 7;
@@ -133,6 +129,11 @@ const POLYHEDRON: u8 = 42;
 
 /// `faceoffsets` of a cell that is no polyhedron.
 const NO_FACES: i64 = -1;
+
+/// The elements of a piece that hold arrays.
+const POINTS: &str = "Points";
+const CELLS: &str = "Cells";
+const CELL_DATA: &str = "CellData";
 
 /// The arrays of the file.
 #[derive(Debug)]
@@ -180,7 +181,8 @@ impl Arrays {
             1 => self.push_polygon(&cell.shell, first)?,
             _ => self.push_polyhedron(&cell.shell, first)?,
         }
-        self.offsets.integer((self.connectivity.bytes / 8) as i64)?;
+        self.offsets
+            .integer((self.connectivity.bytes() / 8) as i64)?;
         if cell.shell.facet_count() < 2 {
             self.face_offsets.integer(NO_FACES)?;
         }
@@ -212,50 +214,31 @@ impl Arrays {
                 self.faces.integer((first + u64::from(*corner)) as i64)?;
             }
         }
-        self.face_offsets.integer((self.faces.bytes / 8) as i64)?;
+        self.face_offsets.integer((self.faces.bytes() / 8) as i64)?;
         self.types.byte(POLYHEDRON)
     }
 
     /// The arrays in file order, each with its section, type and name. Without a polyhedron there
     /// are no `faces`.
-    fn in_order(&mut self) -> Vec<(Section, &'static str, &'static str, &mut Spool)> {
-        use Section::{CellData, Cells, Points};
+    fn in_order(&mut self) -> Vec<(&'static str, &'static str, &'static str, &mut Spool)> {
         let mut all = vec![
-            (Points, "Float64", "Points", &mut self.points),
-            (Cells, "Int64", "connectivity", &mut self.connectivity),
-            (Cells, "Int64", "offsets", &mut self.offsets),
-            (Cells, "UInt8", "types", &mut self.types),
+            (POINTS, "Float64", "Points", &mut self.points),
+            (CELLS, "Int64", "connectivity", &mut self.connectivity),
+            (CELLS, "Int64", "offsets", &mut self.offsets),
+            (CELLS, "UInt8", "types", &mut self.types),
         ];
-        if self.faces.bytes > 0 {
-            all.push((Cells, "Int64", "faces", &mut self.faces));
-            all.push((Cells, "Int64", "faceoffsets", &mut self.face_offsets));
+        if self.faces.bytes() > 0 {
+            all.push((CELLS, "Int64", "faces", &mut self.faces));
+            all.push((CELLS, "Int64", "faceoffsets", &mut self.face_offsets));
         }
         all.extend([
-            (CellData, "Int64", "site", &mut self.site),
-            (CellData, "Float64", "energy", &mut self.energy),
-            (CellData, "Float64", "volume", &mut self.volume),
-            (CellData, "Float64", "cubeness", &mut self.cubeness),
-            (CellData, "Int64", "facets", &mut self.facets),
+            (CELL_DATA, "Int64", "site", &mut self.site),
+            (CELL_DATA, "Float64", "energy", &mut self.energy),
+            (CELL_DATA, "Float64", "volume", &mut self.volume),
+            (CELL_DATA, "Float64", "cubeness", &mut self.cubeness),
+            (CELL_DATA, "Int64", "facets", &mut self.facets),
         ]);
         all
-    }
-}
-
-/// The elements of a piece that hold arrays.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Section {
-    Points,
-    Cells,
-    CellData,
-}
-
-impl Section {
-    fn tag(self) -> &'static str {
-        match self {
-            Self::Points => "Points",
-            Self::Cells => "Cells",
-            Self::CellData => "CellData",
-        }
     }
 }
 
@@ -275,29 +258,29 @@ fn assemble(
          <Piece NumberOfPoints=\"{points}\" NumberOfCells=\"{cells}\">"
     )?;
     let mut offset = 0;
-    let mut open: Option<Section> = None;
+    let mut open: Option<&str> = None;
     for (section, kind, name, spool) in &arrays {
         if open != Some(*section) {
             if let Some(before) = open {
-                writeln!(file, "</{}>", before.tag())?;
+                writeln!(file, "</{}>", before)?;
             }
-            let scalars = if *section == Section::CellData {
+            let scalars = if *section == CELL_DATA {
                 " Scalars=\"energy\""
             } else {
                 ""
             };
-            writeln!(file, "<{}{scalars}>", section.tag())?;
+            writeln!(file, "<{}{scalars}>", section)?;
             open = Some(*section);
         }
-        let components = if *section == Section::Points { 3 } else { 1 };
+        let components = if *section == POINTS { 3 } else { 1 };
         writeln!(
             file,
             "<DataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"{components}\" \
              format=\"appended\" offset=\"{offset}\"/>"
         )?;
-        offset += size_of::<u64>() as u64 + spool.bytes;
+        offset += size_of::<u64>() as u64 + spool.bytes();
     }
-    writeln!(file, "</{}>", Section::CellData.tag())?;
+    writeln!(file, "</{}>", CELL_DATA)?;
     write!(
         file,
         "</Piece>\n</UnstructuredGrid>\n<AppendedData encoding=\"raw\">\n_"
@@ -306,49 +289,4 @@ fn assemble(
         spool.pour_into(file)?;
     }
     write!(file, "\n</AppendedData>\n</VTKFile>\n")
-}
-
-/// One array, little-endian, of a length that shows at the end.
-#[derive(Debug)]
-struct Spool {
-    file: BufWriter<SpooledTempFile>,
-    bytes: u64,
-}
-
-impl Spool {
-    fn new(folder: &Path) -> Self {
-        Self {
-            file: BufWriter::new(spooled_tempfile_in(IN_MEMORY, folder)),
-            bytes: 0,
-        }
-    }
-
-    fn real(&mut self, value: f64) -> io::Result<()> {
-        self.push(&value.to_le_bytes())
-    }
-
-    fn integer(&mut self, value: i64) -> io::Result<()> {
-        self.push(&value.to_le_bytes())
-    }
-
-    fn byte(&mut self, value: u8) -> io::Result<()> {
-        self.push(&[value])
-    }
-
-    fn push(&mut self, bytes: &[u8]) -> io::Result<()> {
-        self.bytes += bytes.len() as u64;
-        self.file.write_all(bytes)
-    }
-
-    /// Copies the array, behind its length in bytes, to the end of `file`.
-    fn pour_into(&mut self, file: &mut impl Write) -> io::Result<()> {
-        file.write_all(&self.bytes.to_le_bytes())?;
-        self.file.rewind()?;
-        let copied = io::copy(&mut self.file.get_mut().take(self.bytes), file)?;
-        if copied == self.bytes {
-            Ok(())
-        } else {
-            Err(io::ErrorKind::UnexpectedEof.into())
-        }
-    }
 }

@@ -10,10 +10,11 @@
 
 use nalgebra::Point2;
 
-use crate::plot::axis::{Axis, LABEL_SIZE, Panel};
+use crate::plot::axis::Axis;
 use crate::plot::color::Color;
 use crate::plot::figure::{Anchor, Figure, Shape, Stroke};
 use crate::plot::font;
+use crate::plot::panel::{LABEL_SIZE, Panel};
 use crate::relax::record::Record;
 
 /// A run to draw.

@@ -14,6 +14,7 @@ pub mod cutaway;
 pub mod exploded;
 pub mod figure;
 pub mod font;
+pub mod panel;
 pub mod patches;
 pub mod png;
 pub mod stage;

@@ -1,0 +1,121 @@
+//! Parallel projection: where a point in space stands in a picture.
+
+use nalgebra::{Point2, Point3, Vector3};
+
+use crate::geometry::bounds::Bounds;
+
+/// From the picture's middle toward the viewer: a little from the right, more from the front (−y)
+/// and from above, so that three walls of a box show and none looks like another.
+pub const TOWARD: Vector3<f64> = Vector3::new(0.50, -0.72, 0.48);
+
+/// A viewer at infinity.
+#[derive(Clone, Copy, Debug)]
+pub struct Camera {
+    right: Vector3<f64>,
+    up: Vector3<f64>,
+    toward: Vector3<f64>,
+    /// What is shown in the picture's middle.
+    origin: Point3<f64>,
+    middle: Point2<f64>,
+    /// Pixels per unit of length.
+    factor: f64,
+}
+
+impl Camera {
+    /// The camera that looks along −[`TOWARD`], +z upward, and shows all `points` as large as
+    /// possible in the middle of `frame`, given by its upper left and lower right corner in pixels.
+    #[must_use]
+    pub fn fitting(points: impl IntoIterator<Item = Point3<f64>>, frame: [Point2<f64>; 2]) -> Self {
+        let toward = TOWARD.normalize();
+        let right = Vector3::z().cross(&toward).normalize();
+        let mut camera = Self {
+            right,
+            up: toward.cross(&right),
+            toward,
+            origin: Point3::origin(),
+            middle: nalgebra::center(&frame[0], &frame[1]),
+            factor: 1.0,
+        };
+        let seen: Vec<Point3<f64>> = points
+            .into_iter()
+            .map(|point| camera.lengths(&point))
+            .collect();
+        let bounds = Bounds::of(&seen);
+        let extent = bounds.extent();
+        let room = (frame[1] - frame[0]).component_div(&extent.xy()).min();
+        if room.is_finite() && room > 0.0 {
+            camera.origin = camera.at_lengths(&bounds.center());
+            camera.factor = room;
+        }
+        camera
+    }
+
+    /// Where a point stands: pixels to the right and downward from the upper left corner, and the
+    /// distance toward the viewer (L).
+    #[must_use]
+    pub fn project(&self, point: &Point3<f64>) -> Point3<f64> {
+        let arm = point - self.origin;
+        Point3::new(
+            self.middle.x + self.factor * arm.dot(&self.right),
+            self.middle.y - self.factor * arm.dot(&self.up),
+            arm.dot(&self.toward),
+        )
+    }
+
+    /// The point that [`Camera::project`] puts there.
+    #[must_use]
+    pub fn unproject(&self, seen: &Point3<f64>) -> Point3<f64> {
+        let x = (seen.x - self.middle.x) / self.factor;
+        let y = (self.middle.y - seen.y) / self.factor;
+        self.origin + x * self.right + y * self.up + seen.z * self.toward
+    }
+
+    /// How the depth of a facet with this unit normal grows per pixel to the right and downward;
+    /// `None` for a facet that shows its back or its edge.
+    #[must_use]
+    pub fn slopes(&self, normal: &Vector3<f64>) -> Option<[f64; 2]> {
+        let facing = normal.dot(&self.toward);
+        let slope = |direction: &Vector3<f64>| normal.dot(direction) / (facing * self.factor);
+        (facing > EDGE_ON).then(|| [-slope(&self.right), slope(&self.up)])
+    }
+
+    fn lengths(&self, point: &Point3<f64>) -> Point3<f64> {
+        let part = |direction: &Vector3<f64>| direction.dot(&point.coords);
+        Point3::new(part(&self.right), part(&self.up), part(&self.toward))
+    }
+
+    fn at_lengths(&self, lengths: &Point3<f64>) -> Point3<f64> {
+        Point3::from(lengths.x * self.right + lengths.y * self.up + lengths.z * self.toward)
+    }
+}
+
+/// Facets whose normal is so nearly perpendicular to the view cover no pixels.
+const EDGE_ON: f64 = 1e-6;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_fitted_box_touches_the_picture_and_comes_back() {
+        let corners = [0, 1, 2, 3, 4, 5, 6, 7].map(|bits: u32| {
+            Point3::new(
+                f64::from(bits & 1),
+                f64::from(bits >> 1 & 1),
+                f64::from(bits >> 2),
+            )
+        });
+        let camera = Camera::fitting(corners, [[0.0, 0.0], [300.0, 200.0]].map(Point2::from));
+        let seen = corners.map(|corner| camera.project(&corner));
+        let bounds = Bounds::of(&seen);
+        let extent = bounds.extent();
+        assert!((extent.x - 300.0).abs() < 1e-9 || (extent.y - 200.0).abs() < 1e-9);
+        assert!(bounds.min.x > -1e-9 && bounds.max.x < 300.0 + 1e-9 && bounds.min.y > -1e-9);
+        for (corner, image) in corners.iter().zip(&seen) {
+            assert!((camera.unproject(image) - corner).norm() < 1e-12);
+        }
+        // The corner (1, 0, 1) is the nearest to the viewer.
+        let depth = |k: usize| seen[k].z;
+        assert!((0..8).all(|k| depth(k) <= depth(5)));
+    }
+}

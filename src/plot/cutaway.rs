@@ -1,0 +1,116 @@
+//! Shaded cells in space with a part taken away, as in \[BL\] Fig. 11.
+//!
+//! Cells are shown or taken away whole, by their sites, so that the cut is rough and shows the
+//! cells' true shapes. They come one at a time and are forgotten when they are drawn.
+
+use nalgebra::{Point2, Point3};
+
+use crate::geometry::bounds::Bounds;
+use crate::geometry::shell::Shell;
+use crate::plot::camera::TOWARD;
+use crate::plot::color::ColorScale;
+use crate::plot::color_bar;
+use crate::plot::figure::{Anchor, Figure};
+use crate::plot::panel::TITLE_SIZE;
+use crate::plot::png::PngError;
+use crate::plot::stage::Stage;
+
+/// What is taken away.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Removed {
+    /// Nothing: only the walls of the domain show.
+    Nothing,
+    /// The eighth of the domain's box that is nearest to the viewer.
+    Octant,
+    /// The front half.
+    Half,
+}
+
+/// Sides of the picture in pixels, and pixels per figure unit.
+const WIDTH: usize = 1300;
+const HEIGHT: usize = 1300;
+const SCALE: f64 = 2.0;
+
+const MARGIN: f64 = 20.0;
+const TITLE_ROOM: f64 = 26.0;
+const BAR_GAP: f64 = 14.0;
+/// The color bar's share of the picture's height.
+const BAR_SHARE: f64 = 0.7;
+
+/// A picture in the making.
+#[derive(Debug)]
+pub struct CutawayPicture {
+    stage: Stage,
+    middle: Point3<f64>,
+    removed: Removed,
+    scale: ColorScale,
+    title: String,
+}
+
+impl CutawayPicture {
+    /// An empty picture of a domain with these bounds.
+    ///
+    /// # Errors
+    /// [`PngError`] as [`crate::plot::png::png`].
+    pub fn new(
+        bounds: &Bounds<3>,
+        removed: Removed,
+        scale: ColorScale,
+        title: &str,
+    ) -> Result<Self, PngError> {
+        let corners = (0..8).map(|corner: usize| {
+            let pick = |axis: usize| [bounds.min, bounds.max][corner >> axis & 1][axis];
+            Point3::new(pick(0), pick(1), pick(2))
+        });
+        let mut stage = Stage::new(WIDTH, HEIGHT)?;
+        stage.aim(corners, 0, WIDTH);
+        Ok(Self {
+            stage,
+            middle: bounds.center(),
+            removed,
+            scale,
+            title: title.to_owned(),
+        })
+    }
+
+    /// Whether the cell of `site` is shown; the others need not be pushed.
+    #[must_use]
+    pub fn shows(&self, site: &Point3<f64>) -> bool {
+        let arm = site - self.middle;
+        let near = |axis: usize| arm[axis] * TOWARD[axis] > 0.0;
+        match self.removed {
+            Removed::Nothing => true,
+            Removed::Octant => !(near(0) && near(1) && near(2)),
+            Removed::Half => !near(1),
+        }
+    }
+
+    /// Draws the cell of `site`, colored by `value`, unless it is taken away.
+    pub fn push(&mut self, shell: &Shell, site: &Point3<f64>, value: f64) {
+        if self.shows(site) {
+            let color = self.scale.color(value);
+            self.stage.draw(shell, |_| color);
+        }
+    }
+
+    /// The picture with title and color bar as the bytes of a PNG file.
+    ///
+    /// # Errors
+    /// [`PngError::Encode`].
+    pub fn finish(self) -> Result<Vec<u8>, PngError> {
+        let size = [WIDTH, HEIGHT].map(|pixels| pixels as f64 / SCALE);
+        let mut figure = Figure::new(
+            size[0] + 2.0 * MARGIN + BAR_GAP + color_bar::ROOM,
+            size[1] + 2.0 * MARGIN + TITLE_ROOM,
+        );
+        let corner = Point2::new(MARGIN, MARGIN + TITLE_ROOM);
+        let above = Point2::new(MARGIN + 0.5 * size[0], MARGIN + 0.8 * TITLE_SIZE);
+        figure.text(above, &self.title, TITLE_SIZE, Anchor::Middle);
+        let bar = Point2::new(
+            MARGIN + size[0] + BAR_GAP,
+            corner.y + 0.5 * (1.0 - BAR_SHARE) * size[1],
+        );
+        color_bar::draw(&mut figure, bar, BAR_SHARE * size[1], &self.scale);
+        self.stage.develop(&figure, corner, SCALE)
+    }
+}

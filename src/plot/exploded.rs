@@ -1,0 +1,124 @@
+//! Cells taken apart into their six fragments, as in \[BL\] Fig. 12.
+//!
+//! A fragment has the color of its axis, and its saturation grows with the Chebyshev distance from
+//! the center, the quantity that the energy integrates.
+
+use nalgebra::{Point2, Point3, Vector3};
+
+use crate::geometry::bounds::Bounds;
+use crate::geometry::shell::Shell;
+use crate::plot::color::Color;
+use crate::plot::figure::{Anchor, Figure};
+use crate::plot::panel::{LABEL_SIZE, TITLE_SIZE};
+use crate::plot::png::PngError;
+use crate::plot::stage::Stage;
+
+/// One fragment of a cell.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fragment {
+    /// The axis along which the distance grows: 0, 1, 2 for x, y, z.
+    pub axis: usize,
+    /// Whether it lies on the side of larger coordinates.
+    pub positive: bool,
+    /// Its surface, where it belongs.
+    pub shell: Shell,
+}
+
+/// A cell to take apart.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FragmentedCell {
+    /// What is written below it.
+    pub caption: String,
+    /// The point from which distances count.
+    pub center: Point3<f64>,
+    /// Its fragments.
+    pub fragments: Vec<Fragment>,
+}
+
+/// How far a fragment moves out of its cell, as a share of the cell's largest extent.
+const EXPLOSION: f64 = 0.16;
+
+/// x, y, z (Okabe & Ito's vermilion, green and blue).
+const AXES: [Color; 3] = [
+    Color::hex(0xd5_5e_00),
+    Color::hex(0x00_9e_73),
+    Color::hex(0x00_72_b2),
+];
+
+/// The color at the center, before the axis' color comes in.
+const PALE: Color = Color::hex(0xff_fb_f2);
+
+/// Sides of a cell's part of the picture in pixels, and pixels per figure unit.
+const SIDE: usize = 900;
+const SCALE: f64 = 2.0;
+
+const MARGIN: f64 = 20.0;
+const CAPTION_ROOM: f64 = 30.0;
+
+/// The cells side by side, each as large as its part of the picture allows, as the bytes of a PNG
+/// file.
+///
+/// # Errors
+/// [`PngError`] as [`crate::plot::png::png`], also without cells.
+pub fn exploded(cells: &[FragmentedCell]) -> Result<Vec<u8>, PngError> {
+    let side = SIDE as f64 / SCALE;
+    let width = side * cells.len() as f64;
+    let mut figure = Figure::new(width + 2.0 * MARGIN, side + 2.0 * MARGIN + CAPTION_ROOM);
+    let mut stage = Stage::new(SIDE * cells.len(), SIDE)?;
+    for (number, cell) in cells.iter().enumerate() {
+        draw_cell(&mut stage, cell, number);
+        let below = Point2::new(
+            MARGIN + (number as f64 + 0.5) * side,
+            MARGIN + side + CAPTION_ROOM,
+        );
+        figure.text(below, &cell.caption, TITLE_SIZE, Anchor::Middle);
+    }
+    draw_legend(&mut figure);
+    stage.develop(&figure, Point2::new(MARGIN, MARGIN), SCALE)
+}
+
+/// Draws a cell in part `number` of the stage.
+fn draw_cell(stage: &mut Stage, cell: &FragmentedCell, number: usize) {
+    let corners = || {
+        cell.fragments
+            .iter()
+            .flat_map(|fragment| fragment.shell.vertices())
+    };
+    let extent = Bounds::of(corners()).extent().max();
+    let moved: Vec<(Vector3<f64>, &Fragment)> = cell
+        .fragments
+        .iter()
+        .map(|fragment| (outward(fragment) * EXPLOSION * extent, fragment))
+        .collect();
+    let places = moved
+        .iter()
+        .flat_map(|(shift, fragment)| fragment.shell.vertices().iter().map(move |v| v + shift));
+    stage.aim(places, number * SIDE, SIDE);
+    let farthest = corners()
+        .map(|corner| (corner - cell.center).amax())
+        .fold(0.0, f64::max);
+    for (shift, fragment) in &moved {
+        let axis = fragment.axis.min(2);
+        stage.draw(&fragment.shell.translated(shift), |place| {
+            let distance = (place - shift - cell.center)[axis].abs();
+            PALE.mix(AXES[axis], distance / farthest)
+        });
+    }
+}
+
+/// The axes' colors, in the upper left corner.
+fn draw_legend(figure: &mut Figure) {
+    for (number, (color, name)) in AXES.into_iter().zip(["x", "y", "z"]).enumerate() {
+        let min = Point2::new(MARGIN, MARGIN + 18.0 * number as f64);
+        let max = Point2::new(min.x + 11.0, min.y + 11.0);
+        figure.rectangle([min, max], Some(color), None);
+        let beside = Point2::new(max.x + 6.0, max.y - 1.0);
+        figure.text(beside, name, LABEL_SIZE, Anchor::Start);
+    }
+}
+
+fn outward(fragment: &Fragment) -> Vector3<f64> {
+    let mut direction = Vector3::zeros();
+    direction[fragment.axis.min(2)] = if fragment.positive { 1.0 } else { -1.0 };
+    direction
+}

@@ -1,0 +1,114 @@
+//! Flat pictures of cells: polygons colored by a value, with thin outlines and a color bar.
+//!
+//! The cells of a diagram in the plane, or the polygons in which a plane cuts those in space
+//! ([`crate::plot::cut`]).
+
+use nalgebra::Point2;
+
+use crate::geometry::bounds::Bounds;
+use crate::plot::color::{Color, ColorScale};
+use crate::plot::color_bar;
+use crate::plot::figure::{Anchor, Figure, Shape, Stroke};
+use crate::plot::panel::TITLE_SIZE;
+
+/// What a flat picture shows of one cell.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Patch {
+    /// The contours of its area, filled by the even-odd rule (L).
+    pub contours: Vec<Vec<Point2<f64>>>,
+    /// The value that colors it.
+    pub value: f64,
+    /// The site, if it is to be shown as a dot.
+    pub site: Option<Point2<f64>>,
+}
+
+/// The longer side of the picture proper, in figure units.
+const LONGER_SIDE: f64 = 600.0;
+/// The least of the shorter side: flat domains still have room for the color bar's name.
+const LEAST_SIDE: f64 = 160.0;
+const MARGIN: f64 = 20.0;
+const TITLE_ROOM: f64 = 26.0;
+/// From the picture to the color bar.
+const BAR_GAP: f64 = 18.0;
+
+/// Outlines and dots as shares of the mean cell's diameter, within limits in figure units.
+const OUTLINE: (f64, [f64; 2]) = (0.02, [0.08, 0.9]);
+const DOT: (f64, [f64; 2]) = (0.06, [0.3, 2.6]);
+
+/// The luma above which a color asks for dark dots.
+const BRIGHT: f64 = 110.0;
+
+/// The picture of all `patches`.
+#[must_use]
+pub fn picture(patches: &[Patch], scale: &ColorScale, title: &str) -> Figure {
+    let frame = Frame::around(patches);
+    let mut figure = Figure::new(
+        frame.size[0] + 2.0 * MARGIN + BAR_GAP + color_bar::ROOM,
+        frame.size[1] + 2.0 * MARGIN + TITLE_ROOM,
+    );
+    let diameter = (frame.size[0] * frame.size[1] / patches.len().max(1) as f64).sqrt();
+    let sized = |(share, [least, most]): (f64, [f64; 2])| (share * diameter).clamp(least, most);
+    let outline = Stroke::solid(Color::INK, sized(OUTLINE));
+    for patch in patches {
+        let place = |contour: &Vec<_>| contour.iter().map(|point| frame.place(point)).collect();
+        figure.shapes.push(Shape::Polygon {
+            contours: patch.contours.iter().map(place).collect(),
+            fill: Some(scale.color(patch.value)),
+            stroke: Some(outline),
+        });
+    }
+    for (site, value) in patches
+        .iter()
+        .filter_map(|patch| Some((patch.site?, patch.value)))
+    {
+        let bright = scale.color(value).luma() > BRIGHT;
+        figure.shapes.push(Shape::Disc {
+            center: frame.place(&site),
+            radius: sized(DOT),
+            fill: if bright { Color::INK } else { Color::WHITE },
+        });
+    }
+    let above = Point2::new(MARGIN + 0.5 * frame.size[0], MARGIN + 0.8 * TITLE_SIZE);
+    figure.text(above, title, TITLE_SIZE, Anchor::Middle);
+    let corner = Point2::new(MARGIN + frame.size[0] + BAR_GAP, MARGIN + TITLE_ROOM);
+    color_bar::draw(&mut figure, corner, frame.size[1], scale);
+    figure
+}
+
+/// The map from lengths of the domain, y upward, to the figure's, y downward.
+struct Frame {
+    middle: Point2<f64>,
+    factor: f64,
+    size: [f64; 2],
+}
+
+impl Frame {
+    fn around(patches: &[Patch]) -> Self {
+        let corners = patches
+            .iter()
+            .flat_map(|patch| patch.contours.iter().flatten());
+        let bounds = Bounds::of(corners);
+        let extent = bounds.extent();
+        if patches.is_empty() || !extent.iter().all(|length| length.is_finite()) {
+            return Self {
+                middle: Point2::origin(),
+                factor: 1.0,
+                size: [LONGER_SIDE; 2],
+            };
+        }
+        let factor = LONGER_SIDE / extent.max().max(f64::MIN_POSITIVE);
+        Self {
+            middle: bounds.center(),
+            factor,
+            size: [extent.x, extent.y].map(|length| (factor * length).max(LEAST_SIDE)),
+        }
+    }
+
+    fn place(&self, point: &Point2<f64>) -> Point2<f64> {
+        let arm = self.factor * (point - self.middle);
+        Point2::new(
+            MARGIN + 0.5 * self.size[0] + arm.x,
+            MARGIN + TITLE_ROOM + 0.5 * self.size[1] - arm.y,
+        )
+    }
+}
