@@ -10,7 +10,7 @@ use chebloyd::geometry::half_plane::HalfPlane;
 use chebloyd::geometry::label::Label;
 use chebloyd::geometry::polygon::ConvexPolygon;
 use chebloyd::minimize::problem::Evaluation;
-use chebloyd::relax::measure_plane::measure;
+use chebloyd::relax::figures::Figures;
 use chebloyd::relax::plane::Plane;
 use chebloyd::relax::tessellation::{Minimizer, Norm, Question, Tessellation};
 use chebloyd::voronoi::plane::{PlaneDiagram, PlaneDiagramError};
@@ -280,16 +280,21 @@ fn cells_agree_with_the_polygons_of_voronator() {
 #[test]
 fn a_square_lattice_has_square_cells_with_four_neighbors_or_walls() {
     let sites = square_lattice(10);
-    let diagram = PlaneDiagram::new(&unit_square(), &sites).unwrap();
-    for cell in measure(&diagram, LINF) {
-        assert!((cell.area - 0.01).abs() < 1e-15);
+    let plane = Plane {
+        domain: unit_square(),
+    };
+    let figures = plane.figures(&sites, LINF).unwrap();
+    for (cell, site) in figures.iter().zip(&sites) {
+        assert!((cell.volume - 0.01).abs() < 1e-15);
         assert_eq!(cell.facets, 4);
         assert!((cell.cubeness - 1.0).abs() < 1e-12);
         assert!((cell.axis_aligned - 1.0).abs() < 1e-12);
         assert!((cell.chebyshev - 0.001 / 3.0).abs() < 1e-17);
-        assert!((cell.center - cell.site).norm() < 1e-13);
-        assert!(cell.outline.len() >= 4);
+        assert!((cell.center - site).norm() < 1e-13);
     }
+    let all = Figures::of(plane.volume(), &figures);
+    assert!((all.energy_percent - 100.0).abs() < 1e-10);
+    assert!((all.six_facet_fraction - 1.0).abs() < 1e-15);
 }
 
 #[test]
@@ -616,22 +621,80 @@ fn at_the_center_opposite_fragments_have_equal_area() {
     let sites = Random(10).points(300);
     let diagram = PlaneDiagram::new(&unit_square(), &sites).unwrap();
     let mut evaluations = 0.0;
-    let answers = Plane {
+    let plane = Plane {
         domain: unit_square(),
-    }
-    .assess(&sites, LINF)
-    .unwrap();
-    for (cell, figures) in diagram.cells.iter().zip(measure(&diagram, LINF)) {
+    };
+    let figures = plane.figures(&sites, LINF).unwrap();
+    let answers = plane.assess(&sites, LINF).unwrap();
+    for (cell, figures) in diagram.cells.iter().zip(&figures) {
         let center = Point2::from(figures.center - cell.site);
         let parts = fragments(&cell.polygon, &center, 0).map(|f| f.area());
-        assert!((parts[0] - parts[1]).abs() < 1e-9 * figures.area);
-        assert!((parts[2] - parts[3]).abs() < 1e-9 * figures.area);
+        assert!((parts[0] - parts[1]).abs() < 1e-9 * figures.volume);
+        assert!((parts[2] - parts[3]).abs() < 1e-9 * figures.volume);
         assert!(figures.center_energy <= figures.energy);
     }
     for answer in &answers {
         evaluations += f64::from(answer.evaluations) / 300.0;
     }
     assert!(evaluations < 6.0, "{evaluations} evaluations per cell");
+}
+
+#[test]
+fn both_minimizers_find_the_same_centers() {
+    for (name, domain) in domains() {
+        let plane = Plane { domain };
+        let sites = Random(11).points_in(&plane.domain, 100);
+        for order in [1, 3] {
+            let by = |minimizer| {
+                let question = Question {
+                    minimizer,
+                    order,
+                    ..LINF
+                };
+                plane.figures(&sites, question).unwrap()
+            };
+            let both = by(Minimizer::Newton).into_iter().zip(by(Minimizer::Lbfgsb));
+            for (newton, lbfgsb) in both {
+                // A slender cell has many centers, but they are worth the same.
+                let size = newton.volume.sqrt();
+                let apart = (newton.center - lbfgsb.center).norm();
+                let gain = (newton.center_energy / lbfgsb.center_energy - 1.0).abs();
+                assert!(
+                    apart < 1e-8 * size || name == "slender",
+                    "{name}: {apart:e}"
+                );
+                assert!(gain < 1e-12, "{name}: {gain:e}");
+            }
+        }
+    }
+}
+
+#[test]
+fn euclidean_figures_are_those_of_the_second_moment() {
+    let plane = Plane {
+        domain: unit_square(),
+    };
+    let sites = Random(13).points(50);
+    let question = Question {
+        norm: Norm::L2,
+        ..LINF
+    };
+    let cells = PlaneDiagram::new(&plane.domain, &sites).unwrap().cells;
+    for (cell, figures) in cells.iter().zip(plane.figures(&sites, question).unwrap()) {
+        let about = |c: Point2<f64>| {
+            let square = |y: Point2<f64>| (y - c).norm_squared();
+            over_polygon(&cell.polygon, &square)
+        };
+        assert!((figures.energy / about(Point2::origin()) - 1.0).abs() < 1e-12);
+        let center = Point2::from(figures.center - cell.site);
+        assert!((figures.center_energy / about(center) - 1.0).abs() < 1e-12);
+        for axis in 0..2 {
+            let mut shift = Vector2::zeros();
+            shift[axis] = 0.5;
+            let slope = about(Point2::from(shift)) - about(Point2::from(-shift));
+            assert!((slope - figures.gradient[axis]).abs() < 1e-14);
+        }
+    }
 }
 
 /// Runs `moves` Lloyd moves and returns the energy in percent before each and after the last.

@@ -6,14 +6,12 @@ use nalgebra::{Point, Point2, Point3};
 
 use chebloyd::export::run::directory::RunDirectory;
 use chebloyd::relax::figures::{CellFigures, Figures};
-use chebloyd::relax::measure_plane::{self, PlaneCellFigures};
 use chebloyd::relax::plane::Plane;
 use chebloyd::relax::space::Space;
-use chebloyd::relax::tessellation::{Norm, Question, Tessellation};
+use chebloyd::relax::tessellation::{Question, Tessellation};
 use chebloyd::scene::description::Scene;
 use chebloyd::scene::place::place;
 use chebloyd::scene::region::Region;
-use chebloyd::voronoi::plane::PlaneDiagram;
 
 use crate::cli::failure::Failure;
 
@@ -69,22 +67,7 @@ impl Ground<2> for Plane {
         sites: &[Point2<f64>],
         question: Question,
     ) -> Result<Vec<CellFigures<2>>, Self::Error> {
-        let diagram = PlaneDiagram::new(&self.domain, sites)?;
-        let mut cells: Vec<CellFigures<2>> = measure_plane::measure(&diagram, question)
-            .into_iter()
-            .map(figures)
-            .collect();
-        if question.norm == Norm::L2 {
-            let assessed = self.assess(sites, question)?;
-            for ((cell, site), answer) in cells.iter_mut().zip(sites).zip(assessed) {
-                let from_centroid = site - cell.centroid;
-                cell.energy = answer.energy;
-                cell.gradient = from_centroid * (2.0 * cell.volume);
-                cell.center = cell.centroid;
-                cell.center_energy = answer.energy - cell.volume * from_centroid.norm_squared();
-            }
-        }
-        Ok(cells)
+        Self::figures(self, sites, question)
     }
 
     fn draw_cells(
@@ -94,21 +77,6 @@ impl Ground<2> for Plane {
         _directory: &RunDirectory,
     ) -> Result<(), Box<dyn Error>> {
         Ok(())
-    }
-}
-
-fn figures(cell: PlaneCellFigures) -> CellFigures<2> {
-    CellFigures {
-        volume: cell.area,
-        centroid: cell.centroid,
-        energy: cell.energy,
-        gradient: cell.gradient,
-        center: cell.center,
-        center_energy: cell.center_energy,
-        facets: cell.facets as u32,
-        chebyshev: cell.chebyshev,
-        cubeness: cell.cubeness,
-        axis_aligned: cell.axis_aligned,
     }
 }
 

@@ -5,10 +5,10 @@
 
 pub mod figures;
 pub mod lloyd;
-pub mod measure_plane;
 pub mod plane;
 pub mod record;
 pub mod space;
 pub mod tessellation;
 
+mod plane_figures;
 mod shape;
