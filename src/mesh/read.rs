@@ -12,6 +12,7 @@ use crate::mesh::formats::{gmsh, medit, obj, off, ply, stl, tetgen, vtk, vtu};
 use crate::mesh::kind::Mesh;
 use crate::mesh::surface::SurfaceMesh;
 use crate::mesh::tets::TetMesh;
+use crate::mesh::text::Words;
 
 /// The formats, as messages name them.
 const KNOWN: &str = "export it as .off, .obj, .stl, .ply, .mesh, .msh, .node/.ele, .vtk or .vtu";
@@ -97,10 +98,7 @@ impl Format {
             return Some(Self::Stl);
         }
         let start = bytes.trim_ascii_start();
-        let first = start
-            .split(u8::is_ascii_whitespace)
-            .next()
-            .unwrap_or_default();
+        let first = Words::new(bytes, Some(b'#')).word().unwrap_or_default();
         match first {
             b"ply" => Some(Self::Ply),
             b"$MeshFormat" => Some(Self::Gmsh),

@@ -50,37 +50,56 @@ pub(crate) fn drop_collapsed(triangles: &mut Triangles) -> Tally<u32> {
 }
 
 /// Drops duplicates: of triangles on the same three vertices one is kept, or none where the one
-/// would be a wall between two parts of the solid (an edge with an odd number of triangles,
-/// three or more, is left).
+/// would be part of a wall between two parts of the solid, see [`spread_walls`].
 pub(crate) fn drop_duplicates(triangles: &mut Triangles, vertices: usize) -> Tally<u32> {
     let groups = coincident_groups(&triangles.corners);
     if groups.is_empty() {
         return Tally::default();
     }
     let mut marked = vec![false; triangles.corners.len()];
+    let mut doubled = vec![false; triangles.corners.len()];
     for group in &groups {
+        doubled[group[0] as usize] = true;
         for &extra in &group[1..] {
             marked[extra as usize] = true;
         }
     }
-    let mut uses = vec![0_usize; triangles.corners.len() * 3];
-    for edge in EdgeTable::of(&triangles.corners, vertices).iter() {
-        let kept = edge
-            .sides
-            .iter()
-            .filter(|&&side| !marked[side as usize / 3])
-            .count();
-        for &side in edge.sides {
-            uses[side as usize] = kept;
+    spread_walls(
+        &EdgeTable::of(&triangles.corners, vertices),
+        &doubled,
+        &mut marked,
+    );
+    triangles.drop_marked(&marked)
+}
+
+/// Marks the `doubled` triangles that form walls. A wall starts at an edge where three triangles,
+/// or a greater odd number, are left (the two outer sides of the solid and the wall), and goes
+/// on across edges of doubled triangles only.
+fn spread_walls(edges: &EdgeTable, doubled: &[bool], marked: &mut [bool]) {
+    let mut walls = Vec::new();
+    let mut inner = Vec::new();
+    for edge in edges.iter() {
+        let triangles = edge.sides.iter().map(|&side| side as usize / 3);
+        let left: Vec<usize> = triangles.filter(|&triangle| !marked[triangle]).collect();
+        match left[..] {
+            [one, other] if doubled[one] && doubled[other] => inner.push([one, other]),
+            _ if left.len() >= 3 && left.len() % 2 == 1 => walls.extend(left),
+            _ => {}
         }
     }
-    for first in groups.iter().map(|group| group[0] as usize) {
-        let is_wall = uses[3 * first..3 * first + 3]
-            .iter()
-            .any(|&uses| uses >= 3 && uses % 2 == 1);
-        marked[first] = is_wall;
+    for wall in walls.into_iter().filter(|&wall| doubled[wall]) {
+        marked[wall] = true;
     }
-    triangles.drop_marked(&marked)
+    let mut spreads = true;
+    while spreads {
+        spreads = false;
+        for &[one, other] in &inner {
+            if marked[one] != marked[other] {
+                (marked[one], marked[other]) = (true, true);
+                spreads = true;
+            }
+        }
+    }
 }
 
 /// Merges vertices with equal coordinates; returns how many were merged away.

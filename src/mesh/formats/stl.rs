@@ -1,8 +1,8 @@
 //! STL, the stereolithography format, text and binary: triangle soup.
 //!
 //! A file is binary if its length is the one its count announces (84 + 50 n bytes), even if it
-//! starts with `solid` as some programs have it; text if it starts with `solid`; binary with a
-//! wrong count otherwise. Equal corners (by bits, −0 as 0) become one vertex. Normals are
+//! starts with `solid` as some programs have it; text if it starts with `solid` and no zero byte
+//! follows soon; binary with a wrong count otherwise. Equal corners (by bits, −0 as 0) become one vertex. Normals are
 //! passed over: the corners' order orients a triangle.
 
 use nalgebra::Point3;
@@ -25,8 +25,7 @@ const RECORD: usize = 50;
 ///
 /// The line or byte and what is wrong there.
 pub fn parse(bytes: &[u8]) -> Result<SurfaceMesh, Fault> {
-    let is_text = bytes.trim_ascii_start().starts_with(b"solid");
-    let mesh = if is_text && !is_binary(bytes) {
+    let mesh = if is_text(bytes) && !is_binary(bytes) {
         parse_text(bytes)?
     } else {
         parse_binary(bytes)?
@@ -42,6 +41,11 @@ pub fn parse(bytes: &[u8]) -> Result<SurfaceMesh, Fault> {
 #[must_use]
 pub fn is_binary(bytes: &[u8]) -> bool {
     announced(bytes).is_some_and(|count| bytes.len() == HEADER + RECORD * count)
+}
+
+fn is_text(bytes: &[u8]) -> bool {
+    let start = &bytes[..bytes.len().min(HEADER + RECORD)];
+    bytes.trim_ascii_start().starts_with(b"solid") && !start.contains(&0)
 }
 
 fn announced(bytes: &[u8]) -> Option<usize> {

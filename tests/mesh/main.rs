@@ -1,5 +1,10 @@
 //! Meshes: every format gives the same solid, every defect a clear outcome.
 
+mod faults;
+mod formats;
+mod samples;
+mod validation;
+
 use std::path::{Path, PathBuf};
 
 use chebloyd::mesh::load::{Solid, load};
@@ -135,4 +140,22 @@ fn tetrahedra_and_their_boundary_hold_the_same_volume() {
     let (closed, _) = validate(&sound.mesh().boundary()).unwrap();
     assert!(difference(sound.mesh().volume(), closed.surface().volume()) < 1e-13);
     assert_eq!(read_surface(&path).unwrap(), tets.boundary());
+}
+
+#[test]
+fn the_scenes_hold_the_generated_solids() {
+    let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
+    let solids = [
+        ("torus.off", shapes::tubes::torus(1.0, 0.4, 36, 18)),
+        ("trefoil.off", shapes::tubes::trefoil(0.45, 96, 12)),
+        ("bracket.off", shapes::bracket::bracket(8)),
+    ];
+    for (name, mesh) in solids {
+        let solid = load(&scenes.join(name)).unwrap();
+        assert_eq!(solid.notes(), Vec::<String>::new(), "{name}");
+        // Sines may differ by an ulp between platforms.
+        assert!(difference(solid.volume(), mesh.volume()) < 1e-13, "{name}");
+    }
+    let cube = load(&scenes.join("cube.mesh")).unwrap();
+    assert!(difference(cube.volume(), 1.0) < 1e-14);
 }

@@ -1,0 +1,25 @@
+//! Writes the small solids that the scenes use: `cargo run --example solids`, from the
+//! repository's root, makes `scenes/torus.off`, `trefoil.off`, `bracket.off` and `cube.mesh`
+//! anew, bit for bit.
+
+use std::{fs, io, path::Path};
+
+use chebloyd::mesh::formats::{medit, off};
+use chebloyd::mesh::shapes::{boxes, bracket, tubes};
+
+fn main() -> io::Result<()> {
+    let scenes = Path::new("scenes");
+    fs::write(
+        scenes.join("torus.off"),
+        off::write(&tubes::torus(1.0, 0.4, 36, 18)),
+    )?;
+    fs::write(
+        scenes.join("trefoil.off"),
+        off::write(&tubes::trefoil(0.45, 96, 12)),
+    )?;
+    fs::write(scenes.join("bracket.off"), off::write(&bracket::bracket(8)))?;
+    fs::write(
+        scenes.join("cube.mesh"),
+        medit::write(&boxes::unit_cube_tets(2)),
+    )
+}
