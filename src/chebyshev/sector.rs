@@ -33,15 +33,16 @@ impl Sector {
     #[must_use]
     #[inline]
     pub fn of(displacement: &Vector3<f64>) -> Self {
-        let size = displacement.abs();
-        let axis = if size.x >= size.y {
-            if size.x >= size.z { 0 } else { 2 }
-        } else if size.y >= size.z {
-            1
-        } else {
-            2
-        };
-        Self(2 * axis + u8::from(displacement[axis as usize] < 0.0))
+        let [x, y, z] = [
+            displacement.x.abs(),
+            displacement.y.abs(),
+            displacement.z.abs(),
+        ];
+        let y_over_x = y > x;
+        let (axis, most) = if y_over_x { (1, y) } else { (0, x) };
+        let axis = if z > most { 2 } else { axis };
+        let along = [displacement.x, displacement.y, displacement.z][axis];
+        Self(2 * axis as u8 + u8::from(along < 0.0))
     }
 
     /// Its place in [`Sector::ALL`].

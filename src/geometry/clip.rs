@@ -81,19 +81,30 @@ pub fn clip(
     Clip::Cut
 }
 
+/// Computes all excesses, and lists the vertices where they are positive.
 fn classify(polyhedron: &Polyhedron, half_space: &HalfSpace, scratch: &mut ClipScratch) {
-    let HalfSpace { normal, offset } = *half_space;
-    scratch.excess.clear();
+    let positions = [&polyhedron.x[..], &polyhedron.y[..], &polyhedron.z[..]];
+    scratch.excess.resize(polyhedron.vertex_count(), 0.0);
     scratch.cut.clear();
-    let positions = polyhedron.x.iter().zip(&polyhedron.y).zip(&polyhedron.z);
-    scratch
-        .excess
-        .extend(positions.map(|((x, y), z)| normal.x * x + normal.y * y + normal.z * z - offset));
-    for (vertex, &excess) in scratch.excess.iter().enumerate() {
-        if excess > 0.0 {
-            scratch.cut.push(vertex as u32);
+    if any_excess(half_space, positions, &mut scratch.excess) {
+        for (vertex, &excess) in scratch.excess.iter().enumerate() {
+            if excess > 0.0 {
+                scratch.cut.push(vertex as u32);
+            }
         }
     }
+}
+
+/// Computes all excesses and says whether one is positive. Most planes that are tried cut nothing.
+/// Out of line, so that the compiler knows the slices to be apart and takes several at once.
+#[inline(never)]
+fn any_excess(half_space: &HalfSpace, [x, y, z]: [&[f64]; 3], excess: &mut [f64]) -> bool {
+    let HalfSpace { normal, offset } = *half_space;
+    for (((excess, x), y), z) in excess.iter_mut().zip(x).zip(y).zip(z) {
+        *excess = normal.x * x + normal.y * y + normal.z * z - offset;
+    }
+    let positive: u64 = excess.iter().map(|&excess| u64::from(excess > 0.0)).sum();
+    positive > 0
 }
 
 /// Lists the crossings and enters each at the two facets beside it.

@@ -201,8 +201,15 @@ impl Polyhedron {
     /// The greatest squared distance of a vertex from the origin (L²); 0 for the empty set.
     #[must_use]
     pub fn radius_squared(&self) -> f64 {
-        let squares = self.x.iter().zip(&self.y).zip(&self.z);
-        squares.fold(0.0, |far: f64, ((x, y), z)| far.max(x * x + y * y + z * z))
+        let mut far = 0.0;
+        for ((x, y), z) in self.x.iter().zip(&self.y).zip(&self.z) {
+            let square = x * x + y * y + z * z;
+            // Not f64::max, whose care for NaN costs more than the rest.
+            if square > far {
+                far = square;
+            }
+        }
+        far
     }
 
     /// The facets that have vertices, in the order in which their planes were added.

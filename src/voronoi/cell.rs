@@ -57,17 +57,15 @@ impl CellBuilder {
         let bin = index.bin(place);
         let mut needed = 4.0 * self.polyhedron.radius_squared();
         self.candidates.clear();
-        for ring in 0.. {
-            let any = index.collect_ring(place, bin, ring, &mut self.candidates);
-            // Ring 0 alone holds too few to be worth a pass of its own.
-            if ring > 0 {
-                let reach = index.reach(place, bin, ring);
-                needed = self.cut(index, place, reach * reach, needed)?;
-                if reach * reach >= needed {
-                    break;
-                }
-            }
-            if !any && ring > 0 {
+        for ring in 1.. {
+            let candidates = &mut self.candidates;
+            let any = index.collect_ring(place, bin, ring, needed, candidates);
+            let reach = index.reach(place, bin, ring);
+            // The nearest first: what lies beyond the reach is often not needed any more then.
+            needed = self.cut(index, place, reach * reach, needed)?;
+            needed = self.cut(index, place, f64::INFINITY, needed)?;
+            self.candidates.clear();
+            if reach * reach >= needed || !any {
                 break;
             }
         }
@@ -78,8 +76,8 @@ impl CellBuilder {
         })
     }
 
-    /// Cuts by the candidates within `reach_squared`, nearest first, and keeps the others for a
-    /// later ring. Takes and returns the squared security distance.
+    /// Cuts by the candidates within `reach_squared`, nearest first, and keeps the others for
+    /// later. Takes and returns the squared security distance.
     fn cut(
         &mut self,
         index: &SiteIndex,

@@ -4,6 +4,8 @@
 //! box (over the whole period along periodic axes), however flat that box is. Sites are stored in
 //! bin order, so that a walk over the index is a walk through memory.
 
+use std::ops::{Range, RangeInclusive};
+
 use nalgebra::{Point3, Vector3};
 
 use crate::geometry::bounds::Bounds;
@@ -36,6 +38,13 @@ pub struct SiteIndex {
     starts: Vec<u32>,
     sites: Vec<u32>,
     positions: [Vec<f64>; 3],
+}
+
+/// Whose surroundings are collected, and how far.
+struct Query {
+    place: usize,
+    here: [f64; 3],
+    limit: f64,
 }
 
 impl SiteIndex {
@@ -94,10 +103,7 @@ impl SiteIndex {
         Vector3::from([0, 1, 2].map(|axis| {
             let coordinates = &self.positions[axis];
             let plain = coordinates[candidate.place as usize] - coordinates[from];
-            match self.periods[axis] {
-                Some(period) => plain + f64::from(candidate.image[axis]) * period,
-                None => plain,
-            }
+            plain + self.shift(axis, candidate.image[axis])
         }))
     }
 
@@ -107,36 +113,45 @@ impl SiteIndex {
         self.bin_at(&self.position(place))
     }
 
-    /// Appends the sites and images in the bins at Chebyshev distance `ring` from `bin`, and
-    /// returns whether there are any bins that far out. The site in `place` itself and its images
-    /// are left out.
+    /// Appends the sites and images nearer than the square root of `limit` in the bins at Chebyshev
+    /// distance `ring` from `bin`, and returns whether there are any bins that far out. Ring 1 is
+    /// the whole block of bins around, and there is no ring 0. The site in `place` itself and its
+    /// images are left out.
     pub fn collect_ring(
         &self,
         place: usize,
         bin: [usize; 3],
         ring: usize,
+        limit: f64,
         candidates: &mut Vec<Candidate>,
     ) -> bool {
         let ring = ring as isize;
-        let spans = [0, 1, 2].map(|axis| self.span(axis, bin[axis], ring));
-        let mut any = false;
-        for z in spans[2].clone() {
-            for y in spans[1].clone() {
-                let on_shell = [(y, 1), (z, 2)]
-                    .iter()
-                    .any(|&(b, axis)| (b - bin[axis] as isize).abs() == ring);
-                let middle = bin[0] as isize;
-                if on_shell {
-                    any |= !spans[0].is_empty();
-                    for x in spans[0].clone() {
-                        self.collect_bin(place, [x, y, z], candidates);
-                    }
-                } else {
-                    for x in [middle - ring, middle + ring] {
-                        if spans[0].contains(&x) {
-                            any = true;
-                            self.collect_bin(place, [x, y, z], candidates);
-                        }
+        let [columns, rows, layers] = [0, 1, 2].map(|axis| self.span(axis, bin[axis], ring));
+        let query = Query {
+            place,
+            here: self.position(place).into(),
+            limit,
+        };
+        let middle = bin.map(|b| b as isize);
+        let any = [&columns, &rows, &layers]
+            .iter()
+            .zip(middle)
+            .any(|(span, b)| span.contains(&(b - ring)) || span.contains(&(b + ring)));
+        for z in layers {
+            let far_z = self.gap_squared(&query, 2, z);
+            for y in rows.clone() {
+                let far = far_z + self.gap_squared(&query, 1, y);
+                if far > limit {
+                    continue;
+                }
+                let on_shell = (y - middle[1]).abs() == ring || (z - middle[2]).abs() == ring;
+                if ring == 1 || on_shell {
+                    self.collect_row(&query, columns.clone(), y, z, candidates);
+                    continue;
+                }
+                for x in [middle[0] - ring, middle[0] + ring] {
+                    if columns.contains(&x) && far + self.gap_squared(&query, 0, x) <= limit {
+                        self.collect_row(&query, x..=x, y, z, candidates);
                     }
                 }
             }
@@ -165,7 +180,7 @@ impl SiteIndex {
     }
 
     /// The bins within `ring` of `bin` along an axis: within the grid, or within one period of it.
-    fn span(&self, axis: usize, bin: usize, ring: isize) -> std::ops::RangeInclusive<isize> {
+    fn span(&self, axis: usize, bin: usize, ring: isize) -> RangeInclusive<isize> {
         let count = self.counts[axis] as isize;
         let bin = bin as isize;
         let (first, last) = match self.periods[axis] {
@@ -175,23 +190,67 @@ impl SiteIndex {
         (bin - ring).max(first)..=(bin + ring).min(last)
     }
 
-    fn collect_bin(&self, place: usize, bin: [isize; 3], candidates: &mut Vec<Candidate>) {
-        let image = [0, 1, 2].map(|axis| bin[axis].div_euclid(self.counts[axis] as isize) as i8);
-        let wrapped = [0, 1, 2].map(|axis| bin[axis].rem_euclid(self.counts[axis] as isize));
-        let number = self.bin_number(wrapped.map(|b| b as usize));
-        let [first, last] = [self.starts[number], self.starts[number + 1]];
-        for other in first..last {
-            if other as usize == place {
-                continue;
-            }
-            let mut candidate = Candidate {
-                distance_squared: 0.0,
-                place: other,
-                image,
-            };
-            candidate.distance_squared = self.displacement(place, &candidate).norm_squared();
-            candidates.push(candidate);
+    /// Appends the candidates in a row of bins along x, which may reach over periodic ends.
+    fn collect_row(
+        &self,
+        query: &Query,
+        columns: RangeInclusive<isize>,
+        y: isize,
+        z: isize,
+        candidates: &mut Vec<Candidate>,
+    ) {
+        let [count_x, count_y, count_z] = self.counts.map(|count| count as isize);
+        let mut first = *columns.start();
+        while first <= *columns.end() {
+            let image_x = first.div_euclid(count_x);
+            let last = (*columns.end()).min((image_x + 1) * count_x - 1);
+            let image = [image_x, y.div_euclid(count_y), z.div_euclid(count_z)].map(|n| n as i8);
+            let row = (z.rem_euclid(count_z) * count_y + y.rem_euclid(count_y)) * count_x;
+            let [start, end] = [first, last + 1]
+                .map(|x| self.starts[(row + x - image_x * count_x) as usize] as usize);
+            self.collect_run(query, start..end, image, candidates);
+            first = last + 1;
         }
+    }
+
+    /// Appends the candidates in consecutive places, all of the same image.
+    fn collect_run(
+        &self,
+        query: &Query,
+        places: Range<usize>,
+        image: [i8; 3],
+        candidates: &mut Vec<Candidate>,
+    ) {
+        let shift = [0, 1, 2].map(|axis| self.shift(axis, image[axis]));
+        let [xs, ys, zs] = [0, 1, 2].map(|axis| &self.positions[axis][places.clone()]);
+        for (((x, y), z), place) in xs.iter().zip(ys).zip(zs).zip(places) {
+            let x = x - query.here[0] + shift[0];
+            let y = y - query.here[1] + shift[1];
+            let z = z - query.here[2] + shift[2];
+            let distance_squared = x * x + y * y + z * z;
+            if distance_squared <= query.limit && place != query.place {
+                candidates.push(Candidate {
+                    distance_squared,
+                    place: place as u32,
+                    image,
+                });
+            }
+        }
+    }
+
+    /// The squared distance along an axis from the query's site to the slab of bins `bin` (L²),
+    /// drawn in a little against rounding at bin borders.
+    fn gap_squared(&self, query: &Query, axis: usize, bin: isize) -> f64 {
+        let width = self.widths[axis];
+        let inside = query.here[axis] - self.origin[axis];
+        let before = width * bin as f64 - inside;
+        let gap = before.max(-before - width) - BORDER * width;
+        if gap > 0.0 { gap * gap } else { 0.0 }
+    }
+
+    /// By how much an image is moved along an axis (L).
+    fn shift(&self, axis: usize, image: i8) -> f64 {
+        self.periods[axis].map_or(0.0, |period| f64::from(image) * period)
     }
 
     fn bin_at(&self, position: &Point3<f64>) -> [usize; 3] {
