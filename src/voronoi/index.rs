@@ -9,10 +9,7 @@ use std::ops::{Range, RangeInclusive};
 use nalgebra::{Point3, Vector3};
 
 use crate::geometry::bounds::Bounds;
-
-/// Three sites a bin: the 3×3×3 block around a site then holds about 81, of which a typical cell
-/// needs the nearest 30.
-const SITES_PER_BIN: f64 = 3.0;
+use crate::voronoi::bins::bin_counts;
 
 /// How much of a bin's width the promised reach is drawn in, against rounding at bin borders.
 const BORDER: f64 = 1e-9;
@@ -295,28 +292,5 @@ impl SiteIndex {
                 .collect()
         };
         self.positions = [column(0), column(1), column(2)];
-    }
-}
-
-/// Bins per axis: near-cubic ones along the axes that are longer than a bin, one along the others.
-fn bin_counts(extent: Vector3<f64>, sites: usize) -> [usize; 3] {
-    let bins = (sites as f64 / SITES_PER_BIN).max(1.0);
-    let mut long = [0, 1, 2].map(|axis| extent[axis] > 0.0);
-    loop {
-        let lengths: Vec<f64> = (0..3).filter(|&k| long[k]).map(|k| extent[k]).collect();
-        if lengths.is_empty() {
-            return [1; 3];
-        }
-        // The geometric mean by logarithms: the product of three extents may underflow.
-        let sum: f64 = lengths.iter().map(|length| length.ln()).sum();
-        let width = ((sum - bins.ln()) / lengths.len() as f64).exp();
-        let short = (0..3).find(|&axis| long[axis] && extent[axis] < width);
-        match short {
-            Some(axis) if lengths.len() > 1 => long[axis] = false,
-            _ => {
-                let count = |axis: usize| (extent[axis] / width).round().max(1.0) as usize;
-                return [0, 1, 2].map(|axis| if long[axis] { count(axis) } else { 1 });
-            }
-        }
     }
 }

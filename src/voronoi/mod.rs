@@ -8,6 +8,7 @@ pub mod diagram;
 pub mod index;
 pub mod plane;
 
+mod bins;
 mod delaunay;
 mod plane_grid;
 mod plane_sites;
