@@ -8,5 +8,6 @@ pub mod label;
 pub mod moments;
 pub mod polygon;
 pub mod polyhedron;
+pub mod primitives;
 pub mod section;
 pub mod shell;
