@@ -2,7 +2,7 @@
 
 use clap::{Args, Parser, Subcommand};
 
-use crate::cli::{bench, completions, man, measure, plot, relax};
+use crate::cli::{bench, completions, man, mass, measure, plot, relax};
 
 /// Relaxes point sets under the Chebyshev norm until their Voronoi cells are near-cubic.
 ///
@@ -31,6 +31,7 @@ pub(crate) struct Common {
 pub(crate) enum Command {
     Relax(relax::Options),
     Measure(measure::Options),
+    Mass(mass::Options),
     Plot(plot::Options),
     Bench(bench::Options),
     /// Print the JSON Schema of scenes

@@ -2,7 +2,7 @@
 
 use crate::cli::arguments::{Arguments, Command, Common};
 use crate::cli::failure::Failure;
-use crate::cli::{bench, completions, man, measure, plot, relax, schema};
+use crate::cli::{bench, completions, man, mass, measure, plot, relax, schema};
 
 /// Runs the command that `arguments` name.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
@@ -11,6 +11,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     match &arguments.command {
         Command::Relax(options) => relax::run(options, common),
         Command::Measure(options) => measure::run(options),
+        Command::Mass(options) => mass::run(options),
         Command::Plot(options) => plot::run(options, common),
         Command::Bench(options) => bench::run(options, common.threads),
         Command::Schema => schema::run(),

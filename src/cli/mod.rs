@@ -9,6 +9,7 @@ pub(crate) mod ground;
 pub(crate) mod interrupt;
 pub(crate) mod job;
 pub(crate) mod man;
+pub(crate) mod mass;
 pub(crate) mod measure;
 pub(crate) mod plot;
 pub(crate) mod progress;
