@@ -78,8 +78,7 @@ impl Visit for Linear {
         b: &Vector3<f64>,
     ) {
         let volume = doubled_area * facet.height;
-        let (sign, axis) = (sector.sign(), sector.axis());
-        self.value += volume * (sign * (facet.anchor[axis] + a[axis] + b[axis]));
+        self.value += volume * sector.distance(&(facet.anchor + a + b));
         self.volumes[sector.number()] += volume;
     }
 
@@ -209,14 +208,13 @@ fn interface_area(interface: Interface, u: &Vector3<f64>, v: &Vector3<f64>) -> f
 /// Σ (A/√2) w wᵀ over the interfaces, from 4/√2 times their areas.
 fn interface_hessian(areas: &[f64; Interface::COUNT]) -> Matrix3<f64> {
     let mut hessian = Matrix3::zeros();
-    for one in Sector::ALL {
-        for other in Sector::ALL.into_iter().filter(|s| s.axis() > one.axis()) {
-            let weight = 0.25 * areas[Interface::between(one, other).number()];
-            let (i, j) = (one.axis(), other.axis());
-            hessian[(i, i)] += weight;
-            hessian[(j, j)] += weight;
-            hessian[(i, j)] -= weight * one.sign() * other.sign();
-        }
+    for (number, (i, j)) in [(0, 1), (0, 2), (1, 2)].into_iter().enumerate() {
+        // On + + and − − the directions of w differ, on + − and − + they agree.
+        let [same, opposite] =
+            [[0, 3], [1, 2]].map(|[k, l]| areas[4 * number + k] + areas[4 * number + l]);
+        hessian[(i, i)] += 0.25 * (same + opposite);
+        hessian[(j, j)] += 0.25 * (same + opposite);
+        hessian[(i, j)] = 0.25 * (opposite - same);
     }
     hessian.fill_lower_triangle_with_upper_triangle();
     hessian

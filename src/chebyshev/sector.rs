@@ -52,6 +52,18 @@ impl Sector {
         self.0 as usize
     }
 
+    /// The four sectors of the other axes, which have an interface with this one.
+    #[must_use]
+    #[inline]
+    pub fn beside(self) -> [Self; 4] {
+        const BESIDE: [[Sector; 4]; 3] = [
+            [Sector(2), Sector(3), Sector(4), Sector(5)],
+            [Sector(0), Sector(1), Sector(4), Sector(5)],
+            [Sector(0), Sector(1), Sector(2), Sector(3)],
+        ];
+        BESIDE[self.axis()]
+    }
+
     /// 0, 1, 2 for x, y, z.
     #[must_use]
     #[inline]
@@ -70,7 +82,12 @@ impl Sector {
     #[must_use]
     #[inline]
     pub fn distance(self, displacement: &Vector3<f64>) -> f64 {
-        self.sign() * displacement[self.axis()]
+        let along = match self.axis() {
+            0 => displacement.x,
+            1 => displacement.y,
+            _ => displacement.z,
+        };
+        if self.0 & 1 == 0 { along } else { -along }
     }
 }
 

@@ -140,21 +140,21 @@ fn next_sector(
 ) -> (f64, Sector) {
     let (value, slope) = (sector.distance(a), sector.distance(along));
     let mut best = None;
-    for other in Sector::ALL {
+    let mut least = 1.0;
+    for other in sector.beside() {
         let gain = other.distance(along) - slope;
-        if other.axis() == sector.axis() || gain <= 0.0 {
-            continue;
-        }
-        let t = (value - other.distance(a)) / gain;
-        if t < best.map_or(1.0, |(t, _)| t) {
-            best = Some((t, other));
+        if gain > 0.0 {
+            let t = (value - other.distance(a)) / gain;
+            if t < least {
+                (best, least) = (Some(other), t);
+            }
         }
     }
     match best {
-        Some((t, other)) => (t.max(start), other),
+        Some(other) => (least.max(start), other),
         None if goal.axis() != sector.axis() => (1.0, goal),
         // The opposite sector is the goal: go through the first one of another axis.
-        None => (1.0, Sector::ALL[(2 * sector.axis() + 2) % 6]),
+        None => (1.0, sector.beside()[0]),
     }
 }
 
