@@ -52,15 +52,17 @@ impl RunDirectory {
     /// # Errors
     /// [`RunError::Occupied`] or [`RunError::NotADirectory`].
     pub fn check_vacant(path: &Path) -> Result<(), RunError> {
-        let path_owned = || path.to_owned();
         if path.exists() && !path.is_dir() {
-            return Err(RunError::NotADirectory { path: path_owned() });
+            return Err(RunError::NotADirectory {
+                path: path.to_owned(),
+            });
         }
-        if [LOG, DESCRIPTION]
-            .iter()
-            .any(|name| path.join(name).exists())
-        {
-            return Err(RunError::Occupied { path: path_owned() });
+        // A run killed before its first word leaves an empty log: that is no run.
+        let records = fs::metadata(path.join(LOG)).is_ok_and(|log| log.len() > 0);
+        if records || path.join(DESCRIPTION).exists() {
+            return Err(RunError::Occupied {
+                path: path.to_owned(),
+            });
         }
         Ok(())
     }
