@@ -135,7 +135,7 @@ fn ctrl_c_finishes_the_iteration_and_leaves_complete_files() {
     assert!(run["final"].is_object());
     let done = desk.records("r").len() - 1;
     assert!(done < 40, "it was interrupted on the way");
-    for name in ["sites.csv", "convergence.svg"] {
+    for name in ["sites.csv", "cells.vtu", "convergence.svg"] {
         assert!(desk.path("r").join(name).exists(), "{name}");
     }
 

@@ -12,6 +12,7 @@ use chebloyd::geometry::clip::{ClipScratch, clip};
 use chebloyd::geometry::half_space::HalfSpace;
 use chebloyd::geometry::moments::Moments;
 use chebloyd::geometry::polyhedron::Polyhedron;
+use chebloyd::voronoi::cell::Cell;
 use chebloyd::voronoi::diagram::{Diagram, DiagramError};
 use nalgebra::{Point3, Vector3};
 use rand_chacha::ChaCha8Rng;
@@ -382,4 +383,21 @@ fn the_octahedron_given_by_half_spaces_has_its_volume() {
     let solid = octahedron();
     assert!((solid.volume() - 4.0 / 3.0).abs() < 1e-15);
     assert!((solid.bounds().max - Point3::new(1.0, 1.0, 1.0)).norm() < 1e-15);
+}
+
+#[test]
+fn answers_are_told_in_site_order_however_many_there_are() {
+    let domain = Cuboid::unit();
+    let sites = Uniform::new(11).points(5000);
+    let diagram = Diagram::new(&domain, &sites).expect("sites in the cube");
+    let volume = |(): &mut (), cell: Cell<'_>| Moments::of(cell.polyhedron).volume;
+    let expected = diagram.map(volume).expect("distinct sites");
+    let mut told = Vec::new();
+    let tell = |site: usize, volume: f64| {
+        assert_eq!(site, told.len());
+        told.push(volume);
+        Ok::<(), DiagramError>(())
+    };
+    diagram.stream(volume, tell).expect("distinct sites");
+    assert_eq!(told, expected);
 }

@@ -2,10 +2,10 @@
 
 use std::error::Error;
 
-use nalgebra::{Point, Point2, Point3};
+use nalgebra::Point;
 
 use chebloyd::export::run::directory::RunDirectory;
-use chebloyd::relax::figures::{CellFigures, Figures};
+use chebloyd::relax::figures::CellFigures;
 use chebloyd::relax::plane::Plane;
 use chebloyd::relax::space::Space;
 use chebloyd::relax::tessellation::{Question, Tessellation};
@@ -27,22 +27,17 @@ pub(crate) trait Ground<const D: usize>: Tessellation<D> {
         question: Question,
     ) -> Result<Vec<CellFigures<D>>, Self::Error>;
 
-    /// Writes the cells and their picture.
+    /// Writes `cells.vtu`, `cells.svg` and `cells.png`, given the figures of every cell.
     fn draw_cells(
         &self,
         sites: &[Point<f64, D>],
-        question: Question,
+        cells: &[CellFigures<D>],
         directory: &RunDirectory,
     ) -> Result<(), Box<dyn Error>>;
 
     /// The scene's sites.
     fn place(&self, scene: &Scene) -> Result<Vec<Point<f64, D>>, Failure> {
         place(&scene.sites, &self.region()).map_err(Failure::input)
-    }
-
-    /// The figures of the tessellation.
-    fn figures(&self, sites: &[Point<f64, D>], question: Question) -> Result<Figures, Self::Error> {
-        Ok(Figures::of(self.volume(), &self.cells(sites, question)?))
     }
 }
 
@@ -55,50 +50,4 @@ pub(crate) fn plane(scene: &Scene) -> Result<Plane, Failure> {
 /// The ground of a scene in space.
 pub(crate) fn space(scene: &Scene) -> Result<Space, Failure> {
     Ok(Space::new(scene.domain.solid().map_err(Failure::input)?))
-}
-
-impl Ground<2> for Plane {
-    fn region(&self) -> Region<'_, 2> {
-        Region::<2>::of_plane(&self.domain)
-    }
-
-    fn cells(
-        &self,
-        sites: &[Point2<f64>],
-        question: Question,
-    ) -> Result<Vec<CellFigures<2>>, Self::Error> {
-        Self::figures(self, sites, question)
-    }
-
-    fn draw_cells(
-        &self,
-        _sites: &[Point2<f64>],
-        _question: Question,
-        _directory: &RunDirectory,
-    ) -> Result<(), Box<dyn Error>> {
-        Ok(())
-    }
-}
-
-impl Ground<3> for Space {
-    fn region(&self) -> Region<'_, 3> {
-        Region::<3>::of_solid(self.domain())
-    }
-
-    fn cells(
-        &self,
-        sites: &[Point3<f64>],
-        question: Question,
-    ) -> Result<Vec<CellFigures<3>>, Self::Error> {
-        Self::figures(self, sites, question)
-    }
-
-    fn draw_cells(
-        &self,
-        _sites: &[Point3<f64>],
-        _question: Question,
-        _directory: &RunDirectory,
-    ) -> Result<(), Box<dyn Error>> {
-        Ok(())
-    }
 }

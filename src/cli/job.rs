@@ -12,7 +12,7 @@ use chebloyd::export::run::error::RunError;
 use chebloyd::export::{sites, whole_file};
 use chebloyd::plot::convergence::{Run, convergence};
 use chebloyd::plot::svg::svg;
-use chebloyd::relax::figures::Figures;
+use chebloyd::relax::figures::{CellFigures, Figures};
 use chebloyd::relax::lloyd::{Ended, LloydOptions, lloyd};
 use chebloyd::relax::record::{Record, optimal_energy};
 use chebloyd::scene::description::Scene;
@@ -25,12 +25,10 @@ use crate::cli::interrupt;
 use crate::cli::progress::Progress;
 use crate::cli::question::question;
 use crate::cli::stdout;
+use crate::cli::summary::{INTERRUPTED, summary};
 
 /// What `run.json` holds.
 pub(crate) type Description = description::Description<Scene, Figures>;
-
-/// How `run.json` calls the end that Ctrl-C brings.
-const INTERRUPTED: &str = "interrupted";
 
 /// A run that is about to begin or to go on.
 pub(crate) struct Job<'a, const D: usize, G> {
@@ -113,23 +111,25 @@ impl<'a, const D: usize, G: Ground<D>> Job<'a, D, G> {
     pub(crate) fn run(mut self, common: Common) -> Result<(), Failure> {
         interrupt::listen()?;
         if self.description.initial.is_none() {
-            self.description.initial = Some(self.figures()?);
+            self.description.initial = Some(self.figures(&self.cells()?));
             self.directory
                 .describe(&self.description)
                 .map_err(Failure::run)?;
         }
         let ended = self.relax(common)?;
-        self.leave_files()?;
-        self.description.last = Some(self.figures()?);
+        let cells = self.cells()?;
+        self.leave_files(&cells)?;
+        self.description.last = Some(self.figures(&cells));
         self.description.ended = Some(ended.to_owned());
-        self.description.seconds = self.seconds();
+        self.description.seconds = self.last.as_ref().map_or(0.0, |record| record.seconds);
         self.directory
             .describe(&self.description)
             .map_err(Failure::run)?;
         if common.quiet {
             return Ok(());
         }
-        stdout::print(self.summary())
+        let done = self.last.as_ref().map_or(0, |record| record.iteration);
+        stdout::print(summary(&self.description, done, self.directory.path()))
     }
 
     /// Moves the sites, keeping the log; says how it ended.
@@ -173,7 +173,7 @@ impl<'a, const D: usize, G: Ground<D>> Job<'a, D, G> {
     }
 
     /// The checkpoint, the sites, the cells and the curves.
-    fn leave_files(&mut self) -> Result<(), Failure> {
+    fn leave_files(&mut self, cells: &[CellFigures<D>]) -> Result<(), Failure> {
         if let Some(last) = &self.last {
             self.directory
                 .keep(last, &self.sites)
@@ -182,10 +182,9 @@ impl<'a, const D: usize, G: Ground<D>> Job<'a, D, G> {
         self.leave("sites.csv", |file| sites::write_csv(&self.sites, file))?;
         let output = &self.description.scene.output;
         if output.cells {
-            let question = question(&self.description.scene);
             self.ground
-                .draw_cells(&self.sites, question, &self.directory)
-                .map_err(|error| Failure::run(format!("cannot write the cells: {error}")))?;
+                .draw_cells(&self.sites, cells, &self.directory)
+                .map_err(Failure::run)?;
         }
         if output.plot {
             let records = read_log(&self.directory.file("log.jsonl")).map_err(Failure::run)?;
@@ -211,45 +210,15 @@ impl<'a, const D: usize, G: Ground<D>> Job<'a, D, G> {
             .map_err(|error| Failure::run(format!("cannot write {}: {error}", path.display())))
     }
 
-    fn figures(&self) -> Result<Figures, Failure> {
+    fn cells(&self) -> Result<Vec<CellFigures<D>>, Failure> {
         let question = question(&self.description.scene);
-        Ground::figures(self.ground, &self.sites, question).map_err(Failure::run)
+        self.ground
+            .cells(&self.sites, question)
+            .map_err(Failure::run)
     }
 
-    fn seconds(&self) -> f64 {
-        self.last.as_ref().map_or(0.0, |record| record.seconds)
-    }
-
-    fn summary(&self) -> String {
-        let done = self.last.as_ref().map_or(0, |record| record.iteration);
-        let [Some(from), Some(to)] = [&self.description.initial, &self.description.last] else {
-            return String::new();
-        };
-        let out = self.directory.path().display();
-        let mut text = format!(
-            "{} sites, {done} iterations in {:.2} s\n\
-             energy              {:8.2} % → {:.2} %\n\
-             cubeness            {:8.3}   → {:.3}\n\
-             six-facet cells     {:8.1} % → {:.1} %\n\
-             axis-aligned area   {:8.3}   → {:.3}\n",
-            to.sites,
-            self.seconds(),
-            from.energy_percent,
-            to.energy_percent,
-            from.cubeness,
-            to.cubeness,
-            100.0 * from.six_facet_fraction,
-            100.0 * to.six_facet_fraction,
-            from.axis_aligned_area,
-            to.axis_aligned_area,
-        );
-        text += &match self.description.ended.as_deref() {
-            Some(INTERRUPTED) => {
-                format!("interrupted; go on with: chebloyd relax --resume --out {out}\n")
-            }
-            _ => format!("log, sites and cells are in {out}\n"),
-        };
-        text
+    fn figures(&self, cells: &[CellFigures<D>]) -> Figures {
+        Figures::of(self.ground.volume(), cells)
     }
 }
 

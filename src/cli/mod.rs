@@ -2,10 +2,13 @@
 
 pub(crate) mod arguments;
 pub(crate) mod bench;
+pub(crate) mod cell_files;
 pub(crate) mod command;
 pub(crate) mod completions;
 pub(crate) mod failure;
 pub(crate) mod ground;
+pub(crate) mod ground_plane;
+pub(crate) mod ground_space;
 pub(crate) mod interrupt;
 pub(crate) mod job;
 pub(crate) mod man;
@@ -18,3 +21,4 @@ pub(crate) mod relax;
 pub(crate) mod scene_options;
 pub(crate) mod schema;
 pub(crate) mod stdout;
+pub(crate) mod summary;

@@ -13,6 +13,7 @@ use chebloyd::plot::{png, svg};
 use chebloyd::relax::record::Record;
 
 use crate::cli::arguments::Common;
+use crate::cli::cell_files::PNG_SCALE;
 use crate::cli::failure::Failure;
 use crate::cli::stdout;
 
@@ -26,9 +27,6 @@ pub(crate) struct Options {
     #[arg(long, short, value_name = "FILE", default_value = "convergence.svg")]
     output: PathBuf,
 }
-
-/// Pixels per unit of an SVG: text stays sharp on fine screens.
-const PNG_SCALE: f64 = 2.0;
 
 pub(crate) fn run(options: &Options, common: Common) -> Result<(), Failure> {
     let format = Format::of(&options.output)?;

@@ -11,6 +11,10 @@ use crate::voronoi::index::SiteIndex;
 /// How many cells a thread takes at least: enough to pay for its memory, few enough to balance.
 const CELLS_PER_TASK: usize = 64;
 
+/// How many cells' answers are kept at a time when they are told one by one: enough for all
+/// threads, some megabytes for answers of the size of a cell.
+const CELLS_PER_CHUNK: usize = 4096;
+
 /// The clipped Voronoi diagram of sites in a domain.
 ///
 /// It holds the index, not the cells: those are built when they are asked for, each in the memory
@@ -140,6 +144,42 @@ impl<'a> Diagram<'a> {
             return Err(self.duplicate(*duplicate));
         }
         Ok(self.in_site_order(answers.into_iter().flatten()))
+    }
+
+    /// Asks every cell as [`Diagram::map`] does and tells the answers in site order, a few thousand
+    /// at a time, so that they need not fit in memory together.
+    ///
+    /// # Errors
+    /// What `tell` returns, and [`DiagramError::Duplicate`] for sites in one place.
+    pub fn stream<Memory: Default, Answer: Send, Failure: From<DiagramError>>(
+        &self,
+        ask: impl Fn(&mut Memory, Cell<'_>) -> Answer + Sync,
+        mut tell: impl FnMut(usize, Answer) -> Result<(), Failure>,
+    ) -> Result<(), Failure> {
+        let one = |(builder, memory): &mut (CellBuilder, Memory), &place: &u32| {
+            let cell = builder.build(self.domain, &self.index, place as usize)?;
+            Ok(ask(memory, cell))
+        };
+        for (chunk, places) in self.places().chunks(CELLS_PER_CHUNK).enumerate() {
+            let answers: Vec<Result<Answer, Duplicate>> = places
+                .par_iter()
+                .with_min_len(CELLS_PER_TASK)
+                .map_init(Default::default, one)
+                .collect();
+            for (site, answer) in (chunk * CELLS_PER_CHUNK..).zip(answers) {
+                tell(site, answer.map_err(|pair| self.duplicate(pair))?)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Where in the index each site is.
+    fn places(&self) -> Vec<u32> {
+        let mut places = vec![0; self.len()];
+        for place in 0..self.len() {
+            places[self.index.site(place) as usize] = place as u32;
+        }
+        places
     }
 
     fn in_site_order<Answer>(&self, answers: impl Iterator<Item = Answer>) -> Vec<Answer> {
