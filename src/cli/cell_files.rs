@@ -19,32 +19,29 @@ pub(crate) const PNG_SCALE: f64 = 2.0;
 /// More cells than this make an SVG that no viewer opens; the PNG is there all the same.
 const MOST_PATCHES: usize = 100_000;
 
-/// Cells colored by energy.
-pub(crate) struct Colors {
-    optimum: f64,
-    scale: ColorScale,
-}
+/// Cells colored by energy, relative to a cube of the cell's own volume: that shows shapes, where
+/// a common measure would show how volumes differ.
+pub(crate) struct Colors(ColorScale);
 
 impl Colors {
-    /// Colors spread over the energies of `cells`, in percent of that of a cube of the mean volume.
-    pub(crate) fn of<const D: usize>(volume: f64, cells: &[CellFigures<D>]) -> Self {
-        let optimum = optimal_energy::<D>(volume, cells.len(), 1);
-        let values = cells.iter().map(|cell| percent(cell, optimum));
-        let scale = ColorScale::fitting("energy (% of the optimal cell’s)", Best::Low, values);
-        Self { optimum, scale }
+    /// Colors spread over the energies of `cells`.
+    pub(crate) fn of<const D: usize>(cells: &[CellFigures<D>]) -> Self {
+        let label = if D == 2 {
+            "energy (% of a square of the cell’s area)"
+        } else {
+            "energy (% of a cube of the cell’s volume)"
+        };
+        let values = cells.iter().map(Self::value);
+        Self(ColorScale::fitting(label, Best::Low, values))
     }
 
     pub(crate) fn scale(&self) -> &ColorScale {
-        &self.scale
+        &self.0
     }
 
-    pub(crate) fn value<const D: usize>(&self, cell: &CellFigures<D>) -> f64 {
-        percent(cell, self.optimum)
+    pub(crate) fn value<const D: usize>(cell: &CellFigures<D>) -> f64 {
+        100.0 * cell.chebyshev / optimal_energy::<D>(cell.volume, 1, 1)
     }
-}
-
-fn percent<const D: usize>(cell: &CellFigures<D>, optimum: f64) -> f64 {
-    100.0 * cell.chebyshev / optimum
 }
 
 /// What `cells.vtu` tells of a cell.

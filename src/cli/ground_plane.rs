@@ -11,7 +11,7 @@ use chebloyd::plot::patches::{Patch, picture};
 use chebloyd::plot::png::png;
 use chebloyd::relax::figures::CellFigures;
 use chebloyd::relax::plane::Plane;
-use chebloyd::relax::tessellation::{Question, Tessellation};
+use chebloyd::relax::tessellation::Question;
 use chebloyd::scene::region::Region;
 use chebloyd::voronoi::plane::PlaneDiagram;
 
@@ -37,7 +37,7 @@ impl Ground<2> for Plane {
         cells: &[CellFigures<2>],
         directory: &RunDirectory,
     ) -> Result<(), Box<dyn Error>> {
-        let colors = Colors::of(self.volume(), cells);
+        let colors = Colors::of(cells);
         let diagram = PlaneDiagram::new(&self.domain, sites)?;
         let mut file = VtuWriter::new(&directory.file("cells.vtu"));
         let mut patches = Vec::with_capacity(sites.len());
@@ -46,7 +46,7 @@ impl Ground<2> for Plane {
             file.push(&geometry(site, Shell::polygon(&outline), figures))?;
             patches.push(Patch {
                 contours: vec![outline],
-                value: colors.value(figures),
+                value: Colors::value(figures),
                 site: Some(cell.site),
             });
         }

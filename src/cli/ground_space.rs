@@ -44,7 +44,7 @@ impl Ground<3> for Space {
         cells: &[CellFigures<3>],
         directory: &RunDirectory,
     ) -> Result<(), Box<dyn Error>> {
-        let colors = Colors::of(self.volume(), cells);
+        let colors = Colors::of(cells);
         let mut file = VtuWriter::new(&directory.file("cells.vtu"));
         let height = cut_height(&self.bounds(), self.volume(), sites.len());
         let cut = Cut::horizontal(height);
@@ -55,7 +55,7 @@ impl Ground<3> for Space {
         Diagram::new(self.domain(), sites)?.stream(
             |(): &mut (), cell| Shell::from(cell.polyhedron).translated(&cell.position.coords),
             |site, shell| {
-                let value = colors.value(&cells[site]);
+                let value = Colors::value(&cells[site]);
                 patches.extend(cut.patch(&shell, value));
                 cutaway.push(&shell, &sites[site], value);
                 file.push(&geometry(site, shell, &cells[site]))?;
