@@ -24,21 +24,37 @@ pub(crate) fn turn_outward(
     orientation: &Orientation,
     report: &mut SurfaceReport,
 ) {
-    let parts = parts(surface, orientation);
-    let is_cavity =
-        |part: &Part| parts.iter().filter(|outer| outer.encloses(part)).count() % 2 == 1;
-    let cavities: Vec<bool> = parts.iter().map(is_cavity).collect();
-    report.components = parts.len();
+    let Sides { volumes, cavities } = sides(surface, orientation);
+    report.components = orientation.components;
     report.cavities = cavities.iter().filter(|&&is_cavity| is_cavity).count();
-    let mut told = vec![false; parts.len()];
+    let mut told = vec![false; orientation.components];
     for (at, triangle) in surface.triangles.iter_mut().enumerate() {
         let component = orientation.component[at] as usize;
-        if (parts[component].volume < 0.0) != cavities[component] {
+        if (volumes[component] < 0.0) != cavities[component] {
             triangle.swap(1, 2);
             if !std::mem::replace(&mut told[component], true) {
                 report.inverted.add(places.numbers[at]);
             }
         }
+    }
+}
+
+/// The signed volume of every component and whether it is a cavity.
+struct Sides {
+    volumes: Vec<f64>,
+    cavities: Vec<bool>,
+}
+
+fn sides(surface: &SurfaceMesh, orientation: &Orientation) -> Sides {
+    if orientation.components == 1 {
+        let (volumes, cavities) = (vec![surface.volume()], vec![false]);
+        return Sides { volumes, cavities };
+    }
+    let parts = parts(surface, orientation);
+    let depth = |part: &Part| parts.iter().filter(|outer| outer.encloses(part)).count();
+    Sides {
+        volumes: parts.iter().map(|part| part.volume).collect(),
+        cavities: parts.iter().map(|part| depth(part) % 2 == 1).collect(),
     }
 }
 

@@ -147,6 +147,11 @@ fn closed_triangles(
 
 fn cleaned(triangles: &mut Triangles, vertices: usize, report: &mut SurfaceReport) -> EdgeTable {
     report.collapsed = drop_collapsed(triangles);
+    let edges = EdgeTable::of(&triangles.corners, vertices);
+    // Duplicates crowd their edges, unless they are all of a component, without volume.
+    if edges.iter().all(|edge| edge.sides.len() <= 2) {
+        return edges;
+    }
     report.duplicates = drop_duplicates(triangles, vertices);
     EdgeTable::of(&triangles.corners, vertices)
 }
