@@ -149,7 +149,8 @@ impl<'a, const D: usize, G: Ground<D>> Job<'a, D, G> {
             *last = Some(record.clone());
             progress.show(record);
             failure = directory.record(record, sites).err();
-            if failure.is_some() || interrupt::asked() {
+            let unfinished = record.iteration < options.iterations;
+            if failure.is_some() || (unfinished && interrupt::asked()) {
                 return ControlFlow::Break(());
             }
             ControlFlow::Continue(())
