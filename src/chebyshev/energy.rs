@@ -124,7 +124,7 @@ struct Power {
 
 /// ∫ of the m-th power of the distance over a tetrahedron at the center, per six times its volume:
 /// m!/(m+3)! · h_m.
-fn tetrahedron(power: u32, distances: &[f64; 3]) -> f64 {
+pub(crate) fn tetrahedron(power: u32, distances: &[f64; 3]) -> f64 {
     let m = f64::from(power);
     complete_homogeneous(power, distances) / ((m + 1.0) * (m + 2.0) * (m + 3.0))
 }

@@ -8,6 +8,7 @@
 
 use nalgebra::Vector3;
 
+use crate::geometry::label::Label;
 use crate::geometry::polyhedron::Polyhedron;
 
 /// A facet's constants.
@@ -35,6 +36,7 @@ pub struct Integrand {
     pub(crate) vertices: Vec<Vector3<f64>>,
     pub(crate) facets: Vec<FacetConstants>,
     pub(crate) edges: Vec<EdgeConstants>,
+    pub(crate) labels: Vec<Label>,
 }
 
 const UNSEEN: u32 = u32::MAX;
@@ -61,6 +63,8 @@ impl Integrand {
                 anchor: UNSEEN,
             }
         }));
+        self.labels.clear();
+        self.labels.extend_from_slice(&piece.labels);
         for (vertex, facets) in piece.facets.iter().enumerate() {
             for &facet in facets {
                 let anchor = &mut self.facets[facet as usize].anchor;

@@ -5,6 +5,7 @@
 //! surface by [`sector`], [`energy`] sums up, [`center`] minimizes. [`plane`] holds
 //! the integrals in the plane.
 
+pub mod borders;
 pub mod center;
 pub mod energy;
 pub mod fragments;

@@ -7,6 +7,8 @@ use crate::chebyshev::sector::{Interface, Sector};
 /// A facet as seen from the center of the walk.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct FacetView {
+    /// The facet's number in its piece.
+    pub(crate) number: u32,
     /// The anchor's displacement from the center.
     pub(crate) anchor: Vector3<f64>,
     /// The center's signed height below the facet's plane.

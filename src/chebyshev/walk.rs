@@ -74,10 +74,11 @@ fn prepare(piece: &Integrand, center: &Vector3<f64>, scratch: &mut WalkScratch) 
         (displacement, Sector::of(&displacement))
     }));
     scratch.facets.clear();
-    for facet in &piece.facets {
+    for (number, facet) in piece.facets.iter().enumerate() {
         // Planes that have lost all their vertices have no anchor and are never asked for.
         let anchor = scratch.vertices.get(facet.anchor as usize);
         scratch.facets.push(FacetView {
+            number: number as u32,
             anchor: anchor.map_or_else(Vector3::zeros, |(anchor, _)| *anchor),
             height: facet.offset - facet.normal.dot(center),
         });

@@ -5,6 +5,8 @@
 
 pub mod figures;
 pub mod lloyd;
+pub mod measure_plane;
+pub mod objective;
 pub mod plane;
 pub mod record;
 pub mod space;

@@ -129,6 +129,11 @@ impl CellMemory {
         energy(&self.pieces[..self.used], center, order, &mut self.walk)
     }
 
+    /// The prepared pieces, and the memory to walk them.
+    pub(crate) fn pieces(&mut self) -> (&[SignedPiece], &mut WalkScratch) {
+        (&self.pieces[..self.used], &mut self.walk)
+    }
+
     /// The figures of `cell`.
     pub fn figures(
         &mut self,

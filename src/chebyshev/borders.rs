@@ -1,0 +1,167 @@
+//! What a cell's energy gains where its facets move: the integrals of the global objective.
+//!
+//! F = Σ_i ∫_{C_i} d∞(x_i, y)^p dy changes with a site not only because distances do, but also
+//! because the bisectors move (Lévy & Liu, *Lp Centroidal Voronoi Tessellation*, 2010, with their
+//! norm at infinity). Under δx_i and δx_j a point y of the facet between C_i and C_j moves outward
+//! by [(y − x_i)·δx_i − (y − x_j)·δx_j] / |x_j − x_i|. So a facet f of C_i with the neighbor at r
+//! (seen from x_i) pushes
+//! - its own site by (1/|r|) ∫_f d∞^p (y − x_i) dA,
+//! - its neighbor by −(1/|r|) ∫_f d∞^p (y − x_i − r) dA.
+//!
+//! On a triangle with corner distances δ, with λ_v the barycentric coordinates,
+//! ∫ d^p λ_v dA = 2 A p!/(p+3)! · h_p(δ, δ_v): three weights, whose sum is ∫ d^p dA and whose
+//! mean of the corners is ∫ d^p y dA. The energy itself is Σ_f H_f/(3+p) ∫_f d∞^p dA, H_f the
+//! site's height below the facet, since d∞^p is homogeneous about the site.
+
+use nalgebra::Vector3;
+
+use crate::chebyshev::energy::{SignedPiece, tetrahedron};
+use crate::chebyshev::sector::{Interface, Sector};
+use crate::chebyshev::visit::{FacetView, Visit};
+use crate::chebyshev::walk::{WalkScratch, walk};
+use crate::geometry::label::Label;
+use crate::integrals::simplex::complete_homogeneous;
+
+/// What one facet does to the sites on its two sides.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Push {
+    /// The facet's label.
+    pub label: Label,
+    /// ∂E/∂x_i by the facet's motion (L^(2+p)).
+    pub own: Vector3<f64>,
+    /// ∂E/∂x_j, x_j the mirror image of the site in the facet's plane (L^(2+p)).
+    pub across: Vector3<f64>,
+}
+
+/// A cell's energy about its site and the part of its gradient that comes from distances.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Inside {
+    /// ∫ d∞^p (L^(3+p)).
+    pub value: f64,
+    /// ∂E/∂x_i with the cell held fixed (L^(2+p)).
+    pub gradient: Vector3<f64>,
+}
+
+/// The memory of [`borders`], to be reused from one cell to the next.
+#[derive(Clone, Debug, Default)]
+pub struct BorderScratch {
+    facets: Vec<FacetSums>,
+}
+
+/// The energy of order `order` of `pieces` about their site, the origin, and to `visit` what
+/// every facet with a label that `is_bisector` would contribute to the gradients.
+pub fn borders<'a>(
+    pieces: impl IntoIterator<Item = &'a SignedPiece>,
+    order: u32,
+    (walked, scratch): (&mut WalkScratch, &mut BorderScratch),
+    is_bisector: impl Fn(Label) -> bool,
+    mut visit: impl FnMut(Push),
+) -> Inside {
+    let mut total = Inside::default();
+    for SignedPiece { sign, integrand } in pieces {
+        let mut sums = Sums {
+            order,
+            volumes: [0.0; 6],
+            facets: &mut scratch.facets,
+        };
+        sums.facets.clear();
+        sums.facets
+            .resize(integrand.facets.len(), FacetSums::default());
+        walk(integrand, &Vector3::zeros(), walked, &mut sums);
+        let volumes = sums.volumes;
+        let slope = |k: usize| volumes[2 * k + 1] - volumes[2 * k];
+        total.gradient += Vector3::from([0, 1, 2].map(slope)) * (f64::from(order) * sign);
+        let planes = integrand.facets.iter().zip(&integrand.labels);
+        for ((plane, &label), sums) in planes.zip(&scratch.facets) {
+            let weight = sign * sums.weight;
+            total.value += weight * plane.offset / (3.0 + f64::from(order));
+            if sums.weight.abs() > 0.0 && is_bisector(label) {
+                let first = sums.first * *sign;
+                let distance = 2.0 * plane.offset;
+                visit(Push {
+                    label,
+                    own: first / distance,
+                    across: plane.normal * weight - first / distance,
+                });
+            }
+        }
+    }
+    total
+}
+
+/// ∫ d∞^p dA and ∫ d∞^p y dA over one facet.
+#[derive(Clone, Copy, Debug, Default)]
+struct FacetSums {
+    weight: f64,
+    first: Vector3<f64>,
+}
+
+/// The sums of a walk: per sector ∫ d∞^{p−1} dV, and per facet its own.
+struct Sums<'a> {
+    order: u32,
+    volumes: [f64; 6],
+    facets: &'a mut Vec<FacetSums>,
+}
+
+impl Sums<'_> {
+    #[inline]
+    fn add(
+        &mut self,
+        facet: &FacetView,
+        sector: Sector,
+        doubled_area: f64,
+        corners: [&Vector3<f64>; 3],
+    ) {
+        let distances = corners.map(|corner| sector.distance(corner));
+        let (weights, slope) = if self.order == 1 {
+            let [a, b, c] = distances;
+            let (sum, share) = (a + b + c, doubled_area / 24.0);
+            ([a, b, c].map(|d| share * (sum + d)), 1.0 / 6.0)
+        } else {
+            self.weights_of_power(doubled_area, distances)
+        };
+        self.volumes[sector.number()] += doubled_area * facet.height * slope;
+        let sums = &mut self.facets[facet.number as usize];
+        sums.weight += weights[0] + weights[1] + weights[2];
+        sums.first += corners[0] * weights[0] + corners[1] * weights[1] + corners[2] * weights[2];
+    }
+
+    fn weights_of_power(&self, doubled_area: f64, distances: [f64; 3]) -> ([f64; 3], f64) {
+        let p = f64::from(self.order);
+        let share = doubled_area / ((p + 1.0) * (p + 2.0) * (p + 3.0));
+        let [a, b, c] = distances;
+        let weight = |d: f64| share * complete_homogeneous(self.order, &[a, b, c, d]);
+        (
+            distances.map(weight),
+            tetrahedron(self.order - 1, &distances),
+        )
+    }
+}
+
+impl Visit for Sums<'_> {
+    #[inline]
+    fn share(
+        &mut self,
+        facet: &FacetView,
+        sector: Sector,
+        doubled_area: f64,
+        a: &Vector3<f64>,
+        b: &Vector3<f64>,
+    ) {
+        self.add(facet, sector, doubled_area, [&facet.anchor, a, b]);
+    }
+
+    #[inline]
+    fn segment(
+        &mut self,
+        facet: &FacetView,
+        interface: Interface,
+        doubled_area: f64,
+        u: &Vector3<f64>,
+        v: &Vector3<f64>,
+    ) {
+        let (left, right) = interface.sectors();
+        self.add(facet, left, doubled_area, [&facet.anchor, u, v]);
+        self.add(facet, right, -doubled_area, [&facet.anchor, u, v]);
+    }
+}

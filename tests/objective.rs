@@ -1,0 +1,159 @@
+//! The global objective: its gradient against central differences, its value against the sum of
+//! the cells, in every domain.
+
+use chebloyd::domain::convex::ConvexPolyhedron;
+use chebloyd::domain::cuboid::Cuboid;
+use chebloyd::domain::space::Domain;
+use chebloyd::geometry::bounds::Bounds;
+use chebloyd::geometry::half_space::HalfSpace;
+use chebloyd::relax::record::optimal_energy;
+use chebloyd::relax::space::Space;
+use chebloyd::relax::tessellation::{Minimizer, Norm, Question, Tessellation};
+use nalgebra::{Point3, Vector3};
+use rand_chacha::ChaCha8Rng;
+use rand_core::{Rng, SeedableRng};
+
+fn uniform(random: &mut ChaCha8Rng) -> f64 {
+    (random.next_u64() >> 11) as f64 / (1u64 << 53) as f64
+}
+
+fn random_sites(domain: &dyn Domain, count: usize, seed: u64) -> Vec<Point3<f64>> {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let bounds = domain.bounds();
+    let mut sites = Vec::new();
+    while sites.len() < count {
+        let part = Vector3::from([0; 3].map(|_| uniform(&mut random)));
+        let site = bounds.min + bounds.extent().component_mul(&part);
+        if domain.contains(&site) {
+            sites.push(site);
+        }
+    }
+    sites
+}
+
+fn cuboid(extent: [f64; 3], periodic: [bool; 3]) -> Space {
+    let bounds = Bounds {
+        min: Point3::new(-0.5, 0.25, 1.0),
+        max: Point3::new(-0.5, 0.25, 1.0) + Vector3::from(extent),
+    };
+    Space::new(Box::new(Cuboid::new(bounds, periodic).unwrap()))
+}
+
+/// A tetrahedron with two corners cut off.
+fn convex() -> Space {
+    let half_space = |normal: [f64; 3], offset| HalfSpace {
+        normal: Vector3::from(normal),
+        offset,
+    };
+    let walls = [
+        half_space([-1.0, 0.1, 0.0], 0.0),
+        half_space([0.0, -1.0, 0.2], 0.0),
+        half_space([0.0, 0.0, -1.0], 0.0),
+        half_space([1.0, 1.0, 1.0], 1.0),
+        half_space([1.0, 0.3, -0.2], 0.7),
+        half_space([0.0, 0.2, 1.0], 0.8),
+    ];
+    Space::new(Box::new(ConvexPolyhedron::new(&walls).unwrap()))
+}
+
+/// The largest difference between the gradient and central differences, relative to the largest
+/// component of the gradient.
+fn gradient_error(space: &Space, sites: &[Point3<f64>], order: u32) -> f64 {
+    let exact = space.global(sites, order).unwrap().gradient;
+    let largest = exact.iter().map(Vector3::amax).fold(0.0, f64::max);
+    let step = 1e-6;
+    let mut worst: f64 = 0.0;
+    for site in 0..sites.len() {
+        for axis in 0..3 {
+            let at = |offset: f64| {
+                let mut moved = sites.to_vec();
+                moved[site][axis] += offset;
+                space.global(&moved, order).unwrap().energy
+            };
+            let difference = (at(step) - at(-step)) / (2.0 * step);
+            worst = worst.max((difference - exact[site][axis]).abs());
+        }
+    }
+    worst / largest
+}
+
+fn check_gradient(space: &Space, count: usize, seed: u64) {
+    let sites = random_sites(space.domain(), count, seed);
+    for order in [1, 2, 3] {
+        let error = gradient_error(space, &sites, order);
+        assert!(error < 1e-7, "p = {order}, seed {seed}: {error:e}");
+    }
+}
+
+#[test]
+fn the_gradient_is_that_of_central_differences_in_a_box() {
+    check_gradient(&cuboid([1.0, 1.5, 0.7], [false; 3]), 30, 1);
+}
+
+#[test]
+fn the_gradient_is_that_of_central_differences_in_periodic_boxes() {
+    check_gradient(&cuboid([1.0, 1.5, 0.7], [true; 3]), 25, 2);
+    check_gradient(&cuboid([1.0, 1.0, 1.0], [true, false, true]), 25, 3);
+}
+
+#[test]
+fn the_gradient_is_that_of_central_differences_where_images_of_a_site_are_its_neighbors() {
+    check_gradient(&cuboid([1.0, 1.2, 0.9], [true; 3]), 2, 4);
+}
+
+#[test]
+fn the_gradient_is_that_of_central_differences_in_a_convex_polyhedron() {
+    check_gradient(&convex(), 25, 5);
+}
+
+#[test]
+fn the_objective_is_the_sum_of_the_cells_energies() {
+    let space = cuboid([1.0, 1.5, 0.7], [false, true, false]);
+    let sites = random_sites(space.domain(), 200, 6);
+    for order in [1, 2, 4] {
+        let question = Question {
+            norm: Norm::Linf,
+            order,
+            minimizer: Minimizer::Newton,
+        };
+        let cells = space.assess(&sites, question).unwrap();
+        let global = space.global(&sites, order).unwrap();
+        let sum: f64 = cells.iter().map(|cell| cell.energy).sum();
+        let chebyshev: f64 = cells.iter().map(|cell| cell.chebyshev).sum();
+        assert!((global.energy - sum).abs() < 1e-13 * sum);
+        assert!((global.chebyshev - chebyshev).abs() < 1e-13 * chebyshev);
+    }
+}
+
+#[test]
+fn no_sites_beat_the_grid_whose_gradient_is_zero() {
+    let space = cuboid([1.0, 1.0, 1.0], [false; 3]);
+    let least = 64.0 * optimal_energy::<3>(1.0, 64, 1);
+    let corner = space.domain().bounds().min;
+    let place = |k: usize| (k as f64 + 0.5) / 4.0;
+    let grid: Vec<_> = (0..64)
+        .map(|k| corner + Vector3::new(place(k % 4), place(k / 4 % 4), place(k / 16)))
+        .collect();
+    let global = space.global(&grid, 1).unwrap();
+    assert!((global.energy / least - 1.0).abs() < 1e-13);
+    let largest = global
+        .gradient
+        .iter()
+        .map(Vector3::amax)
+        .fold(0.0, f64::max);
+    assert!(largest < 1e-14, "{largest:e}");
+    let random = random_sites(space.domain(), 64, 7);
+    assert!(space.global(&random, 1).unwrap().energy > least);
+}
+
+#[test]
+fn the_objective_does_not_depend_on_the_number_of_threads() {
+    let space = convex();
+    let sites = random_sites(space.domain(), 500, 8);
+    let on = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+        let pool = pool.build().unwrap();
+        pool.install(|| space.global(&sites, 1).unwrap())
+    };
+    assert_eq!(on(1), on(3));
+}
