@@ -2,15 +2,28 @@
 //!
 //! A loop ([`lloyd`]) works on any [`tessellation`]: [`space`] is the one of solids, [`plane`] that
 //! of planar domains. It shows an observer one [`record`] per move.
+//!
+//! In space there is more than one loop. [`objective`] is the energy of all cells as a function of
+//! all sites; [`travel`] carries out a [`plan`]: it descends along that objective ([`descent`]) or
+//! by Lloyd's moves, gets out of local minima (`kick`: `noise`, `exchange`), and goes from few sites
+//! to many ([`levels`]). Its [`stand`] is all that a later process needs to go on.
 
+pub mod descent;
 pub mod figures;
+pub mod levels;
 pub mod lloyd;
 pub mod measure_plane;
 pub mod objective;
+pub mod plan;
 pub mod plane;
 pub mod record;
 pub mod space;
+pub mod stand;
 pub mod tessellation;
+pub mod travel;
 
 mod plane_figures;
+mod exchange;
+mod kick;
+mod noise;
 mod shape;

@@ -30,6 +30,23 @@ pub struct Record {
     pub evaluations: f64,
     /// Wall time since the run began (s).
     pub seconds: f64,
+    /// In which part of its plan the run is.
+    #[serde(flatten)]
+    pub stage: Stage,
+}
+
+/// Where in its plan a run is; empty for plain Lloyd and plain descents.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Stage {
+    /// Levels still to come, in coarse-to-fine runs.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub level: Option<u32>,
+    /// Kicks made on this level, in runs that have them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub round: Option<u64>,
+    /// How many sites this level has, in coarse-to-fine runs.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sites: Option<usize>,
 }
 
 /// How far sites travelled in one move (L).
@@ -69,19 +86,37 @@ impl Record {
         cells: &[Assessment<D>],
         movement: Movement,
     ) -> Self {
-        let count = cells.len() as f64;
-        let chebyshev: f64 = cells.iter().map(|cell| cell.chebyshev).sum();
-        let diagonal = optimal_side::<D>(volume, cells.len()) * (D as f64).sqrt();
+        let totals = (
+            cells.len(),
+            cells.iter().map(|cell| cell.energy).sum(),
+            cells.iter().map(|cell| cell.energy).fold(0.0, f64::max),
+            cells.iter().map(|cell| cell.chebyshev).sum(),
+        );
+        Self::of_totals::<D>(iteration, volume, totals, movement)
+    }
+
+    /// The record of so many cells with this total energy, largest energy and total p = 1 Chebyshev
+    /// energy; `evaluations`, `seconds` and `stage` are left empty.
+    #[must_use]
+    pub fn of_totals<const D: usize>(
+        iteration: u64,
+        volume: f64,
+        (count, energy, energy_max, chebyshev): (usize, f64, f64, f64),
+        movement: Movement,
+    ) -> Self {
+        let cells = count as f64;
+        let diagonal = optimal_side::<D>(volume, count) * (D as f64).sqrt();
         Self {
             iteration,
-            energy_mean: cells.iter().map(|cell| cell.energy).sum::<f64>() / count,
-            energy_max: cells.iter().map(|cell| cell.energy).fold(0.0, f64::max),
-            energy_percent: 100.0 * chebyshev / count / optimal_energy::<D>(volume, cells.len(), 1),
+            energy_mean: energy / cells,
+            energy_max,
+            energy_percent: 100.0 * chebyshev / cells / optimal_energy::<D>(volume, count, 1),
             movement_mean: movement.mean,
             movement_max: movement.max,
             movement_percent: 100.0 * movement.mean / diagonal,
             evaluations: 0.0,
             seconds: 0.0,
+            stage: Stage::default(),
         }
     }
 }

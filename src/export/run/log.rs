@@ -119,6 +119,7 @@ mod tests {
             movement_percent: 0.0,
             evaluations: 3.5,
             seconds: 0.25,
+            stage: Default::default(),
         }
     }
 

@@ -1,0 +1,95 @@
+//! What gets sites out of a local minimum.
+
+use nalgebra::Point3;
+
+use crate::relax::exchange::{Room, exchange, rooms};
+use crate::relax::noise::{Random, shake};
+use crate::relax::plan::{KickStyle, Kicks};
+use crate::relax::record::{optimal_energy, optimal_side};
+use crate::relax::space::Space;
+use crate::relax::stand::Stand;
+use crate::relax::tessellation::Tessellation;
+use crate::voronoi::diagram::DiagramError;
+
+/// Cells worth more than this many times the perfect cube get noise.
+const IMPERFECT: f64 = 1.003;
+
+/// So many exchanges of a single site may fail before noise is tried.
+const PATIENCE: u64 = 4;
+
+/// The least share of the greatest noise that an exchange's noise may have.
+const LEAST_NOISE: f64 = 0.25;
+
+/// All cells are cubes if the energy exceeds the least possible one by no more than this share.
+const PERFECT: f64 = 1e-9;
+
+/// Whether sites of this energy and number have cubes for cells, but for a last descent.
+pub(crate) fn is_perfect(space: &Space, energy: f64, count: usize, order: u32) -> bool {
+    let least = count as f64 * optimal_energy::<3>(space.volume(), count, order);
+    energy <= least * (1.0 + PERFECT)
+}
+
+/// Disturbs `sites`, given whether the last round was the best, and returns how many evaluations
+/// of a cell that took.
+pub(crate) fn kick(
+    space: &Space,
+    kicks: &Kicks,
+    is_better: bool,
+    sites: &mut [Point3<f64>],
+    stand: &mut Stand,
+) -> Result<f64, DiagramError> {
+    let share = 1.0 - stand.round as f64 / kicks.rounds as f64;
+    stand.round += 1;
+    stand.kicked += 1;
+    let mut random = Random::new(kicks.seed, stand.kicked);
+    let side = optimal_side::<3>(space.volume(), sites.len());
+    match kicks.style {
+        KickStyle::Anneal => {
+            shake(space, sites, kicks.noise * share * side, &mut random, |_| true);
+            stand.pairs = 0;
+            Ok(0.0)
+        }
+        KickStyle::Exchange => {
+            if let Some((_, best)) = &stand.best {
+                sites.copy_from_slice(best);
+            }
+            let rooms = rooms(space, sites)?;
+            let pairs = next_pairs(stand, is_better, sites.len());
+            stand.pairs = exchange(space, sites, &rooms, pairs, &mut random);
+            if stand.pairs == 0 {
+                stand.failures = 0;
+                let size = LEAST_NOISE + (1.0 - LEAST_NOISE) * random.uniform();
+                shake_imperfect(space, sites, &rooms, kicks.noise * size * side, &mut random);
+            }
+            Ok(sites.len() as f64)
+        }
+    }
+}
+
+/// How many sites to exchange next: all that there is room for after the start and after noise, as
+/// many as last time if that helped, else half as many; none once single ones keep failing.
+fn next_pairs(stand: &mut Stand, is_better: bool, count: usize) -> usize {
+    if is_better {
+        stand.failures = 0;
+    } else if stand.pairs == 1 {
+        stand.failures += 1;
+    }
+    match (stand.pairs, is_better) {
+        _ if stand.failures >= PATIENCE => 0,
+        (0, _) => count,
+        (pairs, true) => pairs,
+        (pairs, false) => (pairs / 2).max(1),
+    }
+}
+
+fn shake_imperfect(
+    space: &Space,
+    sites: &mut [Point3<f64>],
+    rooms: &[Room],
+    deviation: f64,
+    random: &mut Random,
+) {
+    let limit = IMPERFECT * optimal_energy::<3>(space.volume(), sites.len(), 1);
+    let is_imperfect = |site: usize| rooms[site].energy >= limit;
+    shake(space, sites, deviation, random, is_imperfect);
+}
