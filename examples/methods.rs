@@ -12,7 +12,7 @@ use chebloyd::relax::figures::Figures;
 use chebloyd::relax::plan::{KickStyle, Kicks, Plan};
 use chebloyd::relax::space::Space;
 use chebloyd::relax::stand::Stand;
-use chebloyd::relax::tessellation::{Tessellation, Question};
+use chebloyd::relax::tessellation::{Question, Tessellation};
 use chebloyd::relax::travel::travel;
 use chebloyd::scene::random::Uniform;
 use nalgebra::Point3;
@@ -37,8 +37,14 @@ fn plans(count: usize) -> Vec<(&'static str, Plan)> {
         ("lloyd-400", lloyd(400)),
         ("quasi-newton-20", Plan::quasi_newton(1, 20)),
         ("quasi-newton-200", Plan::quasi_newton(1, 200)),
-        ("anneal", Plan::kicked(1, Kicks::default_of(KickStyle::Anneal))),
-        ("exchange", Plan::kicked(1, Kicks::default_of(KickStyle::Exchange))),
+        (
+            "anneal",
+            Plan::kicked(1, Kicks::default_of(KickStyle::Anneal)),
+        ),
+        (
+            "exchange",
+            Plan::kicked(1, Kicks::default_of(KickStyle::Exchange)),
+        ),
         ("cubes", Plan::cubes(1, count)),
     ]
 }
@@ -62,22 +68,29 @@ fn run(space: &Space, name: &str, plan: &Plan, given: &[Point3<f64>], seed: usiz
     let mut evaluations = 0.0;
     let began = Instant::now();
     let trace = number("trace", 0.0) > 0.0;
-    travel(space, plan, &mut sites, &mut stand, None, &mut |record, _, _| {
-        evaluations = record.evaluations;
-        if trace {
-            println!(
-                "{} level {:?} round {:?} sites {:?} energy {:.5} evaluations {:.1} {:.2} s",
-                record.iteration,
-                record.stage.level,
-                record.stage.round,
-                record.stage.sites,
-                record.energy_percent,
-                record.evaluations,
-                record.seconds
-            );
-        }
-        ControlFlow::Continue(())
-    })
+    travel(
+        space,
+        plan,
+        &mut sites,
+        &mut stand,
+        None,
+        &mut |record, _, _| {
+            evaluations = record.evaluations;
+            if trace {
+                println!(
+                    "{} level {:?} round {:?} sites {:?} energy {:.5} evaluations {:.1} {:.2} s",
+                    record.iteration,
+                    record.stage.level,
+                    record.stage.round,
+                    record.stage.sites,
+                    record.energy_percent,
+                    record.evaluations,
+                    record.seconds
+                );
+            }
+            ControlFlow::Continue(())
+        },
+    )
     .expect("the run ends well");
     let seconds = began.elapsed().as_secs_f64();
     let figures = figures(space, &sites, plan.question);
@@ -95,7 +108,9 @@ fn main() {
     let count = number("count", 1000.0) as usize;
     let space = space(number("extent", 1.0), number("periodic", 0.0) > 0.0);
     let only = option("only");
-    println!("| method | sites | seed | energy % | cubeness | six-facet | aligned | evaluations | s |");
+    println!(
+        "| method | sites | seed | energy % | cubeness | six-facet | aligned | evaluations | s |"
+    );
     println!("|---|---|---|---|---|---|---|---|---|");
     for seed in number("from", 1.0) as usize..=number("to", 1.0) as usize {
         let mut uniform = Uniform::new(seed as u64);

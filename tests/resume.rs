@@ -178,3 +178,29 @@ fn a_directory_in_use_is_refused() {
     child.kill().expect("a child to kill");
     child.wait().expect("a child");
 }
+
+#[test]
+fn quasi_newton_and_annealing_go_on_where_they_ended() {
+    for method in [
+        &["--method", "quasi-newton"][..],
+        &["--method", "anneal"],
+        &["--method", "lloyd", "--coarse-to-fine", "1"],
+        &["--goal", "cubes", "--coarse-to-fine", "1"],
+    ] {
+        let desk = Desk::new();
+        let relax = |rest: &[&str]| {
+            let mut arguments = vec!["relax", "--count", "60", "--seed", "5"];
+            arguments.extend(method.iter().chain(rest));
+            desk.stdout(&arguments);
+        };
+        relax(&["--iterations", "30", "--out", "whole"]);
+        relax(&["--iterations", "30", "--out", "parts"]);
+        // What is left of a run that was killed after its last checkpoint.
+        let path = desk.path("parts/log.jsonl");
+        let text = fs::read_to_string(&path).expect("the log");
+        fs::write(&path, format!("{text}{{\"iteration\":31,")).expect("room for it");
+        desk.stdout(&["relax", "--resume", "--out", "parts", "--threads", "1"]);
+        assert_eq!(desk.read("whole/sites.csv"), desk.read("parts/sites.csv"));
+        assert_eq!(desk.records("whole"), desk.records("parts"));
+    }
+}

@@ -1,13 +1,18 @@
 //! Where a scene's sites live, in the plane or in space: what a command asks of either.
 
 use std::error::Error;
+use std::ops::ControlFlow;
 
 use nalgebra::Point;
 
 use chebloyd::export::run::directory::RunDirectory;
 use chebloyd::relax::figures::CellFigures;
+use chebloyd::relax::lloyd::Ended;
+use chebloyd::relax::plan::Plan;
 use chebloyd::relax::plane::Plane;
+use chebloyd::relax::record::Record;
 use chebloyd::relax::space::Space;
+use chebloyd::relax::stand::Stand;
 use chebloyd::relax::tessellation::{Question, Tessellation};
 use chebloyd::scene::description::Scene;
 use chebloyd::scene::place::place;
@@ -35,6 +40,16 @@ pub(crate) trait Ground<const D: usize>: Tessellation<D> {
         directory: &RunDirectory,
     ) -> Result<(), Box<dyn Error>>;
 
+    /// Carries out a plan from the start or from where `last` was recorded with `stand`.
+    fn travel(
+        &self,
+        plan: &Plan,
+        sites: &mut Vec<Point<f64, D>>,
+        stand: &mut Stand,
+        last: Option<&Record>,
+        watch: &mut Watch<'_, D>,
+    ) -> Result<Ended, Failure>;
+
     /// The scene's sites.
     fn place(&self, scene: &Scene) -> Result<Vec<Point<f64, D>>, Failure> {
         place(&scene.sites, &self.region()).map_err(Failure::input)
@@ -51,3 +66,7 @@ pub(crate) fn plane(scene: &Scene) -> Result<Plane, Failure> {
 pub(crate) fn space(scene: &Scene) -> Result<Space, Failure> {
     Ok(Space::new(scene.domain.solid().map_err(Failure::input)?))
 }
+
+/// Is shown a record, the sites it describes and the method's stand.
+pub(crate) type Watch<'a, const D: usize> =
+    dyn FnMut(&Record, &[Point<f64, D>], &Stand) -> ControlFlow<()> + 'a;

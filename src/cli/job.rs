@@ -15,8 +15,9 @@ use chebloyd::plot::svg::svg;
 use chebloyd::relax::figures::{CellFigures, Figures};
 use chebloyd::relax::lloyd::{Ended, LloydOptions, lloyd};
 use chebloyd::relax::record::{Record, optimal_energy};
+use chebloyd::relax::stand::Stand;
 use chebloyd::scene::description::Scene;
-use chebloyd::scene::method::Method;
+use chebloyd::scene::plan::plan;
 
 use crate::cli::arguments::Common;
 use crate::cli::failure::Failure;
@@ -38,6 +39,8 @@ pub(crate) struct Job<'a, const D: usize, G> {
     sites: Vec<Point<f64, D>>,
     /// The last record in the log, which describes `sites`; none at the beginning.
     last: Option<Record>,
+    /// Where the method stands after that record; none for plain Lloyd and at the beginning.
+    stand: Option<Stand>,
 }
 
 impl<'a, const D: usize, G: Ground<D>> Job<'a, D, G> {
@@ -69,6 +72,7 @@ impl<'a, const D: usize, G: Ground<D>> Job<'a, D, G> {
             description,
             sites,
             last: None,
+            stand: None,
         })
     }
 
@@ -79,19 +83,20 @@ impl<'a, const D: usize, G: Ground<D>> Job<'a, D, G> {
         mut description: Description,
     ) -> Result<Self, Failure> {
         let checkpoint = directory.checkpoint().map_err(Failure::input)?;
-        let (sites, last) = match checkpoint {
+        let (sites, last, stand) = match checkpoint {
             Some(checkpoint) => {
                 let asked = description.scene.method.iterations();
                 if asked < checkpoint.iteration {
                     return Err(already_further(asked, checkpoint.iteration));
                 }
                 let last = directory.log().rewind(checkpoint.iteration);
-                (checkpoint.sites, Some(last.map_err(Failure::input)?))
+                let stand = stand(&checkpoint.memory)?;
+                (checkpoint.sites, Some(last.map_err(Failure::input)?), stand)
             }
             None => {
                 let sites = ground.place(&description.scene)?;
                 directory.log().clear().map_err(Failure::input)?;
-                (sites, None)
+                (sites, None, None)
             }
         };
         description.last = None;
@@ -104,6 +109,7 @@ impl<'a, const D: usize, G: Ground<D>> Job<'a, D, G> {
             description,
             sites,
             last,
+            stand,
         })
     }
 
@@ -134,39 +140,54 @@ impl<'a, const D: usize, G: Ground<D>> Job<'a, D, G> {
 
     /// Moves the sites, keeping the log; says how it ended.
     fn relax(&mut self, common: Common) -> Result<&'static str, Failure> {
-        let Method::Lloyd(method) = &self.description.scene.method;
-        let options = LloydOptions {
-            iterations: method.iterations,
-            tolerance: method.tolerance,
-            question: question(&self.description.scene),
-        };
+        let scene = &self.description.scene;
+        let plan = plan(scene, self.description.sites);
+        let iterations = scene.method.iterations();
         let resumed = self.last.clone();
         let done = resumed.as_ref().map_or(0, |record| record.iteration);
-        let progress = Progress::new(method.iterations, done, common);
+        let progress = Progress::new(iterations, done, common);
         let (directory, last) = (&mut self.directory, &mut self.last);
         let mut failure: Option<RunError> = None;
-        let mut observe = |record: &Record, sites: &[Point<f64, D>]| {
+        let mut observe = |record: &Record, sites: &[Point<f64, D>], stand: Option<&Stand>| {
             *last = Some(record.clone());
             progress.show(record);
-            failure = directory.record(record, sites).err();
-            let unfinished = record.iteration < options.iterations;
+            let memory = || stand.map_or_else(Vec::new, Stand::tape);
+            failure = directory.record(record, sites, memory).err();
+            let unfinished = record.iteration < iterations;
             if failure.is_some() || (unfinished && interrupt::asked()) {
                 return ControlFlow::Break(());
             }
             ControlFlow::Continue(())
         };
-        let ended = lloyd(
-            self.ground,
-            &mut self.sites,
-            &options,
-            resumed.as_ref(),
-            &mut observe,
-        );
+        let ended = match &plan {
+            None => lloyd(
+                self.ground,
+                &mut self.sites,
+                &LloydOptions {
+                    iterations,
+                    tolerance: scene.method.tolerance(),
+                    question: question(scene),
+                },
+                resumed.as_ref(),
+                &mut |record, sites| observe(record, sites, None),
+            )
+            .map_err(Failure::run),
+            Some(plan) => {
+                let fresh = || Stand::new(self.description.sites, plan.levels);
+                self.ground.travel(
+                    plan,
+                    &mut self.sites,
+                    self.stand.get_or_insert_with(fresh),
+                    resumed.as_ref(),
+                    &mut |record, sites, stand| observe(record, sites, Some(stand)),
+                )
+            }
+        };
         progress.finish();
         if let Some(failure) = failure {
             return Err(Failure::run(failure));
         }
-        Ok(match ended.map_err(Failure::run)? {
+        Ok(match ended? {
             Ended::Iterations => "iterations",
             Ended::Tolerance => "tolerance",
             Ended::Interrupted => INTERRUPTED,
@@ -176,8 +197,9 @@ impl<'a, const D: usize, G: Ground<D>> Job<'a, D, G> {
     /// The checkpoint, the sites, the cells and the curves.
     fn leave_files(&mut self, cells: &[CellFigures<D>]) -> Result<(), Failure> {
         if let Some(last) = &self.last {
+            let memory = self.stand.as_ref().map_or_else(Vec::new, Stand::tape);
             self.directory
-                .keep(last, &self.sites)
+                .keep(last, &self.sites, &memory)
                 .map_err(Failure::run)?;
         }
         self.leave("sites.csv", |file| sites::write_csv(&self.sites, file))?;
@@ -220,6 +242,19 @@ impl<'a, const D: usize, G: Ground<D>> Job<'a, D, G> {
 
     fn figures(&self, cells: &[CellFigures<D>]) -> Figures {
         Figures::of(self.ground.volume(), cells)
+    }
+}
+
+/// The stand that a checkpoint remembers, if any.
+fn stand(memory: &[f64]) -> Result<Option<Stand>, Failure> {
+    if memory.is_empty() {
+        return Ok(None);
+    }
+    match Stand::from_tape(memory) {
+        Some(stand) => Ok(Some(stand)),
+        None => Err(Failure::input(
+            "the checkpoint's memory is damaged".to_owned(),
+        )),
     }
 }
 

@@ -31,7 +31,7 @@ pub(crate) struct Options {
     #[arg(long)]
     force: bool,
     /// Go on with the run that DIR holds
-    #[arg(long, conflicts_with_all = ["force", "scene", "sites", "count", "seed", "norm", "method"])]
+    #[arg(long, conflicts_with_all = ["force", "scene", "sites", "count", "seed", "norm", "method", "goal", "coarse_to_fine"])]
     resume: bool,
     /// How many moves, those before a resumption counted
     #[arg(long, value_name = "K")]
@@ -42,12 +42,28 @@ pub(crate) struct Options {
     /// How the sites move
     #[arg(long, value_name = "NAME")]
     method: Option<Method>,
+    /// What the cells are to become; chooses the method
+    #[arg(long, value_name = "NAME", conflicts_with = "method")]
+    goal: Option<Goal>,
+    /// Relax one site in 8^L first, then split each into eight, L times
+    #[arg(long, value_name = "L")]
+    coarse_to_fine: Option<u32>,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum Method {
     /// Every site moves to its cell's center
     Lloyd,
+    /// All sites descend together along the exact global objective
+    QuasiNewton,
+    /// Descents from noise that falls round by round; the best sites are kept
+    Anneal,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum Goal {
+    /// Every cell a cube, as near as the number of sites allows
+    Cubes,
 }
 
 pub(crate) fn run(options: &Options, common: Common) -> Result<(), Failure> {
@@ -96,7 +112,13 @@ impl Options {
         Overrides {
             iterations: self.iterations,
             tolerance: self.tolerance,
-            method: self.method.map(|Method::Lloyd| MethodName::Lloyd),
+            method: self.method.map(|method| match method {
+                Method::Lloyd => MethodName::Lloyd,
+                Method::QuasiNewton => MethodName::QuasiNewton,
+                Method::Anneal => MethodName::Anneal,
+            }),
+            is_for_cubes: self.goal.is_some(),
+            coarse_to_fine: self.coarse_to_fine,
             ..Overrides::default()
         }
     }

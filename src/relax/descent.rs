@@ -76,16 +76,12 @@ pub(crate) enum Step {
 
 /// The state of a descent from `sites`, whose objective is `global`.
 pub(crate) fn begin(sites: &[Point3<f64>], global: &Global) -> LbfgsbState {
-    let point = sites.iter().flat_map(|site| site.coords.data.0[0]).collect();
+    let point = sites
+        .iter()
+        .flat_map(|site| site.coords.data.0[0])
+        .collect();
     let gradient = global.gradient.iter().flat_map(|g| g.data.0[0]).collect();
-    LbfgsbState::from_parts(
-        point,
-        global.energy,
-        gradient,
-        History::default(),
-        0,
-        1,
-    )
+    LbfgsbState::from_parts(point, global.energy, gradient, History::default(), 0, 1)
 }
 
 /// The sites at which a descent stands, within the domain.
@@ -117,19 +113,18 @@ pub(crate) fn step(
     };
     let (lower, upper) = walls(space, count);
     let mut trials: Vec<Totals> = Vec::new();
-    let mut objective =
-        |point: &[f64], gradient: &mut [f64]| match space
-            .global(&sites_of(space, point), options.order)
-        {
-            Ok(global) => {
-                for (entries, of_site) in gradient.chunks_exact_mut(3).zip(&global.gradient) {
-                    entries.copy_from_slice(of_site.as_slice());
-                }
-                trials.push(Totals::of(&global));
-                global.energy
+    let mut objective = |point: &[f64], gradient: &mut [f64]| match space
+        .global(&sites_of(space, point), options.order)
+    {
+        Ok(global) => {
+            for (entries, of_site) in gradient.chunks_exact_mut(3).zip(&global.gradient) {
+                entries.copy_from_slice(of_site.as_slice());
             }
-            Err(_) => f64::NAN,
-        };
+            trials.push(Totals::of(&global));
+            global.energy
+        }
+        Err(_) => f64::NAN,
+    };
     let before = state.iterations();
     let end = resume(
         &mut objective,

@@ -47,7 +47,11 @@ pub(crate) fn rooms(space: &Space, sites: &[Point3<f64>]) -> Result<Vec<Room>, D
         memory.load(space.domain(), &cell);
         let mut farthest = Vector3::zeros();
         for corner in cell.polyhedron.vertices() {
-            let inside = || space.domain().contains(&space.domain().wrap(&(cell.position + corner.coords)));
+            let inside = || {
+                space
+                    .domain()
+                    .contains(&space.domain().wrap(&(cell.position + corner.coords)))
+            };
             if corner.coords.amax() > farthest.amax() && inside() {
                 farthest = corner.coords;
             }
@@ -78,10 +82,7 @@ pub(crate) fn exchange(
     let mut holes: Vec<Point3<f64>> = Vec::new();
     for room in by_size(rooms, |room| -room.distance, random) {
         let found = &rooms[room];
-        if holes.len() < pairs
-            && found.distance > HOLE * side
-            && is_apart(&holes, &found.corner)
-        {
+        if holes.len() < pairs && found.distance > HOLE * side && is_apart(&holes, &found.corner) {
             holes.push(found.corner);
         }
     }

@@ -20,8 +20,9 @@ const PATIENCE: u64 = 4;
 /// The least share of the greatest noise that an exchange's noise may have.
 const LEAST_NOISE: f64 = 0.25;
 
-/// All cells are cubes if the energy exceeds the least possible one by no more than this share.
-const PERFECT: f64 = 1e-9;
+/// All cells are cubes if the energy exceeds the least possible one by no more than this share: the
+/// last descent does the rest. Far more than the gain that a round must bring.
+const PERFECT: f64 = 1e-7;
 
 /// Whether sites of this energy and number have cubes for cells, but for a last descent.
 pub(crate) fn is_perfect(space: &Space, energy: f64, count: usize, order: u32) -> bool {
@@ -45,7 +46,13 @@ pub(crate) fn kick(
     let side = optimal_side::<3>(space.volume(), sites.len());
     match kicks.style {
         KickStyle::Anneal => {
-            shake(space, sites, kicks.noise * share * side, &mut random, |_| true);
+            shake(
+                space,
+                sites,
+                kicks.noise * share * side,
+                &mut random,
+                |_| true,
+            );
             stand.pairs = 0;
             Ok(0.0)
         }

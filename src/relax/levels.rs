@@ -54,14 +54,20 @@ fn divide(members: &mut [Point3<f64>], count: usize, chosen: &mut Vec<Point3<f64
         return;
     }
     let extent = |axis: usize| {
-        let ends = members.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), site| {
-            (low.min(site[axis]), high.max(site[axis]))
-        });
+        let ends = members
+            .iter()
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), site| {
+                (low.min(site[axis]), high.max(site[axis]))
+            });
         ends.1 - ends.0
     };
     let extents = [extent(0), extent(1), extent(2)];
     let axis = (1..3).fold(0, |longest, axis| {
-        if extents[axis] > extents[longest] { axis } else { longest }
+        if extents[axis] > extents[longest] {
+            axis
+        } else {
+            longest
+        }
     });
     members.sort_by(|a, b| a[axis].total_cmp(&b[axis]));
     let lower_count = count / 2;
@@ -90,7 +96,13 @@ pub fn refined(space: &Space, coarse: &[Point3<f64>], count: usize) -> Vec<Point
     let mut fine = Vec::with_capacity(8 * coarse.len());
     for site in coarse {
         for corner in 0..8 {
-            let side = |axis: usize| if corner >> axis & 1 == 1 { quarter } else { -quarter };
+            let side = |axis: usize| {
+                if corner >> axis & 1 == 1 {
+                    quarter
+                } else {
+                    -quarter
+                }
+            };
             let way = Vector3::new(side(0), side(1), side(2));
             fine.push(displaced(space, site, way));
         }
@@ -100,9 +112,7 @@ pub fn refined(space: &Space, coarse: &[Point3<f64>], count: usize) -> Vec<Point
     let surplus = fine.len() - count.min(fine.len());
     if surplus > 0 {
         let all = fine.len();
-        let is_left_out = |number: usize| {
-            number * surplus / all != (number + 1) * surplus / all
-        };
+        let is_left_out = |number: usize| number * surplus / all != (number + 1) * surplus / all;
         let mut number = 0;
         fine.retain(|_| {
             number += 1;

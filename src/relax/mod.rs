@@ -12,7 +12,6 @@ pub mod descent;
 pub mod figures;
 pub mod levels;
 pub mod lloyd;
-pub mod measure_plane;
 pub mod objective;
 pub mod plan;
 pub mod plane;
@@ -22,8 +21,8 @@ pub mod stand;
 pub mod tessellation;
 pub mod travel;
 
-mod plane_figures;
 mod exchange;
 mod kick;
 mod noise;
+mod plane_figures;
 mod shape;

@@ -62,7 +62,8 @@ pub(crate) fn displaced(space: &Space, site: &Point3<f64>, mut way: Vector3<f64>
     for _ in 0..HALVINGS {
         let moved = site + way;
         let off_walls = (0..3).all(|axis| {
-            periods[axis].is_some() || (bounds.min[axis] < moved[axis] && moved[axis] < bounds.max[axis])
+            periods[axis].is_some()
+                || (bounds.min[axis] < moved[axis] && moved[axis] < bounds.max[axis])
         });
         let wrapped = space.domain().wrap(&moved);
         if off_walls && space.domain().contains(&wrapped) {

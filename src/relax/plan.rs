@@ -5,10 +5,10 @@ use crate::relax::levels::levels_for_cubes;
 use crate::relax::tessellation::{Minimizer, Norm, Question};
 
 /// Steps after which a first descent has become so slow that kicks gain more.
-const FIRST_DESCENT: u64 = 150;
+pub const FIRST_DESCENT: u64 = 150;
 
 /// More moves than any run makes, and still a number of the tape.
-const NO_LIMIT: u64 = 1 << 40;
+pub const NO_LIMIT: u64 = 1 << 40;
 
 /// A run: levels from coarse to fine, on each a descent and perhaps rounds of kicks, each followed
 /// by a descent of its own.

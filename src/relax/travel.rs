@@ -215,10 +215,10 @@ impl Traveler<'_> {
         Ok(Totals::of(&global))
     }
 
-    /// What follows a descent: a kick, the best sites, a finer level (their totals), another
-    /// descent (`None`), or nothing (`Some(None)`).
+    /// What follows a descent: the totals of a kick, of the best sites or of a finer level, `None`
+    /// for another descent, `Some(None)` for nothing. A stand whose plan is carried out stays as it
+    /// is, so that a run taken up again ends at once.
     fn turn(&mut self) -> Result<Option<Option<Totals>>, TravelError> {
-        self.stand.moves = 0;
         if let Some(kicks) = self.plan.kicks.filter(|_| !self.stand.is_last) {
             let is_better = self.keep_best();
             let Some((energy, best)) = &self.stand.best else {
@@ -227,11 +227,13 @@ impl Traveler<'_> {
             let order = self.plan.question.order;
             let is_perfect = is_perfect(self.space, *energy, best.len(), order);
             if !is_perfect && self.stand.round < kicks.rounds && !self.is_hurried() {
+                self.stand.moves = 0;
                 let spent = kick(self.space, &kicks, is_better, self.sites, self.stand)?;
                 self.stand.evaluations += spent;
                 return self.enter().map(|totals| Some(Some(totals)));
             }
             self.stand.is_last = true;
+            self.stand.moves = 0;
             let best = best.clone();
             if *self.sites == best {
                 return Ok(None);
@@ -274,7 +276,12 @@ impl Traveler<'_> {
         let mut record = Record::of_totals::<3>(
             self.iteration,
             self.space.volume(),
-            (self.sites.len(), totals.energy, totals.energy_max, totals.chebyshev),
+            (
+                self.sites.len(),
+                totals.energy,
+                totals.energy_max,
+                totals.chebyshev,
+            ),
             movement,
         );
         record.evaluations = self.stand.evaluations / self.stand.count as f64;

@@ -37,6 +37,11 @@ pub struct Scene {
     /// How the sites move.
     #[serde(default)]
     pub method: Method,
+    /// How often the number of sites is divided by eight before the first descent; each level then
+    /// splits every site into eight. Left out, it is what the method thinks best: 0, except for
+    /// exchanges.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub coarse_to_fine: Option<u32>,
     /// Which files a run leaves besides its log and its sites.
     #[serde(default)]
     pub output: Output,

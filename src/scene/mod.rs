@@ -7,7 +7,7 @@
 //! *resolved*: every default is filled in and every path absolute, so that it can be written into
 //! a run's description and read again.
 //!
-//! [`place`] makes the sites: [`random`] and [`grid`] from seeds, [`site_file`] from disk;
+//! [`plan`] says what a scene's method means for the loops, [`place`] makes the sites: [`random`] and [`grid`] from seeds, [`site_file`] from disk;
 //! [`check`] refuses the ones that have no diagram. Both see the domain only as a [`region`].
 
 pub mod check;
@@ -20,6 +20,7 @@ pub mod norm;
 pub mod output;
 pub mod overrides;
 pub mod place;
+pub mod plan;
 pub mod random;
 pub mod read;
 pub mod region;

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use crate::scene::description::Scene;
 use crate::scene::error::Error;
-use crate::scene::method::MethodName;
+use crate::scene::method::{Method, MethodName};
 use crate::scene::norm::Norm;
 use crate::scene::sites::Sites;
 
@@ -23,6 +23,10 @@ pub struct Overrides {
     pub norm: Option<Norm>,
     /// The method's name, with its defaults unless the scene has it already.
     pub method: Option<MethodName>,
+    /// Whether the method is to be the one that makes cubes.
+    pub is_for_cubes: bool,
+    /// How often to divide the number of sites by eight first.
+    pub coarse_to_fine: Option<u32>,
     /// The movement in percent below which to stop.
     pub tolerance: Option<f64>,
 }
@@ -40,6 +44,12 @@ impl Overrides {
         }
         if let Some(name) = self.method {
             scene.method.choose(name);
+        }
+        if self.is_for_cubes {
+            scene.method = Method::cubes();
+        }
+        if self.coarse_to_fine.is_some() {
+            scene.coarse_to_fine = self.coarse_to_fine;
         }
         if let Some(iterations) = self.iterations {
             scene.method.set_iterations(iterations);
@@ -110,6 +120,7 @@ mod tests {
             method: Some(MethodName::Lloyd),
             tolerance: Some(0.25),
             sites: None,
+            ..Overrides::default()
         };
         overrides.apply(&mut scene).expect("they fit");
         let text = serde_json::to_value(&scene).expect("a scene is JSON");

@@ -21,7 +21,7 @@ pub fn scene(scene: &Scene) -> Result<(), Error> {
     }
     scene.domain.validate(scene.dimension)?;
     scene.sites.validate(scene.dimension)?;
-    scene.method.validate()
+    scene.method.validate(scene)
 }
 
 pub(crate) fn dimensions_match(key: &str, length: usize, dimension: usize) -> Result<(), Error> {

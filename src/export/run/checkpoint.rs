@@ -1,7 +1,7 @@
 //! The sites of one iteration, to the bit: where a resumed run starts.
 //!
 //! `checkpoint.bin` is a line of JSON (its layout and counts) followed by the coordinates, site by site,
-//! as little-endian f64.
+//! as little-endian f64, and then by the numbers of the method's own memory, if it has any.
 //!
 //! Everything after a checkpoint can be computed again, so they need not be frequent: a
 //! [`Pace`] spaces them so that writing them takes little of a run's time.
@@ -32,6 +32,9 @@ struct Header {
     dimension: usize,
     sites: usize,
     iteration: u64,
+    /// How many numbers the method remembers.
+    #[serde(default)]
+    memory: usize,
 }
 
 /// A run's state after some iteration.
@@ -41,6 +44,8 @@ pub struct Checkpoint<const D: usize> {
     pub iteration: u64,
     /// Where the sites stand.
     pub sites: Vec<Point<f64, D>>,
+    /// What the method remembers beside them.
+    pub memory: Vec<f64>,
 }
 
 /// Writes a checkpoint at `path`, whole or not at all.
@@ -51,17 +56,20 @@ pub fn write<const D: usize>(
     path: &Path,
     iteration: u64,
     sites: &[Point<f64, D>],
+    memory: &[f64],
 ) -> Result<(), RunError> {
     let header = Header {
         format: FORMAT,
         dimension: D,
         sites: sites.len(),
         iteration,
+        memory: memory.len(),
     };
     let written = whole_file::write(path, |file| {
         serde_json::to_writer(&mut *file, &header).map_err(io::Error::from)?;
         file.write_all(b"\n")?;
-        for value in sites.iter().flat_map(|site| site.iter()) {
+        let coordinates = sites.iter().flat_map(|site| site.iter());
+        for value in coordinates.chain(memory) {
             file.write_all(&value.to_le_bytes())?;
         }
         Ok(())
@@ -96,12 +104,20 @@ fn parse<const D: usize>(bytes: &[u8]) -> Result<Checkpoint<D>, String> {
             header.format, header.dimension
         ));
     }
-    if Some(data.len()) != header.sites.checked_mul(8 * D) {
-        return Err(format!("it does not hold {} sites", header.sites));
-    }
+    let sites = header.sites.checked_mul(8 * D);
+    let memory = header.memory.checked_mul(8);
+    let size = sites.zip(memory).and_then(|(a, b)| a.checked_add(b));
+    let (Some(sites), true) = (sites, size == Some(data.len())) else {
+        let Header { sites, memory, .. } = header;
+        return Err(format!(
+            "it does not hold {sites} sites and {memory} numbers"
+        ));
+    };
+    let (sites, memory) = data.split_at(sites);
     Ok(Checkpoint {
         iteration: header.iteration,
-        sites: data.chunks_exact(8 * D).map(point).collect(),
+        sites: sites.chunks_exact(8 * D).map(point).collect(),
+        memory: memory.chunks_exact(8).map(|b| point::<1>(b).x).collect(),
     })
 }
 
@@ -151,11 +167,13 @@ mod tests {
             Point::from([0.1, -0.0, 1e-300]),
             Point::from([0.2, 0.3, 0.1 + 0.2]),
         ];
-        write(&path, 7, &sites).expect("room for a checkpoint");
+        write(&path, 7, &sites, &[0.1 + 0.2, -0.0]).expect("room for a checkpoint");
         let again = read::<3>(&path)
             .expect("what was written reads")
             .expect("a file");
         assert_eq!(again.iteration, 7);
+        let memory: Vec<u64> = again.memory.iter().map(|x| x.to_bits()).collect();
+        assert_eq!(memory, [(0.1_f64 + 0.2).to_bits(), (-0.0_f64).to_bits()]);
         let bits = |sites: &[Point<f64, 3>]| -> Vec<u64> {
             let values = sites.iter().flat_map(|site| site.iter().copied());
             values.map(f64::to_bits).collect()

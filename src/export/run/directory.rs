@@ -152,10 +152,11 @@ impl RunDirectory {
         &mut self,
         record: &Record,
         sites: &[Point<f64, D>],
+        memory: impl FnOnce() -> Vec<f64>,
     ) -> Result<(), RunError> {
         self.log.append(record)?;
         if record.iteration == 0 || self.pace.is_due() {
-            self.keep(record, sites)?;
+            self.keep(record, sites, &memory())?;
         }
         Ok(())
     }
@@ -168,11 +169,12 @@ impl RunDirectory {
         &mut self,
         record: &Record,
         sites: &[Point<f64, D>],
+        memory: &[f64],
     ) -> Result<(), RunError> {
         let start = Instant::now();
         self.log.sync()?;
         let path = self.file(CHECKPOINT);
-        checkpoint::write(&path, record.iteration, sites)?;
+        checkpoint::write(&path, record.iteration, sites, memory)?;
         self.pace = Pace::after(start.elapsed());
         Ok(())
     }
