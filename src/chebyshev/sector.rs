@@ -122,6 +122,12 @@ impl Interface {
         self.0 as usize
     }
 
+    /// The first interface of a set that has one.
+    #[inline]
+    pub(crate) fn lowest(set: u16) -> Self {
+        Self(set.trailing_zeros() as u8)
+    }
+
     /// Its bit in a set of interfaces.
     #[inline]
     pub(crate) fn bit(self) -> u16 {

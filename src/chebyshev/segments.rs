@@ -9,12 +9,22 @@ use crate::chebyshev::integrand::FacetConstants;
 use crate::chebyshev::sector::{Interface, diagonal_ray, pierced};
 use crate::chebyshev::visit::{FacetView, Visit};
 
-/// Where a segment on an interface begins or ends.
+/// Where segments begin and end on the interfaces of a facet.
+#[derive(Clone, Debug)]
+pub(crate) struct Endpoints {
+    /// The interfaces with a start, as a set of bits, and those with an end.
+    seen: [u16; 2],
+    /// Per role and interface, the point.
+    points: [[Vector3<f64>; Interface::COUNT]; 2],
+    /// Second starts or ends on an interface. A convex polygon has none but by rounding.
+    spare: Vec<Endpoint>,
+}
+
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Endpoint {
-    pub(crate) interface: Interface,
-    pub(crate) role: Role,
-    pub(crate) point: Vector3<f64>,
+struct Endpoint {
+    interface: Interface,
+    role: Role,
+    point: Vector3<f64>,
 }
 
 /// What an endpoint is to a segment with the interface's first sector on its left.
@@ -22,57 +32,107 @@ pub(crate) struct Endpoint {
 pub(crate) enum Role {
     Start,
     End,
-    /// The end of a segment that has been reported.
-    Taken,
 }
 
 impl Role {
+    #[inline]
     pub(crate) fn start_if(is_start: bool) -> Self {
         if is_start { Self::Start } else { Self::End }
     }
 }
 
-/// Reports the segments of a facet whose boundary crosses interfaces at `endpoints`. The list is
-/// used up.
-pub(crate) fn report_segments(
-    constants: &FacetConstants,
-    view: &FacetView,
-    endpoints: &mut Vec<Endpoint>,
-    visitor: &mut impl Visit,
-) {
-    let crossed = endpoints.iter().fold(0, |set, e| set ^ e.interface.bit());
-    push_diagonals(constants, view, crossed, endpoints);
-    for start in 0..endpoints.len() {
-        let Endpoint {
-            interface,
-            role: Role::Start,
-            point: u,
-        } = endpoints[start]
-        else {
-            continue;
-        };
-        let end = endpoints
-            .iter_mut()
-            .find(|end| end.interface == interface && end.role == Role::End);
-        if let Some(end) = end {
-            end.role = Role::Taken;
-            let v = end.point;
-            let doubled_area = constants
-                .normal
-                .dot(&(u - view.anchor).cross(&(v - view.anchor)));
-            visitor.segment(view, interface, doubled_area, &u, &v);
+impl Default for Endpoints {
+    fn default() -> Self {
+        Self {
+            seen: [0; 2],
+            points: [[Vector3::zeros(); Interface::COUNT]; 2],
+            spare: Vec::new(),
         }
     }
 }
 
-/// Adds the points in which diagonals pierce the facet, each an endpoint of three interfaces.
-fn push_diagonals(
+impl Endpoints {
+    /// Forgets all endpoints.
+    #[inline]
+    pub(crate) fn clear(&mut self) {
+        self.seen = [0; 2];
+        self.spare.clear();
+    }
+
+    /// Adds an endpoint.
+    #[inline]
+    pub(crate) fn add(&mut self, interface: Interface, role: Role, point: Vector3<f64>) {
+        let seen = &mut self.seen[role as usize];
+        if *seen & interface.bit() == 0 {
+            *seen |= interface.bit();
+            self.points[role as usize][interface.number()] = point;
+        } else {
+            self.spare.push(Endpoint {
+                interface,
+                role,
+                point,
+            });
+        }
+    }
+
+    /// The interfaces with an odd number of endpoints.
+    fn crossed(&self) -> u16 {
+        let spare = self.spare.iter().map(|endpoint| endpoint.interface.bit());
+        spare.fold(self.seen[0] ^ self.seen[1], |set, bit| set ^ bit)
+    }
+
+    /// One of the points, if there are any.
+    fn any_point(&self) -> Option<Vector3<f64>> {
+        let [starts, ends] = self.seen;
+        let (role, seen) = if starts != 0 { (0, starts) } else { (1, ends) };
+        (seen != 0).then(|| self.points[role][Interface::lowest(seen).number()])
+    }
+
+    /// Pairs starts with ends of the same interface. Which of several spare ones go together makes
+    /// no difference, since they lie within rounding of each other.
+    fn pair(&mut self, mut report: impl FnMut(Interface, &Vector3<f64>, &Vector3<f64>)) {
+        let mut both = self.seen[0] & self.seen[1];
+        while both != 0 {
+            let interface = Interface::lowest(both);
+            let [start, end] = [0, 1].map(|role| &self.points[role][interface.number()]);
+            report(interface, start, end);
+            both ^= interface.bit();
+        }
+        while let Some(one) = self.spare.pop() {
+            let Endpoint {
+                interface, role, ..
+            } = one;
+            let partner = |other: &Endpoint| other.interface == interface && other.role != role;
+            let Some(place) = self.spare.iter().position(partner) else {
+                continue;
+            };
+            let point = self.spare.swap_remove(place).point;
+            match role {
+                Role::Start => report(interface, &one.point, &point),
+                Role::End => report(interface, &point, &one.point),
+            }
+        }
+    }
+}
+
+/// Reports the segments of a facet whose boundary crosses interfaces at `endpoints`. They are used
+/// up.
+pub(crate) fn report_segments(
     constants: &FacetConstants,
     view: &FacetView,
-    crossed: u16,
-    endpoints: &mut Vec<Endpoint>,
+    endpoints: &mut Endpoints,
+    visitor: &mut impl Visit,
 ) {
-    let mut inside = pierced(crossed);
+    push_diagonals(constants, view, endpoints);
+    endpoints.pair(|interface, u, v| {
+        let fan = (u - view.anchor).cross(&(v - view.anchor));
+        visitor.segment(view, interface, constants.normal.dot(&fan), u, v);
+    });
+}
+
+/// Adds the points in which diagonals pierce the facet, each an endpoint of three interfaces.
+fn push_diagonals(constants: &FacetConstants, view: &FacetView, endpoints: &mut Endpoints) {
+    let mut inside = pierced(endpoints.crossed());
     let seen_from_inside = view.height >= 0.0;
     let steepness = |diagonal: u8| {
         let dot = constants.normal.dot(&diagonal_ray(diagonal));
@@ -92,18 +152,18 @@ fn push_diagonals(
             diagonal_ray(diagonal) * reach
         } else {
             // Rounding alone says that this diagonal pierces: its triangle has no area.
-            endpoints.first().map_or(view.anchor, |first| first.point)
+            endpoints.any_point().unwrap_or(view.anchor)
         };
         for (interface, ends) in Interface::at_diagonal(diagonal) {
-            endpoints.push(Endpoint {
-                interface,
-                role: Role::start_if(ends != seen_from_inside),
-                point,
-            });
+            endpoints.add(interface, Role::start_if(ends != seen_from_inside), point);
         }
     }
 }
 
-fn members(set: u8) -> impl Iterator<Item = u8> {
-    (0..8).filter(move |member| set >> member & 1 == 1)
+fn members(mut set: u8) -> impl Iterator<Item = u8> {
+    std::iter::from_fn(move || {
+        let member = set.trailing_zeros() as u8;
+        set &= set.wrapping_sub(1);
+        (member < 8).then_some(member)
+    })
 }

@@ -16,7 +16,7 @@ use nalgebra::Vector3;
 
 use crate::chebyshev::integrand::{EdgeConstants, FacetConstants, Integrand};
 use crate::chebyshev::sector::{Interface, Sector};
-use crate::chebyshev::segments::{Endpoint, Role, report_segments};
+use crate::chebyshev::segments::{Endpoints, Role, report_segments};
 use crate::chebyshev::visit::{FacetView, Visit};
 
 /// The memory of a walk, to be reused from one center to the next.
@@ -24,18 +24,22 @@ use crate::chebyshev::visit::{FacetView, Visit};
 pub struct WalkScratch {
     vertices: Vec<(Vector3<f64>, Sector)>,
     facets: Vec<FacetView>,
-    /// Per facet, one more than the place of its last crossing; zero for none.
+    /// Per facet, its last entry: twice the crossing's place, plus one for the right side, plus one;
+    /// zero for none.
     last: Vec<u32>,
     crossings: Vec<Crossing>,
-    endpoints: Vec<Endpoint>,
+    endpoints: Endpoints,
 }
 
-/// Where the walk around a facet crosses an interface.
+/// Where an edge crosses an interface, for both facets beside it.
 #[derive(Clone, Copy, Debug)]
 struct Crossing {
-    endpoint: Endpoint,
-    /// One more than the place of the facet's crossing before this one; zero for none.
-    before: u32,
+    point: Vector3<f64>,
+    interface: Interface,
+    /// What it is on the left facet; on the right one it is the opposite.
+    is_start: bool,
+    /// The facets' entries before this one, as in `last`.
+    before: [u32; 2],
 }
 
 /// Walks the surface of a piece as seen from `center` (in the piece's coordinates).
@@ -108,21 +112,8 @@ fn split_edge(edge: &EdgeConstants, scratch: &mut WalkScratch, visitor: &mut imp
         visitor.share(&right, sector, part * edge.right_area, &next_point, &point);
         let Some(following) = following else { break };
         let interface = Interface::between(sector, following);
-        let onto_right = sector == interface.sectors().0;
-        note(
-            scratch,
-            edge.left,
-            interface,
-            Role::start_if(onto_right),
-            next_point,
-        );
-        note(
-            scratch,
-            edge.right,
-            interface,
-            Role::start_if(!onto_right),
-            next_point,
-        );
+        let is_start = sector == interface.sectors().0;
+        note(edge, interface, is_start, next_point, scratch);
         (start, point, sector) = (end, next_point, following);
     }
 }
@@ -144,11 +135,9 @@ fn next_sector(
     let mut least = 1.0;
     for other in sector.beside() {
         let gain = other.distance(along) - slope;
-        if gain > 0.0 {
-            let t = (value - other.distance(a)) / gain;
-            if t < least {
-                (best, least) = (Some(other), t);
-            }
+        let t = (value - other.distance(a)) / gain;
+        if gain > 0.0 && t < least {
+            (best, least) = (Some(other), t);
         }
     }
     match best {
@@ -160,22 +149,21 @@ fn next_sector(
 }
 
 fn note(
-    scratch: &mut WalkScratch,
-    facet: u32,
+    edge: &EdgeConstants,
     interface: Interface,
-    role: Role,
+    is_start: bool,
     point: Vector3<f64>,
+    scratch: &mut WalkScratch,
 ) {
-    let last = &mut scratch.last[facet as usize];
+    let entry = 2 * scratch.crossings.len() as u32 + 1;
+    let before = [(edge.left, entry), (edge.right, entry + 1)]
+        .map(|(facet, entry)| std::mem::replace(&mut scratch.last[facet as usize], entry));
     scratch.crossings.push(Crossing {
-        endpoint: Endpoint {
-            interface,
-            role,
-            point,
-        },
-        before: *last,
+        point,
+        interface,
+        is_start,
+        before,
     });
-    *last = scratch.crossings.len() as u32;
 }
 
 /// Gathers a facet's crossings and reports its segments.
@@ -193,11 +181,13 @@ fn join_segments(
         ..
     } = scratch;
     endpoints.clear();
-    let mut number = last[facet];
-    while number != 0 {
-        let crossing = crossings[number as usize - 1];
-        endpoints.push(crossing.endpoint);
-        number = crossing.before;
+    let mut entry = last[facet];
+    while entry != 0 {
+        let (place, side) = ((entry - 1) / 2, (entry - 1) % 2);
+        let crossing = &crossings[place as usize];
+        let role = Role::start_if(crossing.is_start == (side == 0));
+        endpoints.add(crossing.interface, role, crossing.point);
+        entry = crossing.before[side as usize];
     }
     report_segments(constants, &facets[facet], endpoints, visitor);
 }
