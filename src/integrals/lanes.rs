@@ -21,12 +21,12 @@ pub type LanePoint = [Lanes; 3];
 /// Simplices handled together. Eight spill every register of the default x86-64 target.
 pub const WIDTH: usize = 4;
 
-/// The factors of mass, first and second moments that [`Sums::add_constant`] leaves out: the
-/// Dirichlet weights of a tetrahedron for 1, y and y yᵀ, times the 6 in six times the volume.
+/// The factors of mass, first and second moments that [`Sums::add_constant`] leaves out: V, V/4
+/// and V/20 in terms of six times the volume V.
 pub const CONSTANT: [f64; 3] = [1.0 / 6.0, 1.0 / 24.0, 1.0 / 120.0];
 
-/// The factors that [`Sums::add_linear`] leaves out: the weights of ρ, ρ y and ρ y yᵀ, and the
-/// halves of σ and of the second moments.
+/// The factors that [`Sums::add_linear`] leaves out: V/4, V/20 and V/120 in terms of six times
+/// the volume V, mass and second moments doubled because they carry a half.
 pub const LINEAR: [f64; 3] = [1.0 / 12.0, 1.0 / 120.0, 1.0 / 360.0];
 
 /// Running sums of ∫ρ·{1, x, y, z, x², y², z², xy, yz, zx}, before the constant factors.

@@ -15,7 +15,8 @@
 //!                                 polynomial_density
 //!    mirtich [M]     tetrahedra [BL]   surface           the ten moments of a body
 //!        └──────────────┴──────┬───────┴── moments
-//!                           pairwise                 sums by halves, in a fixed order
+//!                             lanes                  four simplices at a time
+//!                            pairwise                sums by halves, in a fixed order
 //! ```
 //!
 //! Surfaces are slices of vertices and of triangles that name them, counter-clockwise seen from

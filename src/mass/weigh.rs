@@ -69,7 +69,7 @@ pub fn weigh_surface(
     density: &Density,
     extent: &Bounds<3>,
 ) -> Result<Body, WeighError> {
-    let near = mesh.bounds().center();
+    let near = Bounds::of(&mesh.vertices).center();
     let (vertices, triangles) = (&mesh.vertices[..], &mesh.triangles[..]);
     let moments = match density {
         Density::Constant(value) => surface::constant(vertices, triangles, &near) * *value,
@@ -98,7 +98,7 @@ pub fn weigh_tets(
     density: &Density,
     extent: &Bounds<3>,
 ) -> Result<Body, WeighError> {
-    let near = mesh.bounds().center();
+    let near = Bounds::of(&mesh.vertices).center();
     let (vertices, tets) = (&mesh.vertices[..], &mesh.tets[..]);
     let moments = match density {
         Density::Constant(value) => tetrahedra::constant(vertices, tets, &near) * *value,
