@@ -42,3 +42,8 @@ pub mod plot;
 pub mod relax;
 pub mod scene;
 pub mod voronoi;
+
+/// The README's code compiles and runs.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
