@@ -44,8 +44,10 @@ pub struct Search<const D: usize> {
     pub minimizer: Minimizer,
     /// The order p ≥ 1 of the energy.
     pub order: u32,
-    /// The cell's volume (L^D), by which steps and gradients are measured.
+    /// The cell's volume (L^D), by which steps are measured.
     pub volume: f64,
+    /// The cell's mass, by which gradients are measured: the volume where the density is 1.
+    pub mass: f64,
     /// The box that holds the center, relative to the site; it holds the site.
     pub bounds: Bounds<D>,
 }
@@ -92,10 +94,10 @@ impl<const D: usize> Search<D> {
         }
     }
 
-    /// The cell's size (L) and p V s^(p−1), what a fragment's share of the gradient is like.
+    /// The cell's size (L) and p m s^(p−1), m its mass, what a fragment's share of the gradient is like.
     fn scales(&self) -> (f64, f64) {
         let length = self.volume.max(0.0).powf(1.0 / D as f64);
-        let scale = (1..self.order).fold(self.volume * f64::from(self.order), |s, _| s * length);
+        let scale = (1..self.order).fold(self.mass * f64::from(self.order), |s, _| s * length);
         (length, scale)
     }
 

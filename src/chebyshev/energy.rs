@@ -15,6 +15,7 @@ use crate::chebyshev::integrand::Integrand;
 use crate::chebyshev::sector::{Interface, Sector};
 use crate::chebyshev::visit::{FacetView, Visit};
 use crate::chebyshev::walk::{WalkScratch, walk};
+use crate::chebyshev::weighted::{Places, Weighted};
 use crate::integrals::simplex::complete_homogeneous;
 use crate::minimize::problem::Evaluation;
 
@@ -42,7 +43,19 @@ pub fn energy<'a>(
         hessian: Matrix3::zeros(),
     };
     for SignedPiece { sign, integrand } in pieces {
-        let part = if order == 1 {
+        let part = if let Some(density) = &integrand.density {
+            let degree = density.degree();
+            let kept = scratch
+                .places
+                .take()
+                .filter(|places| places.serve(degree, order));
+            let places = kept.unwrap_or_else(|| Places::new(degree, order));
+            let mut sums = Weighted::new(&places, density, center);
+            walk(integrand, center, scratch, &mut sums);
+            let part = sums.evaluation();
+            scratch.places = Some(places);
+            part
+        } else if order == 1 {
             let mut sums = Linear::default();
             walk(integrand, center, scratch, &mut sums);
             sums.evaluation()
@@ -150,17 +163,28 @@ impl Power {
     }
 
     fn evaluation(&self) -> Evaluation<3> {
-        let p = f64::from(self.order);
-        let first = &self.first;
-        let gradient = Vector3::from([0, 1, 2].map(|k| first[2 * k + 1] - first[2 * k])) * p;
-        let second = &self.second;
-        let bulk = Vector3::from([0, 1, 2].map(|k| second[2 * k] + second[2 * k + 1]));
-        Evaluation {
-            value: self.value,
-            gradient,
-            hessian: interface_hessian(&self.interfaces) * p
-                + Matrix3::from_diagonal(&bulk) * (p * (p - 1.0)),
-        }
+        let (first, second) = (&self.first, &self.second);
+        sums_evaluation(self.order, self.value, first, second, &self.interfaces)
+    }
+}
+
+/// Energy, gradient and Hessian from the integrals of d∞^p in all, of d∞^{p−1} and d∞^{p−2} per
+/// sector, and 4/√2 times those of d∞^{p−1} per interface.
+pub(crate) fn sums_evaluation(
+    order: u32,
+    value: f64,
+    first: &[f64; 6],
+    second: &[f64; 6],
+    interfaces: &[f64; Interface::COUNT],
+) -> Evaluation<3> {
+    let p = f64::from(order);
+    let gradient = Vector3::from([0, 1, 2].map(|k| first[2 * k + 1] - first[2 * k])) * p;
+    let bulk = Vector3::from([0, 1, 2].map(|k| second[2 * k] + second[2 * k + 1]));
+    Evaluation {
+        value,
+        gradient,
+        hessian: interface_hessian(interfaces) * p
+            + Matrix3::from_diagonal(&bulk) * (p * (p - 1.0)),
     }
 }
 
@@ -199,7 +223,7 @@ impl Visit for Power {
 /// 4/√2 times the signed area of the triangle (center, u, v) on the interface: (u×v)·w, since u×v
 /// is parallel to w and |w| = √2.
 #[inline]
-fn interface_area(interface: Interface, u: &Vector3<f64>, v: &Vector3<f64>) -> f64 {
+pub(crate) fn interface_area(interface: Interface, u: &Vector3<f64>, v: &Vector3<f64>) -> f64 {
     let (left, right) = interface.sectors();
     let normal = u.cross(v);
     left.distance(&normal) - right.distance(&normal)

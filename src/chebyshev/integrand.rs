@@ -1,4 +1,4 @@
-//! What stays constant of a convex piece while its center moves.
+//! What stays constant of a piece while its center moves.
 //!
 //! Every facet f is fanned from an anchor vertex q. The triangle (q, a, b) of a directed edge has
 //! twice the area σ = n·((a−q)×(b−q)), n the unit normal: constant for the piece's life, so that
@@ -8,8 +8,11 @@
 
 use nalgebra::Vector3;
 
+use crate::geometry::faceted::{Faceted, Piece};
+use crate::geometry::half_space::HalfSpace;
 use crate::geometry::label::Label;
 use crate::geometry::polyhedron::Polyhedron;
+use crate::integrals::polynomial::Polynomial;
 
 /// A facet's constants.
 #[derive(Clone, Copy, Debug)]
@@ -30,13 +33,15 @@ pub(crate) struct EdgeConstants {
     pub(crate) right_area: f64,
 }
 
-/// A convex piece prepared for integrals about any center, in the piece's coordinates.
+/// A piece prepared for integrals about any center, in the piece's coordinates.
 #[derive(Clone, Debug, Default)]
 pub struct Integrand {
     pub(crate) vertices: Vec<Vector3<f64>>,
     pub(crate) facets: Vec<FacetConstants>,
     pub(crate) edges: Vec<EdgeConstants>,
     pub(crate) labels: Vec<Label>,
+    /// In the piece's coordinates; none is density 1.
+    pub(crate) density: Option<Polynomial>,
 }
 
 const UNSEEN: u32 = u32::MAX;
@@ -46,23 +51,28 @@ impl Integrand {
     #[must_use]
     pub fn new(piece: &Polyhedron) -> Self {
         let mut integrand = Self::default();
-        integrand.assign(piece);
+        integrand.assign(Piece::Convex(piece));
         integrand
     }
 
-    /// Prepares `piece`, keeping the memory of the piece before.
-    pub fn assign(&mut self, piece: &Polyhedron) {
+    /// Prepares `piece` of density 1, keeping the memory of the piece before.
+    pub fn assign(&mut self, piece: Piece<'_>) {
+        self.density = None;
+        match piece {
+            Piece::Convex(piece) => self.assign_convex(piece),
+            Piece::Faceted(piece) => self.assign_faceted(piece),
+        }
+    }
+
+    /// Gives the piece a density, a polynomial in its coordinates; none is density 1.
+    pub fn set_density(&mut self, density: Option<&Polynomial>) {
+        self.density = density.cloned();
+    }
+
+    fn assign_convex(&mut self, piece: &Polyhedron) {
         self.vertices.clear();
         self.vertices.extend(piece.vertices().map(|v| v.coords));
-        self.facets.clear();
-        self.facets.extend(piece.planes.iter().map(|plane| {
-            let unit = plane.normalized();
-            FacetConstants {
-                normal: unit.normal,
-                offset: unit.offset,
-                anchor: UNSEEN,
-            }
-        }));
+        self.assign_facets(piece.planes.iter());
         self.labels.clear();
         self.labels.extend_from_slice(&piece.labels);
         for (vertex, facets) in piece.facets.iter().enumerate() {
@@ -81,6 +91,39 @@ impl Integrand {
                 }
             }
         }
+    }
+
+    /// A facet that is not convex or not connected is the signed sum of the triangles on its edges
+    /// no less than a convex one, and the walk takes it for what it is.
+    fn assign_faceted(&mut self, piece: &Faceted) {
+        self.vertices.clear();
+        self.vertices.extend_from_slice(&piece.vertices);
+        self.assign_facets(piece.facets.iter().map(|(plane, _)| plane));
+        self.labels.clear();
+        self.labels
+            .extend(piece.facets.iter().map(|(_, label)| label));
+        for edge in &piece.edges {
+            for facet in [edge.left, edge.right] {
+                let anchor = &mut self.facets[facet as usize].anchor;
+                *anchor = (*anchor).min(edge.from);
+            }
+        }
+        self.edges.clear();
+        for edge in &piece.edges {
+            self.push_edge(edge.from, edge.to, edge.left, edge.right);
+        }
+    }
+
+    fn assign_facets<'a>(&mut self, planes: impl Iterator<Item = &'a HalfSpace>) {
+        self.facets.clear();
+        self.facets.extend(planes.map(|plane| {
+            let unit = plane.normalized();
+            FacetConstants {
+                normal: unit.normal,
+                offset: unit.offset,
+                anchor: UNSEEN,
+            }
+        }));
     }
 
     fn push_edge(&mut self, from: u32, to: u32, left: u32, right: u32) {

@@ -10,9 +10,11 @@ pub mod center;
 pub mod energy;
 pub mod fragments;
 pub mod integrand;
+pub mod mass_moments;
 pub mod plane;
 pub mod sector;
 pub mod walk;
+pub(crate) mod weighted;
 
 mod segments;
 mod visit;

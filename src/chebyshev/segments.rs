@@ -16,7 +16,7 @@ pub(crate) struct Endpoints {
     seen: [u16; 2],
     /// Per role and interface, the point.
     points: [[Vector3<f64>; Interface::COUNT]; 2],
-    /// Second starts or ends on an interface. A convex polygon has none but by rounding.
+    /// Second starts or ends on an interface. A convex facet has none but by rounding.
     spare: Vec<Endpoint>,
 }
 
@@ -88,8 +88,8 @@ impl Endpoints {
         (seen != 0).then(|| self.points[role][Interface::lowest(seen).number()])
     }
 
-    /// Pairs starts with ends of the same interface. Which of several spare ones go together makes
-    /// no difference, since they lie within rounding of each other.
+    /// Pairs starts with ends of the same interface. Which of several go together makes no
+    /// difference: they lie on one line, on which signed segments of the same ends add up to the same.
     fn pair(&mut self, mut report: impl FnMut(Interface, &Vector3<f64>, &Vector3<f64>)) {
         let mut both = self.seen[0] & self.seen[1];
         while both != 0 {

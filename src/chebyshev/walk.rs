@@ -18,6 +18,7 @@ use crate::chebyshev::integrand::{EdgeConstants, FacetConstants, Integrand};
 use crate::chebyshev::sector::{Interface, Sector};
 use crate::chebyshev::segments::{Endpoints, Role, report_segments};
 use crate::chebyshev::visit::{FacetView, Visit};
+use crate::chebyshev::weighted::Places;
 
 /// The memory of a walk, to be reused from one center to the next.
 #[derive(Clone, Debug, Default)]
@@ -29,6 +30,8 @@ pub struct WalkScratch {
     last: Vec<u32>,
     crossings: Vec<Crossing>,
     endpoints: Endpoints,
+    /// For pieces with a density.
+    pub(crate) places: Option<Places>,
 }
 
 /// Where an edge crosses an interface, for both facets beside it.

@@ -97,7 +97,7 @@ fn sites(kind: Kind, count: usize) -> Result<Vec<Point3<f64>>, Failure> {
     }
     let random = Sites::Random(Random { count, seed: 1 });
     let region = Region::<3>::of_solid(&domain);
-    let mut sites = place(&random, &region).map_err(Failure::input)?;
+    let mut sites = place(&random, &region, false).map_err(Failure::input)?;
     if let Kind::Relaxed = kind {
         let space = Space::new(Box::new(domain));
         for _ in 0..RELAXATION {

@@ -52,7 +52,7 @@ pub(crate) trait Ground<const D: usize>: Tessellation<D> {
 
     /// The scene's sites.
     fn place(&self, scene: &Scene) -> Result<Vec<Point<f64, D>>, Failure> {
-        place(&scene.sites, &self.region()).map_err(Failure::input)
+        place(&scene.sites, &self.region(), scene.drop_outside).map_err(Failure::input)
     }
 }
 
@@ -62,9 +62,13 @@ pub(crate) fn plane(scene: &Scene) -> Result<Plane, Failure> {
     Ok(Plane { domain })
 }
 
-/// The ground of a scene in space.
+/// The ground of a scene in space. What was repaired in its mesh is told on stderr.
 pub(crate) fn space(scene: &Scene) -> Result<Space, Failure> {
-    Ok(Space::new(scene.domain.solid().map_err(Failure::input)?))
+    let (domain, notes) = scene.solid().map_err(Failure::input)?;
+    for note in notes {
+        eprintln!("note: {note}");
+    }
+    Ok(Space::new(domain))
 }
 
 /// Is shown a record, the sites it describes and the method's stand.

@@ -4,10 +4,10 @@ use std::error::Error;
 
 use nalgebra::Point3;
 
+use chebloyd::domain::space::PieceScratch;
 use chebloyd::export::run::directory::RunDirectory;
 use chebloyd::export::vtu::VtuWriter;
 use chebloyd::geometry::bounds::Bounds;
-use chebloyd::geometry::shell::Shell;
 use chebloyd::plot::cut::Cut;
 use chebloyd::plot::cutaway::{CutawayPicture, Removed};
 use chebloyd::plot::patches::picture;
@@ -15,7 +15,7 @@ use chebloyd::relax::figures::CellFigures;
 use chebloyd::relax::lloyd::Ended;
 use chebloyd::relax::plan::Plan;
 use chebloyd::relax::record::{Record, optimal_side};
-use chebloyd::relax::space::Space;
+use chebloyd::relax::space::{Space, shell};
 use chebloyd::relax::stand::Stand;
 use chebloyd::relax::tessellation::{Question, Tessellation};
 use chebloyd::relax::travel::travel;
@@ -69,7 +69,7 @@ impl Ground<3> for Space {
         let scale = colors.scale().clone();
         let mut cutaway = CutawayPicture::new(&self.bounds(), Removed::Octant, scale, title)?;
         Diagram::new(self.domain(), sites)?.stream(
-            |(): &mut (), cell| Shell::from(cell.polyhedron).translated(&cell.position.coords),
+            |scratch: &mut PieceScratch, cell| shell(self.domain(), &cell, scratch),
             |site, shell| {
                 let value = Colors::value(&cells[site]);
                 patches.extend(cut.patch(&shell, value));

@@ -20,6 +20,9 @@ pub(crate) struct SceneOptions {
     /// Take the sites from a .csv, .npy, .xyz, .txt or .json file
     #[arg(long, value_name = "FILE", conflicts_with_all = ["count", "seed"])]
     sites: Option<PathBuf>,
+    /// Leave out sites outside the domain instead of refusing them
+    #[arg(long)]
+    drop_outside: bool,
     /// Number of random sites
     #[arg(long, value_name = "N")]
     count: Option<usize>,
@@ -48,6 +51,7 @@ impl SceneOptions {
         };
         let overrides = Overrides {
             sites: self.sites.clone(),
+            drop_outside: self.drop_outside,
             count: self.count,
             seed: self.seed,
             norm: self.norm.map(|name| match name {

@@ -53,4 +53,18 @@ pub enum DomainError {
         /// The half-space that removed the rest, from zero.
         number: usize,
     },
+    /// Tetrahedra whose boundary bounds no solid.
+    #[error("the boundary of the tetrahedra {reason}")]
+    Boundary {
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// A density that is not positive.
+    #[error("the density is {value} at {position:?}; it must be a positive number everywhere")]
+    Density {
+        /// Its value.
+        value: f64,
+        /// Where.
+        position: [f64; 3],
+    },
 }

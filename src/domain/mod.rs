@@ -1,11 +1,16 @@
 //! Where sites may live: domains as signed sums of convex pieces.
 //!
-//! [`space`] is the door that the floors above knock at; [`cuboid`] and [`convex`] are solids,
-//! [`plane`] the domains of the plane. [`beyond`] gives facet labels their meaning.
+//! [`space`] is the door that the floors above knock at; [`cuboid`] and [`convex`] are convex solids,
+//! [`surface`] those bounded by triangles, [`tets`] those filled with tetrahedra, [`plane`] the domains of the plane. [`beyond`] gives facet labels their meaning,
+//! [`weighted`] domains a density.
 
 pub mod beyond;
 pub mod convex;
 pub mod cuboid;
 pub mod error;
+pub(crate) mod near;
 pub mod plane;
 pub mod space;
+pub mod surface;
+pub mod tets;
+pub mod weighted;

@@ -1,16 +1,19 @@
-//! A domain as the rest of the program sees it: a signed sum of convex pieces.
+//! A domain as the rest of the program sees it: a signed sum of pieces.
 //!
-//! Everything that a cell is worth is additive over a partition of C ∩ Ω into convex pieces and
-//! linear in signs. So a domain only says from which convex polyhedron a cell starts and which
-//! signed convex pieces then overlap it.
+//! Everything that a cell is worth is additive over a partition of C ∩ Ω into pieces and linear in
+//! signs. So a domain only says from which convex polyhedron a cell starts and which signed pieces
+//! then overlap it. A piece is convex or given by its boundary.
 
 use std::fmt::Debug;
 
 use nalgebra::{Point3, Vector3};
 
+use crate::domain::surface::clipped::ClippedCell;
 use crate::geometry::bounds::Bounds;
 use crate::geometry::clip::ClipScratch;
+use crate::geometry::faceted::Piece;
 use crate::geometry::polyhedron::Polyhedron;
+use crate::integrals::polynomial::Polynomial;
 
 /// A bounded solid Ω in space, possibly periodic along some axes.
 pub trait Domain: Debug + Send + Sync {
@@ -55,25 +58,78 @@ pub trait Domain: Debug + Send + Sync {
         true
     }
 
-    /// Visits the signed convex pieces of `cell` ∩ Ω, in coordinates relative to `site`.
+    /// The greatest squared distance of a point of `cell` ∩ Ω from the site, or an upper bound
+    /// (L²). `cell`, in coordinates relative to `site`, holds the site.
+    fn radius_squared(
+        &self,
+        _site: &Point3<f64>,
+        cell: &Polyhedron,
+        _scratch: &mut PieceScratch,
+    ) -> f64 {
+        cell.radius_squared()
+    }
+
+    /// Visits the signed pieces of `cell` ∩ Ω. Cell and pieces are in coordinates relative to
+    /// `site`, which both the cell and Ω hold.
     fn pieces(
         &self,
         _site: &Point3<f64>,
         cell: &Polyhedron,
         _scratch: &mut PieceScratch,
-        visit: &mut dyn FnMut(f64, &Polyhedron),
+        visit: &mut dyn FnMut(f64, Piece<'_>),
     ) {
-        visit(1.0, cell);
+        visit(1.0, Piece::Convex(cell));
+    }
+
+    /// As [`Domain::pieces`], each piece with its density as a polynomial in the same coordinates;
+    /// none is density 1.
+    fn weighted_pieces(
+        &self,
+        site: &Point3<f64>,
+        cell: &Polyhedron,
+        scratch: &mut PieceScratch,
+        visit: &mut dyn FnMut(f64, Piece<'_>, Option<&Polynomial>),
+    ) {
+        self.pieces(site, cell, scratch, &mut |sign, piece| {
+            visit(sign, piece, None)
+        });
+    }
+
+    /// The mean of the density over Ω; 1 without one.
+    fn mean_density(&self) -> f64 {
+        1.0
+    }
+
+    /// Visits `cell` ∩ Ω in one piece for files and pictures: exact to 1e-9 of the cell's size, and
+    /// not at all where it has no boundary that could be shown.
+    fn shape(
+        &self,
+        _site: &Point3<f64>,
+        cell: &Polyhedron,
+        _scratch: &mut PieceScratch,
+        visit: &mut dyn FnMut(Piece<'_>),
+    ) {
+        visit(Piece::Convex(cell));
+    }
+
+    /// The share of `step` after which the way from `site` first leaves Ω otherwise than by
+    /// leaving the cell's start; infinity where it does not.
+    fn first_exit(&self, _site: &Point3<f64>, _step: &Vector3<f64>) -> f64 {
+        f64::INFINITY
     }
 }
 
 /// The memory of [`Domain::pieces`], to be reused from one cell to the next.
 #[derive(Clone, Debug, Default)]
 pub struct PieceScratch {
-    /// The piece under construction.
+    /// The convex piece under construction.
     pub piece: Polyhedron,
     /// The memory of its clips.
     pub clip: ClipScratch,
+    /// The part within a surface.
+    pub clipped: ClippedCell,
+    /// Elements near a cell.
+    pub near: Vec<u32>,
 }
 
 /// The displacement from `from` to `to`, the shortest one along periodic axes.

@@ -60,7 +60,7 @@ impl Moments {
         self.second - 2.0 * shift.dot(&self.first) + self.volume * shift.norm_squared()
     }
 
-    fn add_tetrahedron(&mut self, a: &Vector3<f64>, b: &Vector3<f64>, d: &Vector3<f64>) {
+    pub(crate) fn add_tetrahedron(&mut self, a: &Vector3<f64>, b: &Vector3<f64>, d: &Vector3<f64>) {
         let volume = a.dot(&b.cross(d)) / 6.0;
         let sum = a + b + d;
         self.volume += volume;

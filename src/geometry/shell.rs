@@ -13,6 +13,8 @@
 use nalgebra::{Point2, Point3, Vector3};
 
 use crate::geometry::bounds::Bounds;
+use crate::geometry::faceted::{Faceted, Piece};
+use crate::geometry::outline::polygons;
 use crate::geometry::polyhedron::Polyhedron;
 
 /// A closed surface of polygons, or one polygon.
@@ -169,6 +171,32 @@ impl From<&Polyhedron> for Shell {
             .map(|facet| facet.vertex_numbers().map(|vertex| vertex as u32));
         // A polyhedron's facets name its own vertices only.
         Self::new(&vertices, facets).unwrap_or_default()
+    }
+}
+
+impl From<&Faceted> for Shell {
+    fn from(solid: &Faceted) -> Self {
+        let vertices: Vec<Point3<f64>> = solid.vertices().collect();
+        let mut sides: Vec<(u32, [u32; 2])> = solid.sides().collect();
+        sides.sort_unstable();
+        let facets = sides
+            .chunk_by(|one, other| one.0 == other.0)
+            .flat_map(|group| {
+                let edges: Vec<[u32; 2]> = group.iter().map(|side| side.1).collect();
+                let normal = &solid.facets[group[0].0 as usize].0.normal;
+                polygons(&edges, &solid.vertices, normal)
+            });
+        // A solid's edges name its own vertices only.
+        Self::new(&vertices, facets).unwrap_or_default()
+    }
+}
+
+impl From<Piece<'_>> for Shell {
+    fn from(piece: Piece<'_>) -> Self {
+        match piece {
+            Piece::Convex(piece) => Self::from(piece),
+            Piece::Faceted(piece) => Self::from(piece),
+        }
     }
 }
 

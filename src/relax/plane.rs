@@ -59,6 +59,7 @@ pub(crate) fn relative_center(cell: &PlaneCell, question: Question) -> Option<Ce
             minimizer: question.minimizer,
             order: question.order,
             volume: polygon.area(),
+            mass: polygon.area(),
             bounds: polygon.bounds(),
         };
         search.center(|c| energy_with_derivatives(polygon, &Point2::from(*c), question.order))

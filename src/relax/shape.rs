@@ -6,36 +6,34 @@ use nalgebra::Vector3;
 
 use crate::domain::beyond::Beyond;
 use crate::geometry::clip::{Clip, ClipScratch, clip};
+use crate::geometry::faceted::Piece;
 use crate::geometry::half_space::HalfSpace;
 use crate::geometry::label::Label;
-use crate::geometry::moments::Moments;
 use crate::geometry::polyhedron::Polyhedron;
 use crate::relax::figures::{ALIGNED, FACET_SHARE};
 
 /// What is added up over the signed pieces of a cell whose site is the origin.
 #[derive(Debug, Default)]
 pub(crate) struct Shape {
-    /// Per facet label, the area vector over all pieces.
+    /// Per facet label, the area vector over all pieces. A wall is what the domain says it is: for a
+    /// surface, the triangles in one plane that hang together.
     areas: BTreeMap<Label, Vector3<f64>>,
     overlap: f64,
 }
 
 impl Shape {
-    /// Adds `sign` times the piece of a cell of volume `volume`.
-    pub(crate) fn add(
-        &mut self,
-        sign: f64,
-        piece: &Polyhedron,
-        volume: f64,
-        scratch: &mut ClipScratch,
-    ) {
-        for facet in piece.facets() {
-            if Beyond::of(facet.label()) != Beyond::Inner {
-                let sum = self.areas.entry(facet.label()).or_default();
-                *sum += facet.area_vector() * sign;
+    /// Adds the facets of `sign` times the piece.
+    pub(crate) fn add(&mut self, sign: f64, piece: Piece<'_>) {
+        piece.visit_areas(|label, area| {
+            if Beyond::of(label) != Beyond::Inner {
+                *self.areas.entry(label).or_default() += area * sign;
             }
-        }
-        self.overlap += sign * cube_overlap(piece, volume, scratch);
+        });
+    }
+
+    /// Adds `volume` to what the cell and its cube have in common.
+    pub(crate) fn add_overlap(&mut self, volume: f64) {
+        self.overlap += volume;
     }
 
     /// How many facets are larger than [`FACET_SHARE`] of V^{2/3}.
@@ -71,10 +69,9 @@ impl Shape {
     }
 }
 
-/// The volume of a piece's common part with the axis-aligned cube of volume `volume` about the
-/// origin.
-fn cube_overlap(piece: &Polyhedron, volume: f64, scratch: &mut ClipScratch) -> f64 {
-    let mut common = piece.clone();
+/// The common part of a cell with the axis-aligned cube of volume `volume` about the origin.
+pub(crate) fn within_cube(cell: &Polyhedron, volume: f64, scratch: &mut ClipScratch) -> Polyhedron {
+    let mut common = cell.clone();
     let offset = 0.5 * volume.max(0.0).cbrt();
     for axis in 0..3 {
         for sign in [1.0, -1.0] {
@@ -82,9 +79,9 @@ fn cube_overlap(piece: &Polyhedron, volume: f64, scratch: &mut ClipScratch) -> f
             normal[axis] = sign;
             let side = HalfSpace { normal, offset };
             if clip(&mut common, &side, Beyond::Inner.label(), scratch) == Clip::Emptied {
-                return 0.0;
+                return common;
             }
         }
     }
-    Moments::of(&common).volume
+    common
 }

@@ -5,15 +5,19 @@ use nalgebra::{Point3, Vector3};
 use crate::chebyshev::center::{SHY_OF_BORDER, Search, center};
 use crate::chebyshev::energy::{SignedPiece, energy};
 use crate::chebyshev::integrand::Integrand;
+use crate::chebyshev::mass_moments::mass_moments;
 use crate::chebyshev::walk::WalkScratch;
 use crate::domain::space::{Domain, PieceScratch, displacement};
 use crate::geometry::bounds::Bounds;
 use crate::geometry::clip::ClipScratch;
+use crate::geometry::faceted::Piece;
 use crate::geometry::moments::Moments;
 use crate::geometry::polyhedron::Polyhedron;
+use crate::geometry::shell::Shell;
+use crate::integrals::polynomial::Polynomial;
 use crate::minimize::problem::Evaluation;
 use crate::relax::figures::CellFigures;
-use crate::relax::shape::Shape;
+use crate::relax::shape::{Shape, within_cube};
 use crate::relax::tessellation::{Assessment, Norm, Question, Tessellation};
 use crate::voronoi::cell::Cell;
 use crate::voronoi::diagram::{Diagram, DiagramError};
@@ -81,12 +85,24 @@ impl Tessellation<3> for Space {
     }
 }
 
+/// The surface of `cell` within the domain, in the domain's coordinates: what files and pictures
+/// show.
+pub fn shell(domain: &dyn Domain, cell: &Cell<'_>, scratch: &mut PieceScratch) -> Shell {
+    let mut shell = Shell::default();
+    domain.shape(&cell.position, cell.polyhedron, scratch, &mut |piece| {
+        shell = Shell::from(piece).translated(&cell.position.coords);
+    });
+    shell
+}
+
 /// A cell's signed pieces, prepared, and the memory to work on them.
 #[derive(Debug, Default)]
 pub struct CellMemory {
     pieces: Vec<SignedPiece>,
     used: usize,
     moments: Moments,
+    /// As the moments, with the density inside; the same where the density is 1.
+    masses: Moments,
     walk: WalkScratch,
     piece: PieceScratch,
     clip: ClipScratch,
@@ -99,21 +115,27 @@ impl CellMemory {
             pieces,
             used,
             moments,
+            masses,
             piece,
             ..
         } = self;
         *used = 0;
-        *moments = Moments::default();
-        domain.pieces(&cell.position, cell.polyhedron, piece, &mut |sign, part| {
+        (*moments, *masses) = (Moments::default(), Moments::default());
+        let mut prepare = |sign: f64, part: Piece<'_>, density: Option<&Polynomial>| {
             if *used == pieces.len() {
                 let integrand = Integrand::default();
                 pieces.push(SignedPiece { sign, integrand });
             }
             pieces[*used].sign = sign;
             pieces[*used].integrand.assign(part);
+            pieces[*used].integrand.set_density(density);
             *used += 1;
-            moments.add_signed(sign, &Moments::of(part));
-        });
+            let volumes = part.moments();
+            moments.add_signed(sign, &volumes);
+            let weighted = density.map(|density| mass_moments(part, density));
+            masses.add_signed(sign, &weighted.unwrap_or(volumes));
+        };
+        domain.weighted_pieces(&cell.position, cell.polyhedron, piece, &mut prepare);
     }
 
     /// Volume and moments of the cell about its site.
@@ -146,10 +168,16 @@ impl CellMemory {
         let Self { piece, clip, .. } = self;
         let mut shape = Shape::default();
         domain.pieces(&cell.position, cell.polyhedron, piece, &mut |sign, part| {
-            shape.add(sign, part, volume, clip);
+            shape.add(sign, part);
         });
+        let common = within_cube(cell.polyhedron, volume, clip);
+        if !common.is_empty() {
+            domain.pieces(&cell.position, &common, piece, &mut |sign, part| {
+                shape.add_overlap(sign * part.moments().volume);
+            });
+        }
         let assessment = self.assess(domain, cell, asked);
-        let centroid = self.moments.centroid();
+        let centroid = self.masses.centroid();
         let step = displacement(&domain.periods(), &cell.position, &assessment.target);
         let (gradient, center_energy) = match asked.norm {
             Norm::Linf => {
@@ -157,8 +185,8 @@ impl CellMemory {
                 (gradient, self.evaluate(&step, asked.order).value)
             }
             Norm::L2 => (
-                -2.0 * self.moments.first,
-                self.moments.second_about(&Point3::from(step)),
+                -2.0 * self.masses.first,
+                self.masses.second_about(&Point3::from(step)),
             ),
         };
         CellFigures {
@@ -193,6 +221,7 @@ impl CellMemory {
             minimizer: asked.minimizer,
             order: asked.order,
             volume: self.moments.volume,
+            mass: self.masses.volume,
             bounds: reach(domain, cell),
         };
         let center = center(pieces, &search, &mut self.walk);
@@ -201,11 +230,10 @@ impl CellMemory {
         } else {
             energy(pieces, &Vector3::zeros(), 1, &mut self.walk).value
         };
-        let step = center.point * share_within(cell.polyhedron, &center.point);
         Assessment {
             energy: center.energy_at_site,
-            chebyshev,
-            target: domain.wrap(&(cell.position + step)),
+            chebyshev: chebyshev / domain.mean_density(),
+            target: target(domain, cell, &center.point),
             evaluations: center.evaluations,
         }
     }
@@ -213,11 +241,11 @@ impl CellMemory {
     fn assess_l2(&mut self, domain: &dyn Domain, cell: &Cell<'_>) -> Assessment<3> {
         let pieces = &self.pieces[..self.used];
         let chebyshev = energy(pieces, &Vector3::zeros(), 1, &mut self.walk).value;
-        let centroid = reach(domain, cell).clamp(&self.moments.centroid());
+        let centroid = reach(domain, cell).clamp(&self.masses.centroid());
         Assessment {
-            energy: self.moments.second,
-            chebyshev,
-            target: domain.wrap(&(cell.position + centroid.coords)),
+            energy: self.masses.second,
+            chebyshev: chebyshev / domain.mean_density(),
+            target: target(domain, cell, &centroid.coords),
             evaluations: 1,
         }
     }
@@ -236,6 +264,24 @@ pub(crate) fn reach(domain: &dyn Domain, cell: &Cell<'_>) -> Bounds<3> {
     within.min -= cell.position.coords;
     within.max -= cell.position.coords;
     around.intersection(&within)
+}
+
+/// Where the site goes that is drawn to `step`: there, or [`SHY_OF_BORDER`] of the way to where the
+/// straight way first leaves the cell or the domain. The energy is convex, also if the cell is not,
+/// so it falls all along the way.
+fn target(domain: &dyn Domain, cell: &Cell<'_>, step: &Vector3<f64>) -> Point3<f64> {
+    let mut share = share_within(cell.polyhedron, step);
+    if !domain.is_convex() {
+        let exit = domain.first_exit(&cell.position, &(step * share));
+        if exit.is_finite() {
+            share *= SHY_OF_BORDER * exit;
+        }
+        // Rounding may put a point that is nearly on the surface on its wrong side.
+        while share > 0.0 && !domain.contains(&(cell.position + step * share)) {
+            share *= 0.5;
+        }
+    }
+    domain.wrap(&(cell.position + step * share))
 }
 
 /// The share of `step` that a site may make: all of it while that ends in the cell, else

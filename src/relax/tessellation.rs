@@ -31,7 +31,7 @@ pub struct Question {
 pub struct Assessment<const D: usize> {
     /// Energy at the site in the asked norm and order: ∫ d∞^p (L^(D+p)), or ∫ |y−x|₂² (L^(D+2)).
     pub energy: f64,
-    /// The p = 1 Chebyshev energy at the site (L^(D+1)).
+    /// The p = 1 Chebyshev energy at the site, per unit of the domain's mean density (L^(D+1)).
     pub chebyshev: f64,
     /// Where the site should move: the center, or the centroid.
     pub target: Point<f64, D>,

@@ -5,7 +5,10 @@ use std::path::Path;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::domain::space;
+use crate::scene::density::Density;
 use crate::scene::domain::Domain;
+use crate::scene::error::Error;
 use crate::scene::method::Method;
 use crate::scene::norm::Norm;
 use crate::scene::output::Output;
@@ -26,8 +29,14 @@ pub struct Scene {
     /// Where the sites live; the unit cube (in the plane: the unit square) unless told.
     #[serde(default)]
     pub domain: Domain,
+    /// How much every place of the domain weighs; the same everywhere unless told.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub density: Option<Density>,
     /// The sites to start from.
     pub sites: Sites,
+    /// Whether sites outside the domain are left out instead of refused.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub drop_outside: bool,
     /// The distance a site minimizes over its cell.
     #[serde(default)]
     pub norm: Norm,
@@ -60,6 +69,18 @@ impl Scene {
         scene
     }
 
+    /// The domain in space with its density, of a validated scene of dimension 3, and what was
+    /// repaired in its mesh, one sentence each.
+    ///
+    /// # Errors
+    /// As [`Domain::solid`], and when the density does not fit the domain.
+    pub fn solid(&self) -> Result<(Box<dyn space::Domain>, Vec<String>), Error> {
+        match &self.density {
+            Some(density) => density.weigh(&self.domain, self.order),
+            None => self.domain.solid(),
+        }
+    }
+
     /// Fills in the defaults that depend on the dimension.
     pub(crate) fn fill_defaults(&mut self) {
         self.domain.fill_defaults(self.dimension);
@@ -67,6 +88,7 @@ impl Scene {
 
     /// Makes every relative path of the scene start at `folder`.
     pub(crate) fn anchor(&mut self, folder: &Path) {
+        self.domain.anchor(folder);
         self.sites.anchor(folder);
     }
 }

@@ -3,6 +3,8 @@
 //! Plain numbers in the scene's dimension: judged here one by one, together by the domain floor,
 //! of whose domains [`Domain::solid`] or [`Domain::plane`] makes one.
 
+use std::path::Path;
+
 use nalgebra::{Vector2, Vector3};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -14,13 +16,15 @@ use crate::domain::space;
 use crate::geometry::bounds::Bounds;
 use crate::geometry::half_plane::HalfPlane;
 use crate::geometry::half_space::HalfSpace;
+use crate::scene::domain_keys::DomainKeys;
 use crate::scene::error::Error;
+use crate::scene::mesh_domain::MeshDomain;
 use crate::scene::place::point;
 use crate::scene::validate::{all_finite, dimensions_match};
 
 /// A domain by its scene key.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case", deny_unknown_fields)]
+#[serde(try_from = "DomainKeys", into = "DomainKeys")]
 pub enum Domain {
     /// An axis-aligned box, periodic along any of its axes.
     Box(BoxDomain),
@@ -29,6 +33,10 @@ pub enum Domain {
     HalfSpaces(Vec<Vec<f64>>),
     /// The corners of a convex polygon in order, either way round (in the plane only).
     Polygon(Vec<Vec<f64>>),
+    /// The solid within a closed surface (in space only).
+    Surface(MeshDomain),
+    /// The solid that tetrahedra fill (in space only).
+    Tets(MeshDomain),
 }
 
 /// An axis-aligned box. Lists left out are those of the unit box without periodic axes.
@@ -67,22 +75,35 @@ impl Domain {
             Self::Box(domain) => domain.validate(dimension),
             Self::HalfSpaces(rows) => validate_half_spaces(rows, dimension),
             Self::Polygon(corners) => validate_polygon(corners, dimension),
+            Self::Surface(mesh) | Self::Tets(mesh) => mesh.validate(dimension),
         }
     }
 
-    /// The domain in space, of a validated scene of dimension 3.
+    /// Makes a relative path start at `folder`.
+    pub(crate) fn anchor(&mut self, folder: &Path) {
+        if let Self::Surface(mesh) | Self::Tets(mesh) = self {
+            mesh.anchor(folder);
+        }
+    }
+
+    /// The domain in space, of a validated scene of dimension 3, and what was repaired in its mesh,
+    /// one sentence each.
     ///
     /// # Errors
-    /// [`Error::Solid`] when the numbers together are no domain.
-    pub fn solid(&self) -> Result<Box<dyn space::Domain>, Error> {
-        Ok(match self {
+    /// [`Error::Solid`] when the numbers together are no domain, [`Error::Mesh`] when a file gives
+    /// no solid.
+    pub fn solid(&self) -> Result<(Box<dyn space::Domain>, Vec<String>), Error> {
+        let domain: Box<dyn space::Domain> = match self {
             Self::Box(domain) => {
                 let periodic = std::array::from_fn(|axis| domain.periodic[axis]);
                 Box::new(Cuboid::new(domain.bounds(), periodic)?)
             }
             Self::HalfSpaces(rows) => Box::new(ConvexPolyhedron::new(&numbered(rows, half_space))?),
             Self::Polygon(_) => return Err(polygon_in_space()),
-        })
+            Self::Surface(mesh) => return mesh.surface(),
+            Self::Tets(mesh) => return mesh.tets(),
+        };
+        Ok((domain, Vec::new()))
     }
 
     /// The domain in the plane, of a validated scene of dimension 2.
@@ -95,6 +116,7 @@ impl Domain {
             Self::Box(domain) => PlaneDomain::rectangle(&domain.plane()?)?,
             Self::HalfSpaces(rows) => PlaneDomain::from_half_planes(&numbered(rows, half_plane))?,
             Self::Polygon(corners) => PlaneDomain::from_corners(&numbered(corners, point))?,
+            Self::Surface(mesh) | Self::Tets(mesh) => return Err(mesh.in_plane()),
         })
     }
 }

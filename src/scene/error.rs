@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use crate::domain::error::DomainError;
 use crate::domain::plane::PlaneDomainError;
+use crate::mesh::load::LoadError;
 
 /// Why a scene or its sites cannot be used. Site indices count from zero, lines from one.
 #[derive(Debug, thiserror::Error)]
@@ -101,7 +102,7 @@ pub enum Error {
     },
     /// Sites outside the domain.
     #[error(
-        "site {index} {point} lies outside the domain{}; move or remove it, or enlarge the scene's domain", more(*others)
+        "site {index} {point} lies outside the domain{}; move or remove it, enlarge the scene's domain, or leave such sites out with --drop-outside", more(*others)
     )]
     Outside {
         /// The first such site, counted from zero.
@@ -111,6 +112,9 @@ pub enum Error {
         /// How many more there are.
         others: usize,
     },
+    /// No site is left inside the domain.
+    #[error("all sites lie outside the domain: none is left")]
+    AllOutside,
     /// Two sites at the same place.
     #[error(
         "sites {first} and {second} are at the same place {point}{}; remove one of them", more(*others)
@@ -128,6 +132,9 @@ pub enum Error {
     /// The scene's domain in space is none.
     #[error("the scene's `domain`: {0}")]
     Solid(#[from] DomainError),
+    /// The scene's mesh file gives no solid.
+    #[error(transparent)]
+    Mesh(#[from] LoadError),
     /// The scene's domain in the plane is none.
     #[error("the scene's `domain`: {0}")]
     Plane(#[from] PlaneDomainError),

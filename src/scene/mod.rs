@@ -11,10 +11,13 @@
 //! [`check`] refuses the ones that have no diagram. Both see the domain only as a [`region`].
 
 pub mod check;
+pub mod density;
 pub mod description;
 pub mod domain;
+pub mod domain_keys;
 pub mod error;
 pub mod grid;
+pub mod mesh_domain;
 pub mod method;
 pub mod norm;
 pub mod output;

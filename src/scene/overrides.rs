@@ -19,6 +19,8 @@ pub struct Overrides {
     pub seed: Option<u64>,
     /// How many moves at most.
     pub iterations: Option<u64>,
+    /// Leaves out sites outside the domain.
+    pub drop_outside: bool,
     /// The distance to minimize.
     pub norm: Option<Norm>,
     /// The method's name, with its defaults unless the scene has it already.
@@ -39,6 +41,7 @@ impl Overrides {
     /// site file that is not there.
     pub fn apply(&self, scene: &mut Scene) -> Result<(), Error> {
         self.apply_to_sites(&mut scene.sites)?;
+        scene.drop_outside |= self.drop_outside;
         if let Some(norm) = self.norm {
             scene.norm = norm;
         }
@@ -120,6 +123,7 @@ mod tests {
             method: Some(MethodName::Lloyd),
             tolerance: Some(0.25),
             sites: None,
+            drop_outside: true,
             ..Overrides::default()
         };
         overrides.apply(&mut scene).expect("they fit");
@@ -127,6 +131,7 @@ mod tests {
         assert_eq!(text["sites"]["random"]["count"], 7);
         assert_eq!(text["sites"]["random"]["seed"], 9);
         assert_eq!(text["norm"], "l2");
+        assert_eq!(text["drop_outside"], true);
         assert_eq!(text["method"]["lloyd"]["iterations"], 3);
         assert_eq!(text["method"]["lloyd"]["tolerance"], 0.25);
     }

@@ -133,8 +133,8 @@ mod tests {
         assert_eq!(
             refusal(text),
             "a.json, line 3, column 3: unknown key `nrm`; did you mean `norm`? \
-             Known here: dimension, domain, sites, norm, order, method, coarse_to_fine, \
-             output"
+             Known here: dimension, domain, density, sites, drop_outside, norm, order, \
+             method, coarse_to_fine, output"
         );
     }
 

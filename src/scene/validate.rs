@@ -2,6 +2,7 @@
 
 use crate::scene::description::Scene;
 use crate::scene::error::Error;
+use crate::scene::method::MethodName;
 
 /// The largest order p: beyond it d∞^p underflows for cells of a thousandth of the domain.
 const LARGEST_ORDER: u32 = 64;
@@ -18,6 +19,14 @@ pub fn scene(scene: &Scene) -> Result<(), Error> {
     if !(1..=LARGEST_ORDER).contains(&scene.order) {
         let message = format!("{} is not between 1 and {LARGEST_ORDER}", scene.order);
         return Err(Error::value("order", message));
+    }
+    if scene.density.is_some() && scene.dimension != 3 {
+        let message = "only domains in space have one; leave it out or set \"dimension\": 3";
+        return Err(Error::value("density", message));
+    }
+    if scene.density.is_some() && scene.method.name() != MethodName::Lloyd {
+        let message = "only Lloyd's iteration knows of it; choose \"method\": {\"lloyd\": {}}";
+        return Err(Error::value("density", message));
     }
     scene.domain.validate(scene.dimension)?;
     scene.sites.validate(scene.dimension)?;

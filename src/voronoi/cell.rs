@@ -7,7 +7,7 @@
 use nalgebra::Point3;
 
 use crate::domain::beyond::Beyond;
-use crate::domain::space::Domain;
+use crate::domain::space::{Domain, PieceScratch};
 use crate::geometry::clip::{Clip, ClipScratch, clip};
 use crate::geometry::half_space::HalfSpace;
 use crate::geometry::polyhedron::Polyhedron;
@@ -29,6 +29,7 @@ pub struct Cell<'a> {
 pub struct CellBuilder {
     polyhedron: Polyhedron,
     clip: ClipScratch,
+    piece: PieceScratch,
     candidates: Vec<Candidate>,
 }
 
@@ -65,6 +66,11 @@ impl CellBuilder {
             needed = self.cut(index, place, reach * reach, needed)?;
             needed = self.cut(index, place, f64::INFINITY, needed)?;
             self.candidates.clear();
+            if reach * reach < needed && !domain.is_convex() {
+                // What lies outside the domain needs no security.
+                let radius = domain.radius_squared(&position, &self.polyhedron, &mut self.piece);
+                needed = needed.min(4.0 * radius);
+            }
             if reach * reach >= needed || !any {
                 break;
             }
@@ -105,7 +111,7 @@ impl CellBuilder {
             let image = candidate.image;
             let label = Beyond::Neighbor { site: other, image }.label();
             if clip(&mut self.polyhedron, &bisector, label, &mut self.clip) == Clip::Cut {
-                needed = 4.0 * self.polyhedron.radius_squared();
+                needed = needed.min(4.0 * self.polyhedron.radius_squared());
             }
         }
         Ok(needed)

@@ -82,14 +82,18 @@ impl<'a> Diagram<'a> {
             let count = sites.len();
             return Err(DiagramError::TooManySites { count });
         }
-        for (site, point) in sites.iter().enumerate() {
+        let check = |(site, point): (usize, &Point3<f64>)| {
             let position = [point.x, point.y, point.z];
             if !position.iter().all(|x| x.is_finite()) {
-                return Err(DiagramError::NotFinite { site, position });
+                Some(DiagramError::NotFinite { site, position })
+            } else if !domain.contains(point) {
+                Some(DiagramError::Outside { site, position })
+            } else {
+                None
             }
-            if !domain.contains(point) {
-                return Err(DiagramError::Outside { site, position });
-            }
+        };
+        if let Some(error) = sites.par_iter().enumerate().find_map_first(check) {
+            return Err(error);
         }
         let periods = domain.periods();
         let index = if periods.iter().any(Option::is_some) {

@@ -1,0 +1,170 @@
+//! The Chebyshev energy of pieces whose density is a polynomial.
+//!
+//! In a sector the distance is ± one coordinate difference from the center, so density times a
+//! power of the distance is a polynomial in these differences, and so are its derivatives' terms.
+//! A tetrahedron of the walk has the center as a corner: the integrals of all its monomials come
+//! from one table ([`crate::integrals::series`]) of the other three corners. Exact for any degree.
+//! Gradient and Hessian are those of [`crate::chebyshev::energy`] with the density inside.
+
+use nalgebra::{Point3, Vector3};
+
+use crate::chebyshev::energy::{interface_area, sums_evaluation};
+use crate::chebyshev::sector::{Interface, Sector};
+use crate::chebyshev::visit::{FacetView, Visit};
+use crate::integrals::polynomial::Polynomial;
+use crate::integrals::series::{Exponents, Monomials, weight};
+use crate::minimize::problem::Evaluation;
+
+/// Where the integral of a density's term times a power of the distance stands in the table, and
+/// by what it is to be multiplied.
+type Place = (usize, f64);
+
+/// The places of all terms, for densities of one degree and energies of one order.
+#[derive(Clone, Debug)]
+pub(crate) struct Places {
+    degree: u32,
+    order: u32,
+    terms: Vec<Exponents>,
+    monomials: Monomials,
+    /// By how much the power is less than the order (0, 1, 2), and the distance's axis.
+    solid: [[Vec<Place>; 3]; 3],
+    /// The axis; the power is one less than the order, the integral over a triangle.
+    flat: [Vec<Place>; 3],
+}
+
+impl Places {
+    pub(crate) fn new(degree: u32, order: u32) -> Self {
+        let monomials = Monomials::up_to(degree + order);
+        let terms = Monomials::up_to(degree).exponents().to_vec();
+        let places = |dimension: u32, lowered: u32, axis: usize| -> Vec<Place> {
+            let Some(power) = order.checked_sub(lowered) else {
+                return Vec::new();
+            };
+            let place = |term: &Exponents| {
+                let mut exponents = *term;
+                exponents[axis] += power;
+                let place = monomials.place(exponents).unwrap_or(0);
+                (place, weight(dimension, exponents))
+            };
+            terms.iter().map(place).collect()
+        };
+        let solid = [0, 1, 2].map(|lowered| [0, 1, 2].map(|axis| places(3, lowered, axis)));
+        let flat = [0, 1, 2].map(|axis| places(2, 1, axis));
+        Self {
+            degree,
+            order,
+            solid,
+            flat,
+            terms,
+            monomials,
+        }
+    }
+
+    /// Whether these are the places for such densities and energies.
+    pub(crate) fn serve(&self, degree: u32, order: u32) -> bool {
+        (self.degree, self.order) == (degree, order)
+    }
+
+    /// The density's coefficients as seen from `center`, in the order of the terms.
+    fn coefficients(&self, density: &Polynomial, center: &Vector3<f64>) -> Vec<f64> {
+        let seen = density.seen_from(&Point3::from(*center));
+        let mut coefficients = vec![0.0; self.terms.len()];
+        for (exponents, value) in seen.terms() {
+            if let Some(place) = self.terms.iter().position(|&term| term == exponents) {
+                coefficients[place] = value;
+            }
+        }
+        coefficients
+    }
+}
+
+/// The sums of a walk about one center.
+pub(crate) struct Weighted<'a> {
+    places: &'a Places,
+    density: Vec<f64>,
+    table: Vec<f64>,
+    value: f64,
+    first: [f64; 6],
+    second: [f64; 6],
+    interfaces: [f64; Interface::COUNT],
+}
+
+impl<'a> Weighted<'a> {
+    pub(crate) fn new(places: &'a Places, density: &Polynomial, center: &Vector3<f64>) -> Self {
+        Self {
+            density: places.coefficients(density, center),
+            places,
+            table: Vec::new(),
+            value: 0.0,
+            first: [0.0; 6],
+            second: [0.0; 6],
+            interfaces: [0.0; Interface::COUNT],
+        }
+    }
+
+    pub(crate) fn evaluation(&self) -> Evaluation<3> {
+        let (order, value) = (self.places.order, self.value);
+        sums_evaluation(order, value, &self.first, &self.second, &self.interfaces)
+    }
+
+    fn fill<const K: usize>(&mut self, corners: [&Vector3<f64>; K]) {
+        let corners = corners.map(|corner| <[f64; 3]>::from(*corner));
+        self.places
+            .monomials
+            .coefficients(&corners, &mut self.table);
+    }
+
+    /// ∫ density · (± axis)^power over the simplex of the table, per unit of its volume.
+    fn sum(&self, places: &[Place], sign: f64, power: u32) -> f64 {
+        let terms = self.density.iter().zip(places);
+        let sum: f64 = terms
+            .map(|(value, (place, weight))| value * weight * self.table[*place])
+            .sum();
+        if power % 2 == 1 { sign * sum } else { sum }
+    }
+
+    /// Adds the tetrahedron of the table to the sector's sums.
+    fn add(&mut self, sector: Sector, volume: f64) {
+        let (sign, axis, order) = (sector.sign(), sector.axis(), self.places.order);
+        let [whole, first, second] = [0, 1, 2].map(|lowered| {
+            let power = order.saturating_sub(lowered as u32);
+            volume * self.sum(&self.places.solid[lowered][axis], sign, power)
+        });
+        self.value += whole;
+        self.first[sector.number()] += first;
+        self.second[sector.number()] += second;
+    }
+}
+
+impl Visit for Weighted<'_> {
+    fn share(
+        &mut self,
+        facet: &FacetView,
+        sector: Sector,
+        doubled_area: f64,
+        a: &Vector3<f64>,
+        b: &Vector3<f64>,
+    ) {
+        self.fill([&facet.anchor, a, b]);
+        self.add(sector, doubled_area * facet.height / 6.0);
+    }
+
+    fn segment(
+        &mut self,
+        facet: &FacetView,
+        interface: Interface,
+        doubled_area: f64,
+        u: &Vector3<f64>,
+        v: &Vector3<f64>,
+    ) {
+        let (left, right) = interface.sectors();
+        let volume = doubled_area * facet.height / 6.0;
+        self.fill([&facet.anchor, u, v]);
+        self.add(left, volume);
+        self.add(right, -volume);
+        self.fill([u, v]);
+        let power = self.places.order - 1;
+        let mean = self.sum(&self.places.flat[left.axis()], left.sign(), power);
+        self.interfaces[interface.number()] += mean * interface_area(interface, u, v);
+    }
+}

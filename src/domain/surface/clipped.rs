@@ -1,0 +1,213 @@
+//! The part of a convex cell within a closed surface, put together from its boundary.
+//!
+//! The boundary of C ∩ Ω consists of the triangles' parts in the cell and of the inner parts of the
+//! cell's facets. The first are convex polygons whose borders say which facet cut them. Run
+//! backwards, these borders bound the second, together with the inner parts of the cell's own
+//! edges; and those begin and end exactly at the corners in which a triangle meets the two facets
+//! of the edge. Seen from outside the solid, a corner at which the border passes from facet F to
+//! facet G ends the inner part of the edge that has F on its left, and begins it the other way
+//! round. So the cell's vertices need not be tested: an edge that the surface crosses tells on
+//! which side its ends are, and an edge that it does not cross has both ends on one side.
+//!
+//! Every step is combinatorial, and every one is checked. A coincidence, or rounding, that breaks
+//! the pattern is told as [`Meeting::Tangled`]: then the result is not to be used.
+
+use std::collections::HashMap;
+
+use nalgebra::{Point3, Vector3};
+
+use crate::domain::surface::cell_edges::{CellEdges, Crossing};
+use crate::domain::surface::solid::SurfaceSolid;
+use crate::domain::surface::triangle::{Border, Corner, Origin, Plane, TriangleClip};
+use crate::geometry::faceted::{Edge, Faceted};
+use crate::geometry::half_space::HalfSpace;
+use crate::geometry::moments::Moments;
+use crate::geometry::polyhedron::Polyhedron;
+
+/// How far the boundary may be from closed, and the volume beyond its bounds, relative to area
+/// and volume. What the checks before have missed is wrong by far more.
+const CLOSED: f64 = 1e-9;
+
+/// What a cell and a solid have in common.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Meeting {
+    /// No triangle touches the cell.
+    Apart,
+    /// The common part stands in [`ClippedCell::part`].
+    Clipped,
+    /// No consistent boundary was found.
+    Tangled,
+}
+
+/// The common part of a cell and a solid, and the memory to find it.
+#[derive(Clone, Debug, Default)]
+pub struct ClippedCell {
+    /// The common part, in coordinates relative to the site.
+    pub part: Faceted,
+    near: Vec<u32>,
+    planes: Vec<Plane>,
+    clip: TriangleClip,
+    /// The numbers of the vertices that triangles share.
+    shared: HashMap<Origin, u32>,
+    /// (edge of the surface, forward, polygon, from, to).
+    sides: Vec<(u32, bool, u32, [u32; 2])>,
+    crossings: Vec<Crossing>,
+    edges: CellEdges,
+}
+
+impl ClippedCell {
+    /// Finds what `cell`, in coordinates relative to `site`, and `solid` have in common.
+    pub fn meet(&mut self, solid: &SurfaceSolid, site: &Point3<f64>, cell: &Polyhedron) -> Meeting {
+        self.near.clear();
+        solid.near(site, cell, &mut self.near);
+        if self.near.is_empty() {
+            return Meeting::Apart;
+        }
+        self.begin(cell);
+        self.clip_triangles(solid, site);
+        if self.part.edges.is_empty() && self.sides.is_empty() {
+            return Meeting::Apart;
+        }
+        let is_closed = self.pair_sides()
+            && self.close(cell, || solid.winding(&(site + cell.vertex(0).coords)))
+            && self.is_sound(cell);
+        if is_closed {
+            Meeting::Clipped
+        } else {
+            Meeting::Tangled
+        }
+    }
+
+    fn begin(&mut self, cell: &Polyhedron) {
+        self.part.clear();
+        let facets = cell.planes.iter().copied().zip(cell.labels.iter().copied());
+        self.part.facets.extend(facets);
+        self.planes.clear();
+        self.planes.extend(cell.facets().map(|facet| Plane {
+            number: facet.number as u32,
+            half_space: facet.half_space(),
+        }));
+        self.shared.clear();
+        self.sides.clear();
+        self.crossings.clear();
+    }
+
+    fn clip_triangles(&mut self, solid: &SurfaceSolid, site: &Point3<f64>) {
+        let mut clip = std::mem::take(&mut self.clip);
+        for place in 0..self.near.len() {
+            let triangle = self.near[place];
+            let corners = solid.triangle(triangle, site);
+            let polygon = clip.clip(&corners, &self.planes);
+            if polygon.is_empty() {
+                continue;
+            }
+            let [a, b, c] = corners.map(|corner| corner.position);
+            let normal = (b - a).cross(&(c - a));
+            let half_space = HalfSpace {
+                normal,
+                offset: normal.dot(&a),
+            };
+            self.part.facets.push((half_space, solid.label(triangle)));
+            self.push_polygon(polygon, solid, triangle);
+        }
+        self.clip = clip;
+    }
+
+    fn push_polygon(&mut self, polygon: &[Corner], solid: &SurfaceSolid, triangle: u32) {
+        let facet = self.part.facets.len() as u32 - 1;
+        let first = self.number(&polygon[0]);
+        let mut from = first;
+        for (place, corner) in polygon.iter().enumerate() {
+            let following = polygon.get(place + 1);
+            let to = following.map_or(first, |corner| self.number(corner));
+            match corner.border {
+                Border::Side(edge) => {
+                    let forward = solid.runs_forward(triangle, edge);
+                    self.sides.push((edge, forward, facet, [from, to]));
+                }
+                Border::Plane(plane) => {
+                    self.part.edges.push(Edge {
+                        from,
+                        to,
+                        left: facet,
+                        right: plane,
+                    });
+                    let after = following.unwrap_or(&polygon[0]).border;
+                    if let Border::Plane(after) = after {
+                        let vertex = to;
+                        let before = plane;
+                        self.crossings.push(Crossing {
+                            before,
+                            after,
+                            vertex,
+                        });
+                    }
+                }
+            }
+            from = to;
+        }
+    }
+
+    fn number(&mut self, corner: &Corner) -> u32 {
+        let vertices = &mut self.part.vertices;
+        let mut push = || {
+            vertices.push(corner.position);
+            vertices.len() as u32 - 1
+        };
+        match corner.origin {
+            Origin::Within => push(),
+            origin => *self.shared.entry(origin).or_insert_with(push),
+        }
+    }
+
+    /// Joins the sides that run along one edge of the surface in opposite directions.
+    fn pair_sides(&mut self) -> bool {
+        self.sides.sort_unstable();
+        for group in self.sides.chunk_by(|one, other| one.0 == other.0) {
+            let split = group.partition_point(|side| !side.1);
+            let (backward, forward) = group.split_at(split);
+            if backward.len() != forward.len() {
+                return false;
+            }
+            for (one, other) in forward.iter().zip(backward) {
+                let [from, to] = one.3;
+                if other.3 != [to, from] {
+                    return false;
+                }
+                self.part.edges.push(Edge {
+                    from,
+                    to,
+                    left: one.2,
+                    right: other.2,
+                });
+            }
+        }
+        true
+    }
+
+    /// Adds the inner parts of the cell's edges. Where the surface crosses none of them, `winding`
+    /// tells on which side vertex 0 is.
+    fn close(&mut self, cell: &Polyhedron, winding: impl Fn() -> Option<i32>) -> bool {
+        let Self {
+            part,
+            crossings,
+            edges,
+            ..
+        } = self;
+        edges.cut(crossings, &part.vertices, cell)
+            && edges.spread(cell, winding)
+            && edges.push_inner(cell, part)
+    }
+
+    /// Whether the boundary is closed and its volume between nothing and the cell's.
+    fn is_sound(&self, cell: &Polyhedron) -> bool {
+        let (mut sum, mut total) = (Vector3::zeros(), 0.0);
+        for area in self.part.area_vectors() {
+            sum += area;
+            total += area.norm();
+        }
+        let whole = Moments::of(cell).volume;
+        let volume = self.part.moments().volume;
+        sum.norm() <= CLOSED * total && (-CLOSED * whole..=whole * (1.0 + CLOSED)).contains(&volume)
+    }
+}

@@ -1,0 +1,17 @@
+//! Solids bounded by triangles: what a cell and such a solid have in common.
+//!
+//! [`solid`] is the domain. A cell that no triangle touches lies wholly inside and is its own only
+//! piece. Of any other, [`triangle`] clips the near triangles to the cell and [`clipped`] closes
+//! them with the inner parts of the cell's facets, found edge by edge, to one solid, whatever its shape. Where rounding
+//! or a coincidence spoils that, [`shadow`] gives the same set as a signed sum of convex pieces
+//! that needs no case analysis. [`winding`] tells inside from outside, exactly; [`way`] tells how
+//! far one may go before leaving.
+
+pub(crate) mod cell_edges;
+pub mod clipped;
+pub mod shadow;
+pub mod solid;
+pub mod triangle;
+pub mod walls;
+pub mod way;
+pub mod winding;

@@ -1,0 +1,154 @@
+//! Clipping a triangle of the surface to a convex cell.
+//!
+//! Every corner and every border of the result is named by what made it, so that neighboring
+//! triangles agree on what they share. They do so to the last bit: a side is cut by the same planes
+//! in the same order in both triangles, and the point where a plane cuts it is interpolated from
+//! the kept end to the cut one in both.
+
+use nalgebra::Vector3;
+
+use crate::geometry::half_space::HalfSpace;
+
+/// Planes that miss a triangle by this share of the numbers involved are left out without clipping.
+/// Far above rounding, so that no plane is left out for one triangle that cuts a side of another.
+const CLEAR: f64 = 1e-12;
+
+/// What made a corner.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum Origin {
+    /// It is this vertex of the surface.
+    Vertex(u32),
+    /// The plane cuts this edge of the surface.
+    Side { edge: u32, plane: u32 },
+    /// Two planes meet within the triangle.
+    Within,
+}
+
+/// What made a border.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Border {
+    /// It lies on this edge of the surface.
+    Side(u32),
+    /// It lies on this plane of the cell.
+    Plane(u32),
+}
+
+/// A corner and the border that leaves it counter-clockwise, seen from outside the solid.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Corner {
+    pub(crate) position: Vector3<f64>,
+    pub(crate) origin: Origin,
+    pub(crate) border: Border,
+}
+
+/// A plane of a cell, by its number there.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Plane {
+    pub(crate) number: u32,
+    pub(crate) half_space: HalfSpace,
+}
+
+/// The memory of [`TriangleClip::clip`].
+#[derive(Clone, Debug, Default)]
+pub(crate) struct TriangleClip {
+    corners: Vec<Corner>,
+    spare: Vec<Corner>,
+}
+
+impl TriangleClip {
+    /// The part of a triangle within all `planes`, as a convex polygon; empty if there is none.
+    pub(crate) fn clip(&mut self, triangle: &[Corner; 3], planes: &[Plane]) -> &[Corner] {
+        self.corners.clear();
+        if planes
+            .iter()
+            .any(|plane| side(triangle, plane) == Some(Side::Beyond))
+        {
+            return &[];
+        }
+        self.corners.extend(triangle);
+        for plane in planes {
+            if side(triangle, plane).is_none() {
+                self.cut(plane);
+            }
+        }
+        &self.corners
+    }
+
+    fn cut(&mut self, plane: &Plane) {
+        let Self { corners, spare } = self;
+        spare.clear();
+        for (place, corner) in corners.iter().enumerate() {
+            let following = &corners[(place + 1) % corners.len()];
+            let [here, there] = [corner, following].map(|c| excess(&plane.half_space, &c.position));
+            if here <= 0.0 {
+                spare.push(*corner);
+            }
+            if (here <= 0.0) == (there <= 0.0) {
+                continue;
+            }
+            let leaves = here <= 0.0;
+            let position = if leaves {
+                between(&corner.position, &following.position, here, there)
+            } else {
+                between(&following.position, &corner.position, there, here)
+            };
+            let origin = match corner.border {
+                Border::Side(edge) => Origin::Side {
+                    edge,
+                    plane: plane.number,
+                },
+                Border::Plane(_) => Origin::Within,
+            };
+            let border = if leaves {
+                Border::Plane(plane.number)
+            } else {
+                corner.border
+            };
+            spare.push(Corner {
+                position,
+                origin,
+                border,
+            });
+        }
+        std::mem::swap(corners, spare);
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Side {
+    Within,
+    Beyond,
+}
+
+/// On which side of the plane the whole triangle lies, if that is clear.
+fn side(triangle: &[Corner; 3], plane: &Plane) -> Option<Side> {
+    let HalfSpace { normal, offset } = plane.half_space;
+    let excesses = triangle
+        .each_ref()
+        .map(|corner| excess(&plane.half_space, &corner.position));
+    let size = triangle
+        .iter()
+        .fold(0.0, |size: f64, corner| size.max(corner.position.amax()));
+    let clear = CLEAR * (3.0 * normal.amax() * size + offset.abs());
+    if excesses.iter().all(|&excess| excess > clear) {
+        Some(Side::Beyond)
+    } else if excesses.iter().all(|&excess| excess < -clear) {
+        Some(Side::Within)
+    } else {
+        None
+    }
+}
+
+fn excess(plane: &HalfSpace, position: &Vector3<f64>) -> f64 {
+    plane.normal.dot(position) - plane.offset
+}
+
+/// The point between a kept and a cut one in which the excess is zero.
+fn between(
+    kept: &Vector3<f64>,
+    cut: &Vector3<f64>,
+    kept_excess: f64,
+    cut_excess: f64,
+) -> Vector3<f64> {
+    kept + (cut - kept) * (kept_excess / (kept_excess - cut_excess))
+}

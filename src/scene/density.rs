@@ -1,0 +1,128 @@
+//! The scene's `density`: how much every place of the domain weighs.
+//!
+//! A polynomial holds for any domain. Values at tetrahedron vertices, or a size field, make a
+//! density that is linear on every tetrahedron.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::domain::space;
+use crate::domain::tets::TetSolid;
+use crate::domain::weighted::WeightedDomain;
+use crate::integrals::polynomial::Polynomial;
+use crate::scene::domain::Domain;
+use crate::scene::error::Error;
+
+/// Background density: text, or one of the keys.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(
+    untagged,
+    expecting = "the density is a text such as \"1 + 2*x\" or an object with exactly one of the \
+                 keys `polynomial`, `data`, `size`"
+)]
+pub enum Density {
+    /// The name of the mesh's vertex data, else a polynomial.
+    Text(String),
+    /// A polynomial in x, y and z.
+    Polynomial {
+        /// For example `1 + 2*x^2 - y*z`.
+        polynomial: String,
+    },
+    /// The mesh's vertex data.
+    Data {
+        /// The field's name in the file.
+        data: String,
+    },
+    /// The wanted edge length h of the cells: density h^−(3+p).
+    Size {
+        /// The name of the mesh's vertex data, else a polynomial, evaluated at the vertices.
+        size: String,
+    },
+}
+
+impl Density {
+    /// The domain with this density, for energies of order `order`, and what was repaired in its
+    /// mesh.
+    pub(crate) fn weigh(
+        &self,
+        domain: &Domain,
+        order: u32,
+    ) -> Result<(Box<dyn space::Domain>, Vec<String>), Error> {
+        if matches!(domain, Domain::Box(cuboid) if cuboid.periodic.contains(&true)) {
+            let message = "a periodic box cannot have a density, which does not repeat itself";
+            return Err(Error::value("density", message));
+        }
+        match (self, domain) {
+            (Self::Text(text), Domain::Tets(mesh)) => {
+                let (tets, notes) = mesh.tet_solid()?;
+                if tets.mesh().data(text).is_none() {
+                    return Ok((Box::new(weighted(Box::new(tets), text)?), notes));
+                }
+                Ok((Box::new(by_data(tets, text, |value| value)?), notes))
+            }
+            (Self::Text(text) | Self::Polynomial { polynomial: text }, _) => {
+                let (domain, notes) = domain.solid()?;
+                Ok((Box::new(weighted(domain, text)?), notes))
+            }
+            (Self::Data { data }, Domain::Tets(mesh)) => {
+                let (tets, notes) = mesh.tet_solid()?;
+                Ok((Box::new(by_data(tets, data, |value| value)?), notes))
+            }
+            (Self::Size { size }, Domain::Tets(mesh)) => {
+                let (tets, notes) = mesh.tet_solid()?;
+                let density = |h: f64| h.powi(-3 - order as i32);
+                let tets = match tets.mesh().data(size) {
+                    Some(_) => by_data(tets, size, density)?,
+                    None => by_polynomial(tets, size, density)?,
+                };
+                Ok((Box::new(tets), notes))
+            }
+            (Self::Data { .. } | Self::Size { .. }, _) => {
+                let message = "values at vertices need a domain of tetrahedra, {\"tets\": …}; \
+                               for other domains give a polynomial";
+                Err(Error::value("density", message))
+            }
+        }
+    }
+}
+
+/// The domain with the density that the text says.
+fn weighted(domain: Box<dyn space::Domain>, text: &str) -> Result<WeightedDomain, Error> {
+    Ok(WeightedDomain::new(domain, polynomial(text)?)?)
+}
+
+/// The tetrahedra with a function of their data as density.
+fn by_data(tets: TetSolid, name: &str, density: impl Fn(f64) -> f64) -> Result<TetSolid, Error> {
+    let mesh = tets.mesh();
+    let Some(values) = mesh.data(name) else {
+        let known: Vec<&str> = mesh
+            .vertex_data
+            .iter()
+            .map(|field| field.name.as_str())
+            .collect();
+        let message = format!(
+            "the mesh has no vertex data `{name}`; it has: {}",
+            known.join(", ")
+        );
+        return Err(Error::value("density", message));
+    };
+    let values: Vec<f64> = values.iter().map(|&value| density(value)).collect();
+    Ok(tets.with_density(&values)?)
+}
+
+/// The tetrahedra with a function of a polynomial's values at their vertices as density.
+fn by_polynomial(
+    tets: TetSolid,
+    text: &str,
+    density: impl Fn(f64) -> f64,
+) -> Result<TetSolid, Error> {
+    let size = polynomial(text)?;
+    let vertices = tets.mesh().vertices.iter();
+    let values: Vec<f64> = vertices.map(|vertex| density(size.at(vertex))).collect();
+    Ok(tets.with_density(&values)?)
+}
+
+fn polynomial(text: &str) -> Result<Polynomial, Error> {
+    text.parse()
+        .map_err(|error| Error::value("density", format!("`{text}`: {error}")))
+}

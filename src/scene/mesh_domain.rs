@@ -1,0 +1,168 @@
+//! Solids from mesh files as a scene's domain, and how they are scaled.
+
+use std::path::{Path, PathBuf};
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::domain::space;
+use crate::domain::surface::solid::SurfaceSolid;
+use crate::domain::tets::TetSolid;
+use crate::geometry::bounds::Bounds;
+use crate::mesh::load::{Solid, load};
+use crate::mesh::similarity::Similarity;
+use crate::mesh::validate::validate;
+use crate::scene::error::Error;
+use crate::scene::place::point;
+use crate::scene::validate::{all_finite, dimensions_match};
+
+/// A mesh file and the box into which its solid is fitted.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MeshDomain {
+    /// The file.
+    pub file: PathBuf,
+    /// Where the solid is brought; it stays as it is unless told.
+    pub scale_to: Option<ScaleTo>,
+}
+
+/// A box into which a solid is fitted: scaled alike along all axes to the largest size that fits,
+/// and centered.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum ScaleTo {
+    /// The unit cube.
+    Named(Named),
+    /// The cube [0, s]³ of this side s.
+    Cube(f64),
+    /// This box.
+    Box(ScaleBox),
+}
+
+/// Boxes with names.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Named {
+    /// [0, 1]³.
+    #[serde(alias = "unit-cube", alias = "unit cube")]
+    UnitCube,
+}
+
+/// A box by its corners.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ScaleBox {
+    /// The corner with the least coordinates.
+    pub min: Vec<f64>,
+    /// The corner with the greatest coordinates.
+    pub max: Vec<f64>,
+}
+
+impl MeshDomain {
+    pub(crate) fn anchor(&mut self, folder: &Path) {
+        self.file = folder.join(&self.file);
+    }
+
+    pub(crate) fn validate(&self, dimension: usize) -> Result<(), Error> {
+        if dimension != 3 {
+            return Err(self.in_plane());
+        }
+        self.scale_to.as_ref().map_or(Ok(()), ScaleTo::validate)
+    }
+
+    /// The solid within the file's surface, or within the boundary of its tetrahedra, and what was
+    /// repaired.
+    pub(crate) fn surface(&self) -> Result<(Box<dyn space::Domain>, Vec<String>), Error> {
+        let mut solid = load(&self.file)?;
+        self.scale(&mut solid);
+        let notes = solid.notes();
+        let surface = match solid {
+            Solid::Surface(surface, _) => surface,
+            Solid::Tets(tets, _) => {
+                let boundary = validate(&tets.mesh().boundary());
+                boundary
+                    .map_err(|refusal| self.refused(refusal.to_string()))?
+                    .0
+            }
+        };
+        Ok((Box::new(SurfaceSolid::new(&surface)?), notes))
+    }
+
+    /// The solid that the file's tetrahedra fill, and what was repaired.
+    pub(crate) fn tets(&self) -> Result<(Box<dyn space::Domain>, Vec<String>), Error> {
+        let (tets, notes) = self.tet_solid()?;
+        Ok((Box::new(tets), notes))
+    }
+
+    /// As [`MeshDomain::tets`], to be given a density.
+    pub(crate) fn tet_solid(&self) -> Result<(TetSolid, Vec<String>), Error> {
+        let mut solid = load(&self.file)?;
+        self.scale(&mut solid);
+        let notes = solid.notes();
+        match solid {
+            Solid::Tets(tets, _) => Ok((TetSolid::new(&tets)?, notes)),
+            Solid::Surface(..) => {
+                let reason = "holds no tetrahedra; write {\"surface\": …} for a surface";
+                Err(self.refused(reason.to_owned()))
+            }
+        }
+    }
+
+    fn scale(&self, solid: &mut Solid) {
+        let Some(target) = self.scale_to.as_ref().map(ScaleTo::bounds) else {
+            return;
+        };
+        let bounds = match solid {
+            Solid::Surface(surface, _) => surface.surface().bounds(),
+            Solid::Tets(tets, _) => tets.mesh().bounds(),
+        };
+        solid.transform(&Similarity::into_box(&bounds, &target));
+    }
+
+    /// The refusal of a mesh as domain of the plane.
+    pub(crate) fn in_plane(&self) -> Error {
+        let file = self.file.display();
+        let message = format!("{file} bounds a solid in space; set \"dimension\": 3");
+        Error::value("domain", message)
+    }
+
+    fn refused(&self, message: String) -> Error {
+        let path = self.file.clone();
+        Error::File { path, message }
+    }
+}
+
+impl ScaleTo {
+    fn bounds(&self) -> Bounds<3> {
+        let cube = |side: f64| Bounds {
+            min: point(&[0.0; 3]),
+            max: point(&[side; 3]),
+        };
+        match self {
+            Self::Named(Named::UnitCube) => cube(1.0),
+            Self::Cube(side) => cube(*side),
+            Self::Box(ScaleBox { min, max }) => Bounds {
+                min: point(min),
+                max: point(max),
+            },
+        }
+    }
+
+    fn validate(&self) -> Result<(), Error> {
+        const KEY: &str = "domain.scale_to";
+        if let Self::Box(ScaleBox { min, max }) = self {
+            for (key, corner) in [("domain.scale_to.min", min), ("domain.scale_to.max", max)] {
+                dimensions_match(key, corner.len(), 3)?;
+                all_finite(key, corner)?;
+            }
+        }
+        let extent = self.bounds().extent();
+        if extent
+            .iter()
+            .all(|length| length.is_finite() && *length > 0.0)
+        {
+            Ok(())
+        } else {
+            Err(Error::value(KEY, "the box has no volume"))
+        }
+    }
+}

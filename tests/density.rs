@@ -1,0 +1,261 @@
+//! Cells in domains that weigh more in one place than in another.
+
+use std::ops::ControlFlow;
+
+use chebloyd::chebyshev::center::Minimizer;
+use chebloyd::chebyshev::energy::{SignedPiece, energy};
+use chebloyd::chebyshev::fragments::{fragments, tetrahedra};
+use chebloyd::chebyshev::integrand::Integrand;
+use chebloyd::chebyshev::mass_moments::mass_moments;
+use chebloyd::chebyshev::walk::WalkScratch;
+use chebloyd::domain::cuboid::Cuboid;
+use chebloyd::domain::space::Domain;
+use chebloyd::domain::surface::solid::SurfaceSolid;
+use chebloyd::domain::tets::TetSolid;
+use chebloyd::domain::weighted::WeightedDomain;
+use chebloyd::geometry::bounds::Bounds;
+use chebloyd::geometry::faceted::Piece;
+use chebloyd::geometry::polyhedron::Polyhedron;
+use chebloyd::integrals::polynomial::Polynomial;
+use chebloyd::mesh::shapes::boxes::{unit_cube, unit_cube_tets};
+use chebloyd::mesh::sound::validate_tets;
+use chebloyd::mesh::validate::validate;
+use chebloyd::minimize::problem::Evaluation;
+use chebloyd::relax::lloyd::{LloydOptions, lloyd};
+use chebloyd::relax::space::Space;
+use chebloyd::relax::tessellation::{Norm, Question};
+use nalgebra::{Point3, Vector3};
+use rand_chacha::ChaCha8Rng;
+use rand_core::{Rng, SeedableRng};
+
+const LINF: Question = Question {
+    norm: Norm::Linf,
+    order: 1,
+    minimizer: Minimizer::Newton,
+};
+
+fn random_sites(count: usize, seed: u64) -> Vec<Point3<f64>> {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let mut uniform = || (random.next_u64() >> 11) as f64 / (1u64 << 53) as f64;
+    (0..count)
+        .map(|_| Point3::new(uniform(), uniform(), uniform()))
+        .collect()
+}
+
+fn polynomial(text: &str) -> Polynomial {
+    text.parse().expect("a polynomial")
+}
+
+fn cube(text: &str) -> Box<dyn Domain> {
+    let density = polynomial(text);
+    Box::new(WeightedDomain::new(Box::new(Cuboid::unit()), density).expect("positive"))
+}
+
+fn tets(n: u32, density: impl Fn(&Point3<f64>) -> f64) -> Box<dyn Domain> {
+    let sound = validate_tets(&unit_cube_tets(n)).expect("sound").0;
+    let values: Vec<f64> = sound.mesh().vertices.iter().map(density).collect();
+    let solid = TetSolid::new(&sound).expect("it bounds a solid");
+    Box::new(solid.with_density(&values).expect("positive"))
+}
+
+/// Five Gauss-Legendre points on [0, 1], exact to degree 9, with weights.
+const GAUSS: [(f64, f64); 5] = [
+    (0.046_910_077_030_668_004, 0.118_463_442_528_094_54),
+    (0.230_765_344_947_158_45, 0.239_314_335_249_683_23),
+    (0.5, 0.284_444_444_444_444_44),
+    (0.769_234_655_052_841_5, 0.239_314_335_249_683_23),
+    (0.953_089_922_969_332, 0.118_463_442_528_094_54),
+];
+
+/// Integral over a tetrahedron by collapsed coordinates, signed as its corners turn.
+fn gauss(corners: &[Point3<f64>; 4], integrand: impl Fn(&Point3<f64>) -> f64) -> f64 {
+    let [a, b, d] = [1, 2, 3].map(|k| corners[k] - corners[0]);
+    let mut sum = 0.0;
+    for (u, wu) in GAUSS {
+        for (v, wv) in GAUSS {
+            for (w, ww) in GAUSS {
+                let weight = wu * wv * ww * (1.0 - u).powi(2) * (1.0 - v);
+                let (second, third) = (v * (1.0 - u), w * (1.0 - u) * (1.0 - v));
+                sum += weight * integrand(&(corners[0] + a * u + b * second + d * third));
+            }
+        }
+    }
+    sum * a.dot(&b.cross(&d))
+}
+
+fn block() -> Polyhedron {
+    let bounds = Bounds {
+        min: Point3::new(-0.4, -0.7, -0.3),
+        max: Point3::new(0.6, 0.5, 0.8),
+    };
+    Polyhedron::cuboid(&bounds, [0; 6])
+}
+
+fn evaluate(density: &str, center: &Vector3<f64>, order: u32) -> Evaluation<3> {
+    let mut integrand = Integrand::new(&block());
+    integrand.set_density(Some(&polynomial(density)));
+    let piece = SignedPiece {
+        sign: 1.0,
+        integrand,
+    };
+    energy([&piece], center, order, &mut WalkScratch::default())
+}
+
+const DENSITIES: [&str; 4] = [
+    "2",
+    "1 + x - 0.5*y",
+    "1 + x*y + z^2",
+    "2 + x^3 - y*z + x*y*z",
+];
+
+#[test]
+fn weighted_energies_agree_with_quadrature_over_the_fragments() {
+    for density in DENSITIES {
+        for order in [1, 2, 4] {
+            for center in [[0.0, 0.0, 0.0], [0.2, -0.1, 0.3], [0.9, 0.2, -0.5]] {
+                let center = Point3::from(center);
+                let weight = polynomial(density);
+                let mut expected = 0.0;
+                for fragment in fragments(&block(), &center, 9) {
+                    for corners in tetrahedra(&fragment, &center) {
+                        expected += gauss(&corners, |y| {
+                            weight.at(y) * (y - center).amax().powi(order as i32)
+                        });
+                    }
+                }
+                let value = evaluate(density, &center.coords, order).value;
+                let error = (value - expected).abs();
+                assert!(error < 1e-13, "{density}, p = {order}, {center}: {error:e}");
+            }
+        }
+    }
+}
+
+#[test]
+fn weighted_gradients_and_hessians_agree_with_central_differences() {
+    let step = 1e-5;
+    for density in DENSITIES {
+        for order in [1, 2, 3] {
+            let center = Vector3::new(0.13, -0.21, 0.07);
+            let here = evaluate(density, &center, order);
+            for axis in 0..3 {
+                let at = |sign: f64| {
+                    let mut moved = center;
+                    moved[axis] += sign * step;
+                    evaluate(density, &moved, order)
+                };
+                let (up, down) = (at(1.0), at(-1.0));
+                let slope = (up.value - down.value) / (2.0 * step);
+                let bend = (up.gradient - down.gradient) / (2.0 * step);
+                let what = format!("{density}, p = {order}, axis {axis}");
+                assert!((slope - here.gradient[axis]).abs() < 1e-8, "{what}");
+                assert!((bend - here.hessian.column(axis)).amax() < 1e-6, "{what}");
+            }
+        }
+    }
+}
+
+#[test]
+fn mass_moments_of_a_block_are_those_of_its_product_integrals() {
+    let moments = mass_moments(Piece::Convex(&block()), &polynomial("1 + x^2*y"));
+    let power =
+        |low: f64, high: f64, n: i32| (high.powi(n + 1) - low.powi(n + 1)) / f64::from(n + 1);
+    let product =
+        |[a, b, c]: [i32; 3]| power(-0.4, 0.6, a) * power(-0.7, 0.5, b) * power(-0.3, 0.8, c);
+    assert!((moments.volume - product([0, 0, 0]) - product([2, 1, 0])).abs() < 1e-14);
+    assert!((moments.first.x - product([1, 0, 0]) - product([3, 1, 0])).abs() < 1e-14);
+    let squares = product([2, 0, 0])
+        + product([4, 1, 0])
+        + product([0, 2, 0])
+        + product([2, 3, 0])
+        + product([0, 0, 2])
+        + product([2, 1, 2]);
+    assert!((moments.second - squares).abs() < 1e-14);
+}
+
+#[test]
+fn a_linear_density_is_the_same_as_polynomial_and_as_vertex_values() {
+    let text = "1 + 2*x + 0.5*z";
+    let surface = SurfaceSolid::new(&validate(&unit_cube()).expect("closed").0).expect("a volume");
+    let surface = WeightedDomain::new(Box::new(surface), polynomial(text)).expect("positive");
+    let domains: [Box<dyn Domain>; 3] = [
+        cube(text),
+        tets(2, |y| 1.0 + 2.0 * y.x + 0.5 * y.z),
+        Box::new(surface),
+    ];
+    let sites = random_sites(40, 1);
+    let spaces = domains.map(Space::new);
+    for norm in [Norm::Linf, Norm::L2] {
+        let asked = Question { norm, ..LINF };
+        let [one, two, three] = domains_figures(&spaces, &sites, asked);
+        for other in [&two, &three] {
+            for (one, other) in one.iter().zip(other) {
+                assert!((one.0 - other.0).abs() < 1e-12, "{norm:?}");
+                assert!((one.1 - other.1).amax() < 1e-11, "{norm:?}");
+                assert!((one.2 - other.2).amax() < 1e-11, "{norm:?}");
+            }
+        }
+    }
+}
+
+/// Energy, gradient and center.
+type Row = (f64, Vector3<f64>, Point3<f64>);
+
+/// The rows of all cells, per domain.
+fn domains_figures(spaces: &[Space; 3], sites: &[Point3<f64>], asked: Question) -> [Vec<Row>; 3] {
+    spaces.each_ref().map(|space| {
+        let cells = space.figures(sites, asked).expect("a diagram");
+        let figures = cells
+            .iter()
+            .map(|cell| (cell.energy, cell.gradient, cell.center));
+        figures.collect()
+    })
+}
+
+#[test]
+fn cells_follow_the_wanted_size() {
+    let size = |y: &Point3<f64>| 0.1 + 0.2 * y.x;
+    let space = Space::new(tets(4, |y| size(y).powi(-4)));
+    let mut sites = random_sites(200, 2);
+    let spread = |sites: &[Point3<f64>]| {
+        let cells = space.figures(sites, LINF).expect("a diagram");
+        let ratios: Vec<f64> = cells
+            .iter()
+            .zip(sites)
+            .map(|(cell, site)| cell.volume.cbrt() / size(site))
+            .collect();
+        let mean = ratios.iter().sum::<f64>() / ratios.len() as f64;
+        let variance = ratios.iter().map(|r| (r / mean - 1.0).powi(2)).sum::<f64>();
+        (variance / ratios.len() as f64).sqrt()
+    };
+    let before = spread(&sites);
+    let mut energies = Vec::new();
+    let options = LloydOptions {
+        iterations: 40,
+        tolerance: 0.0,
+        question: LINF,
+    };
+    lloyd(&space, &mut sites, &options, None, &mut |record, _| {
+        energies.push(record.energy_mean);
+        ControlFlow::Continue(())
+    })
+    .expect("sites stay in the solid");
+    assert!(
+        energies
+            .windows(2)
+            .all(|pair| pair[1] <= pair[0] * (1.0 + 1e-12)),
+        "{energies:?}"
+    );
+    let after = spread(&sites);
+    assert!(after < 0.2 && after < 0.5 * before, "{before} → {after}");
+}
+
+#[test]
+fn a_density_that_is_not_positive_is_refused_with_its_place() {
+    let density = polynomial("x - 0.5");
+    let refused = WeightedDomain::new(Box::new(Cuboid::unit()), density).expect_err("negative");
+    assert!(
+        refused.to_string().contains("must be a positive number"),
+        "{refused}"
+    );
+}

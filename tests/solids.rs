@@ -1,0 +1,495 @@
+//! Cells in solids: meshes as domains.
+
+use std::collections::BTreeMap;
+use std::ops::ControlFlow;
+use std::path::PathBuf;
+
+use chebloyd::chebyshev::center::Minimizer;
+use chebloyd::chebyshev::energy::{SignedPiece, energy};
+use chebloyd::chebyshev::integrand::Integrand;
+use chebloyd::chebyshev::walk::WalkScratch;
+use chebloyd::domain::convex::ConvexPolyhedron;
+use chebloyd::domain::cuboid::Cuboid;
+use chebloyd::domain::space::{Domain, PieceScratch};
+use chebloyd::domain::surface::clipped::{ClippedCell, Meeting};
+use chebloyd::domain::surface::shadow::shadows;
+use chebloyd::domain::surface::solid::SurfaceSolid;
+use chebloyd::domain::tets::TetSolid;
+use chebloyd::geometry::bounds::Bounds;
+use chebloyd::geometry::faceted::Piece;
+use chebloyd::geometry::half_space::HalfSpace;
+use chebloyd::geometry::shell::Shell;
+use chebloyd::mesh::load::{Solid, load};
+use chebloyd::mesh::shapes::boxes::{cuboid, unit_cube, unit_cube_five_tets, unit_cube_tets};
+use chebloyd::mesh::shapes::bracket::bracket;
+use chebloyd::mesh::shapes::sphere::icosphere;
+use chebloyd::mesh::shapes::tubes::{torus, trefoil};
+use chebloyd::mesh::sound::validate_tets;
+use chebloyd::mesh::surface::SurfaceMesh;
+use chebloyd::mesh::tets::TetMesh;
+use chebloyd::mesh::validate::validate;
+use chebloyd::minimize::problem::Evaluation;
+use chebloyd::relax::lloyd::{LloydOptions, lloyd};
+use chebloyd::relax::space::{Space, shell};
+use chebloyd::relax::tessellation::{Norm, Question};
+use chebloyd::voronoi::diagram::Diagram;
+use nalgebra::{Point3, Vector3};
+use rand_chacha::ChaCha8Rng;
+use rand_core::{Rng, SeedableRng};
+
+/// The closed models of the shared folder.
+const MODELS: [&str; 8] = [
+    "3torus.off",
+    "anchor.off",
+    "bunny.off",
+    "casting.off",
+    "couplingdown.off",
+    "fandisk.off",
+    "femur.off",
+    "rocker-arm.obj",
+];
+
+const LINF: Question = Question {
+    norm: Norm::Linf,
+    order: 1,
+    minimizer: Minimizer::Newton,
+};
+
+fn uniform(random: &mut ChaCha8Rng) -> f64 {
+    (random.next_u64() >> 11) as f64 / (1u64 << 53) as f64
+}
+
+/// Uniform random points of the domain.
+fn random_sites(domain: &dyn Domain, count: usize, seed: u64) -> Vec<Point3<f64>> {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let bounds = domain.bounds();
+    let mut sites = Vec::new();
+    while sites.len() < count {
+        let share = Vector3::from_fn(|_, _| uniform(&mut random));
+        let point = bounds.min + bounds.extent().component_mul(&share);
+        if domain.contains(&point) {
+            sites.push(point);
+        }
+    }
+    sites
+}
+
+/// The middles of an n³ grid over the domain's bounds that the domain holds.
+fn grid_sites(domain: &dyn Domain, n: u32) -> Vec<Point3<f64>> {
+    let bounds = domain.bounds();
+    let middle = |k: u32| (f64::from(k) + 0.5) / f64::from(n);
+    let share = |k: u32| Vector3::new(middle(k % n), middle(k / n % n), middle(k / n / n));
+    (0..n.pow(3))
+        .map(|k| bounds.min + bounds.extent().component_mul(&share(k)))
+        .filter(|point| domain.contains(point))
+        .collect()
+}
+
+fn solid(mesh: &SurfaceMesh) -> SurfaceSolid {
+    SurfaceSolid::new(&validate(mesh).expect("the mesh is closed").0).expect("it has a volume")
+}
+
+fn tets(mesh: &TetMesh) -> TetSolid {
+    TetSolid::new(&validate_tets(mesh).expect("the mesh is sound").0).expect("it bounds a solid")
+}
+
+/// A model of the shared folder in the unit cube, or a message that it is not there.
+fn model(name: &str) -> Option<Solid> {
+    let here = PathBuf::from(env!("CARGO_MANIFEST_DIR"));
+    let folders = ["../shared/models", "../../shared/models"].map(|folder| here.join(folder));
+    let Some(folder) = folders.iter().find(|folder| folder.exists()) else {
+        eprintln!("skipped: there is no {}", folders[0].display());
+        return None;
+    };
+    let mut solid = load(&folder.join(name)).expect("the model is sound");
+    match &mut solid {
+        Solid::Surface(surface, _) => {
+            surface.fit_unit_cube();
+        }
+        Solid::Tets(tets, _) => {
+            let bounds = tets.mesh().bounds();
+            tets.transform(&chebloyd::mesh::similarity::Similarity::into_unit_cube(
+                &bounds,
+            ));
+        }
+    }
+    Some(solid)
+}
+
+fn surface_model(name: &str) -> Option<SurfaceSolid> {
+    match model(name)? {
+        Solid::Surface(surface, _) => Some(SurfaceSolid::new(&surface).expect("it has a volume")),
+        Solid::Tets(..) => panic!("{name} is no surface"),
+    }
+}
+
+fn shapes() -> [(&'static str, SurfaceSolid); 6] {
+    let cavity = |mut outer: SurfaceMesh, inner: SurfaceMesh| {
+        let first = outer.vertices.len() as u32;
+        outer
+            .vertices
+            .extend(inner.vertices.iter().map(|v| v * 0.5));
+        let turned = inner
+            .triangles
+            .iter()
+            .map(|&[a, b, c]| [a, c, b].map(|v| v + first));
+        outer.triangles.extend(turned);
+        outer
+    };
+    [
+        ("cube", solid(&unit_cube())),
+        ("torus", solid(&torus(1.0, 0.4, 24, 12))),
+        ("trefoil", solid(&trefoil(0.4, 64, 8))),
+        ("bracket", solid(&bracket(4))),
+        ("sphere", solid(&icosphere(2))),
+        ("shell", solid(&cavity(icosphere(2), icosphere(1)))),
+    ]
+}
+
+/// The sum of the cells' volumes, and how many cells there are of each kind.
+fn fill(domain: &SurfaceSolid, sites: &[Point3<f64>]) -> (f64, [usize; 3]) {
+    let diagram = Diagram::new(domain, sites).expect("a diagram");
+    let cells = diagram
+        .map(
+            |(clipped, scratch): &mut (ClippedCell, PieceScratch), cell| {
+                let mut volume = 0.0;
+                let mut add = |sign: f64, piece: Piece<'_>| volume += sign * piece.moments().volume;
+                domain.pieces(&cell.position, cell.polyhedron, scratch, &mut add);
+                (
+                    volume,
+                    clipped.meet(domain, &cell.position, cell.polyhedron),
+                )
+            },
+        )
+        .expect("no duplicates");
+    let count = |kind: Meeting| cells.iter().filter(|cell| cell.1 == kind).count();
+    let kinds = [Meeting::Apart, Meeting::Clipped, Meeting::Tangled].map(count);
+    (cells.iter().map(|cell| cell.0).sum(), kinds)
+}
+
+fn assert_filled(domain: &SurfaceSolid, sites: &[Point3<f64>], what: &str) -> [usize; 3] {
+    let (volume, kinds) = fill(domain, sites);
+    let error = volume / domain.volume() - 1.0;
+    let count = sites.len();
+    assert!(
+        error.abs() < 1e-11,
+        "{what}, {count} sites: {error:e}, {kinds:?}"
+    );
+    kinds
+}
+
+fn signed(sign: f64, piece: Piece<'_>) -> SignedPiece {
+    let mut integrand = Integrand::default();
+    integrand.assign(piece);
+    SignedPiece { sign, integrand }
+}
+
+#[test]
+fn cells_fill_generated_solids_without_the_fallback() {
+    for (name, domain) in shapes() {
+        for (count, seed) in [(1, 1), (2, 2), (7, 3), (40, 4), (500, 5)] {
+            let sites = random_sites(&domain, count, seed);
+            let [_, _, tangled] = assert_filled(&domain, &sites, name);
+            assert_eq!(tangled, 0, "{name}, {count} sites");
+        }
+    }
+}
+
+#[test]
+fn cells_fill_solids_whose_walls_lie_on_bisectors_and_through_vertices() {
+    for (name, domain) in shapes() {
+        for n in [2, 4, 5, 8] {
+            let sites = grid_sites(&domain, n);
+            if !sites.is_empty() {
+                assert_filled(&domain, &sites, name);
+            }
+        }
+    }
+}
+
+#[test]
+fn sites_on_walls_edges_and_corners_have_cells() {
+    let domain = solid(&unit_cube());
+    let mut sites = random_sites(&domain, 50, 1);
+    for place in [
+        [0.0; 3],
+        [1.0, 0.5, 0.0],
+        [0.5, 0.5, 1.0],
+        [0.25, 0.25, 0.0],
+        [1.0; 3],
+    ] {
+        sites.push(Point3::from(place));
+    }
+    assert_filled(&domain, &sites, "cube");
+}
+
+#[test]
+fn a_cell_is_worth_the_same_by_its_boundary_and_by_shadows() {
+    for (name, domain) in shapes() {
+        for (count, seed) in [(3, 6), (60, 7)] {
+            let sites = random_sites(&domain, count, seed);
+            let diagram = Diagram::new(&domain, &sites).expect("a diagram");
+            let label = |_| 0;
+            let tree = domain.tree();
+            let worst = diagram
+                .map(|(scratch, walk): &mut (PieceScratch, WalkScratch), cell| {
+                    let mut whole = Vec::new();
+                    domain.pieces(
+                        &cell.position,
+                        cell.polyhedron,
+                        scratch,
+                        &mut |sign, piece| {
+                            whole.push(signed(sign, piece));
+                        },
+                    );
+                    let mut parts = Vec::new();
+                    let memory = (&mut scratch.piece, &mut scratch.clip);
+                    let (at, cell) = (&cell.position, cell.polyhedron);
+                    shadows(
+                        domain.surface(),
+                        tree,
+                        label,
+                        at,
+                        cell,
+                        memory,
+                        |sign, part| {
+                            parts.push(signed(sign, Piece::Convex(part)));
+                        },
+                    );
+                    let size = cell.radius_squared().sqrt();
+                    let mut worst: f64 = 0.0;
+                    for (center, order) in
+                        [([0.0; 3], 1), ([0.1, 0.2, -0.3], 1), ([0.3, -0.4, 0.2], 3)]
+                    {
+                        let center = Vector3::from(center) * size;
+                        let [one, other] =
+                            [&whole, &parts].map(|pieces| energy(pieces, &center, order, walk));
+                        let Evaluation {
+                            value,
+                            gradient,
+                            hessian,
+                        } = one;
+                        let scale = size.powi(3 + order as i32);
+                        worst = worst
+                            .max((value - other.value).abs() / scale)
+                            .max((gradient - other.gradient).amax() / scale * size)
+                            .max((hessian - other.hessian).amax() / scale * size * size);
+                    }
+                    worst
+                })
+                .expect("no duplicates");
+            let worst = worst.into_iter().fold(0.0, f64::max);
+            assert!(worst < 1e-11, "{name}, {count} sites: {worst:e}");
+        }
+    }
+}
+
+#[test]
+fn the_unit_cube_is_the_same_in_every_form() {
+    let half_spaces = [0, 1, 2].map(|axis| {
+        let mut normal = Vector3::zeros();
+        normal[axis] = 1.0;
+        [
+            HalfSpace {
+                normal,
+                offset: 1.0,
+            },
+            HalfSpace {
+                normal: -normal,
+                offset: 0.0,
+            },
+        ]
+    });
+    let convex = ConvexPolyhedron::new(half_spaces.as_flattened()).expect("a cube");
+    let forms: [(&str, Box<dyn Domain>); 4] = [
+        ("half-spaces", Box::new(convex)),
+        ("surface", Box::new(solid(&unit_cube()))),
+        ("five tets", Box::new(tets(&unit_cube_five_tets()))),
+        ("many tets", Box::new(tets(&unit_cube_tets(3)))),
+    ];
+    let reference = Space::new(Box::new(Cuboid::unit()));
+    let start = random_sites(reference.domain(), 60, 8);
+    let expected = reference.figures(&start, LINF).expect("a diagram");
+    let relaxed = relax(&reference, &start, Norm::Linf, 50).1;
+    for (name, domain) in forms {
+        let space = Space::new(domain);
+        let figures = space.figures(&start, LINF).expect("a diagram");
+        for (cell, expected) in figures.iter().zip(&expected) {
+            let differences = [
+                cell.volume - expected.volume,
+                cell.energy - expected.energy,
+                (cell.gradient - expected.gradient).amax(),
+                (cell.center - expected.center).amax(),
+                cell.center_energy - expected.center_energy,
+                cell.cubeness - expected.cubeness,
+                cell.axis_aligned - expected.axis_aligned,
+            ];
+            let worst = differences
+                .into_iter()
+                .fold(0.0, |far: f64, d| far.max(d.abs()));
+            assert!(worst < 1e-11, "{name}: {differences:?}");
+            assert_eq!(cell.facets, expected.facets, "{name}");
+        }
+        let sites = relax(&space, &start, Norm::Linf, 50).1;
+        let pairs = sites.iter().zip(&relaxed);
+        let worst = pairs.fold(0.0, |far: f64, (a, b)| far.max((a - b).amax()));
+        assert!(worst < 1e-8, "{name}: {worst:e}");
+    }
+}
+
+/// The energies in percent and the last sites of a run.
+fn relax(
+    space: &Space,
+    start: &[Point3<f64>],
+    norm: Norm,
+    iterations: u64,
+) -> (Vec<f64>, Vec<Point3<f64>>) {
+    let mut sites = start.to_vec();
+    let mut energies = Vec::new();
+    let options = LloydOptions {
+        iterations,
+        tolerance: 0.0,
+        question: Question { norm, ..LINF },
+    };
+    lloyd(space, &mut sites, &options, None, &mut |record, sites| {
+        energies.push(record.energy_percent);
+        assert!(sites.iter().all(|site| space.domain().contains(site)));
+        ControlFlow::Continue(())
+    })
+    .expect("sites stay in the solid");
+    (energies, sites)
+}
+
+#[test]
+fn the_shells_of_all_cells_have_the_solids_volume_each_closed() {
+    for (name, domain) in shapes() {
+        for sites in [
+            random_sites(&domain, 40, 12),
+            random_sites(&domain, 300, 13),
+        ] {
+            let diagram = Diagram::new(&domain, &sites).expect("a diagram");
+            let shells = diagram
+                .map(|scratch: &mut PieceScratch, cell| shell(&domain, &cell, scratch))
+                .expect("no duplicates");
+            let volume: f64 = shells.iter().map(Shell::volume).sum();
+            let error = volume / domain.volume() - 1.0;
+            assert!(
+                error.abs() < 1e-9,
+                "{name}, {} sites: {error:e}",
+                sites.len()
+            );
+            for shell in &shells {
+                assert!(is_watertight(shell), "{name}");
+            }
+        }
+    }
+}
+
+/// Whether every edge is run along as often in one direction as in the other.
+fn is_watertight(shell: &Shell) -> bool {
+    let mut balance: BTreeMap<[u32; 2], i32> = BTreeMap::new();
+    for facet in shell.facets() {
+        for (k, &from) in facet.iter().enumerate() {
+            let to = facet[(k + 1) % facet.len()];
+            let key = [from.min(to), from.max(to)];
+            *balance.entry(key).or_default() += if from < to { 1 } else { -1 };
+        }
+    }
+    balance.values().all(|&sum| sum == 0)
+}
+
+#[test]
+fn cells_fill_the_closed_models() {
+    for name in MODELS {
+        let Some(domain) = surface_model(name) else {
+            return;
+        };
+        assert_filled(&domain, &random_sites(&domain, 1000, 1), name);
+    }
+    for name in ["femur.off", "fandisk.off"] {
+        let Some(domain) = surface_model(name) else {
+            return;
+        };
+        assert_filled(&domain, &random_sites(&domain, 10_000, 1), name);
+    }
+}
+
+#[test]
+fn a_tet_mesh_and_its_boundary_are_one_solid() {
+    let Some(Solid::Tets(mesh, _)) = model("bunny.mesh") else {
+        return;
+    };
+    let filled = TetSolid::new(&mesh).expect("it bounds a solid");
+    let boundary = filled.boundary().clone();
+    let sites = random_sites(&boundary, 300, 9);
+    let [filled, bounded] = [Space::new(Box::new(filled)), Space::new(Box::new(boundary))]
+        .map(|space| space.figures(&sites, LINF).expect("a diagram"));
+    let size = (1.0 / 300.0_f64).cbrt();
+    for (one, other) in filled.iter().zip(&bounded) {
+        assert!((one.volume - other.volume).abs() < 1e-11 * size.powi(3));
+        assert!((one.energy - other.energy).abs() < 1e-11 * size.powi(4));
+        assert!((one.gradient - other.gradient).amax() < 1e-11 * size.powi(3));
+        assert!((one.center - other.center).amax() < 1e-9 * size);
+        assert!((one.cubeness - other.cubeness).abs() < 1e-9);
+        assert_eq!(one.facets, other.facets);
+    }
+}
+
+#[test]
+fn chebyshev_runs_in_a_solid_end_below_euclidean_ones() {
+    let domain = surface_model("femur.off").unwrap_or_else(|| solid(&trefoil(0.4, 64, 8)));
+    let start = random_sites(&domain, 200, 10);
+    let space = Space::new(Box::new(domain));
+    let [linf, l2] = [Norm::Linf, Norm::L2].map(|norm| relax(&space, &start, norm, 50).0);
+    assert!(linf[50] < l2[50], "{} against {}", linf[50], l2[50]);
+    for pair in linf.windows(2) {
+        assert!(
+            pair[1] <= pair[0] * (1.0 + 1e-12),
+            "the energy rose: {pair:?}"
+        );
+    }
+}
+
+#[test]
+fn a_center_outside_the_solid_draws_its_site_to_the_wall_only() {
+    // One cell that is the whole ring: its center is the hole's middle.
+    let space = Space::new(Box::new(solid(&torus(1.0, 0.3, 48, 24))));
+    let start = [Point3::new(1.1, 0.0, 0.0)];
+    let (energies, sites) = relax(&space, &start, Norm::Linf, 1);
+    assert!(energies[1] < energies[0]);
+    assert!(
+        (sites[0] - Point3::new(0.7, 0.0, 0.0)).norm() < 0.02,
+        "{}",
+        sites[0]
+    );
+}
+
+#[test]
+fn a_solid_thinner_than_a_cell_and_a_single_tetrahedron_are_relaxed() {
+    let thin = Bounds {
+        min: Point3::origin(),
+        max: Point3::new(1.0, 1.0, 1e-3),
+    };
+    let corner = Point3::new(1.0, 1.0, 1.0);
+    let single = TetMesh {
+        vertices: vec![
+            Point3::origin(),
+            Point3::new(1.0, 0.0, 0.0),
+            Point3::new(0.0, 1.0, 0.0),
+            corner,
+        ],
+        tets: vec![[0, 1, 2, 3]],
+        vertex_data: Vec::new(),
+    };
+    let domains: [Box<dyn Domain>; 2] = [Box::new(solid(&cuboid(&thin))), Box::new(tets(&single))];
+    for domain in domains {
+        let volume = domain.volume();
+        let start = random_sites(domain.as_ref(), 20, 11);
+        let space = Space::new(domain);
+        let (energies, sites) = relax(&space, &start, Norm::Linf, 30);
+        assert!(energies[30] < energies[0]);
+        let figures = space.figures(&sites, LINF).expect("a diagram");
+        let sum: f64 = figures.iter().map(|cell| cell.volume).sum();
+        assert!((sum / volume - 1.0).abs() < 1e-11);
+    }
+}
