@@ -6,10 +6,11 @@ use chebloyd::domain::cuboid::Cuboid;
 use chebloyd::domain::space::Domain;
 use chebloyd::geometry::bounds::Bounds;
 use chebloyd::geometry::half_space::HalfSpace;
+use chebloyd::relax::frames::Frames;
 use chebloyd::relax::record::optimal_energy;
 use chebloyd::relax::space::Space;
 use chebloyd::relax::tessellation::{Minimizer, Norm, Question, Tessellation};
-use nalgebra::{Point3, Vector3};
+use nalgebra::{Point3, Rotation3, Unit, Vector3};
 use rand_chacha::ChaCha8Rng;
 use rand_core::{Rng, SeedableRng};
 
@@ -156,4 +157,68 @@ fn the_objective_does_not_depend_on_the_number_of_threads() {
         pool.install(|| space.global(&sites, 1).unwrap())
     };
     assert_eq!(on(1), on(3));
+}
+
+/// A cube turned by 30 degrees about an axis, with frames turned the same way.
+fn turned(degrees: f64) -> (Space, Rotation3<f64>) {
+    let axis = Unit::new_normalize(Vector3::new(1.0, 2.0, 0.5));
+    let rotation = Rotation3::from_axis_angle(&axis, degrees.to_radians());
+    let walls: Vec<_> = [0, 1, 2]
+        .into_iter()
+        .flat_map(|axis| [1.0, -1.0].map(|sign| (axis, sign)))
+        .map(|(axis, sign)| {
+            let mut normal = Vector3::zeros();
+            normal[axis] = sign;
+            HalfSpace {
+                normal: rotation * normal,
+                offset: 0.5,
+            }
+        })
+        .collect();
+    let domain = Box::new(ConvexPolyhedron::new(&walls).unwrap());
+    (Space::with_frames(domain, Frames::One(rotation)), rotation)
+}
+
+#[test]
+fn a_turned_cube_with_turned_frames_is_worth_the_same() {
+    let (upright, _) = turned(0.0);
+    let (space, rotation) = turned(30.0);
+    let sites = random_sites(upright.domain(), 120, 9);
+    let turned_sites: Vec<_> = sites.iter().map(|site| rotation * site).collect();
+    let question = Question {
+        norm: Norm::Linf,
+        order: 1,
+        minimizer: Minimizer::Newton,
+    };
+    let cells = upright.figures(&sites, question).unwrap();
+    let turned_cells = space.figures(&turned_sites, question).unwrap();
+    for (a, b) in cells.iter().zip(&turned_cells) {
+        assert!((a.energy / b.energy - 1.0).abs() < 1e-12);
+        assert!((a.center_energy / b.center_energy - 1.0).abs() < 1e-12);
+        assert!((rotation * a.center - b.center).norm() < 1e-9);
+        assert!((rotation * a.gradient - b.gradient).norm() < 1e-12 * a.volume);
+        assert!((a.cubeness - b.cubeness).abs() < 1e-12);
+        assert!((a.axis_aligned - b.axis_aligned).abs() < 1e-12);
+        assert_eq!(a.facets, b.facets);
+    }
+    let (a, b) = (
+        upright.global(&sites, 2).unwrap(),
+        space.global(&turned_sites, 2).unwrap(),
+    );
+    assert!((a.energy / b.energy - 1.0).abs() < 1e-12);
+    for (a, b) in a.gradient.iter().zip(&b.gradient) {
+        assert!((rotation * a - b).norm() < 1e-12);
+    }
+}
+
+#[test]
+fn the_gradient_is_that_of_central_differences_with_a_frame_for_every_site() {
+    let mut random = ChaCha8Rng::seed_from_u64(10);
+    let frame = |random: &mut ChaCha8Rng| {
+        let angles = [0; 3].map(|_| 6.0 * uniform(random));
+        Rotation3::from_euler_angles(angles[0], angles[1], angles[2])
+    };
+    let frames = (0..25).map(|_| frame(&mut random)).collect();
+    let space = Space::with_frames(Box::new(Cuboid::unit()), Frames::PerSite(frames));
+    check_gradient(&space, 25, 11);
 }

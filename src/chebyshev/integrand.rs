@@ -6,7 +6,7 @@
 //! height of c below the facet. No polygon is cut for an integral: an edge that runs through
 //! several sectors splits its σ in proportion.
 
-use nalgebra::Vector3;
+use nalgebra::{Point3, Rotation3, Vector3};
 
 use crate::geometry::faceted::{Faceted, Piece};
 use crate::geometry::half_space::HalfSpace;
@@ -67,6 +67,22 @@ impl Integrand {
     /// Gives the piece a density, a polynomial in its coordinates; none is density 1.
     pub fn set_density(&mut self, density: Option<&Polynomial>) {
         self.density = density.cloned();
+    }
+
+    /// Turns the piece about the origin. Areas stay; a density would have to be turned too, and is
+    /// not.
+    pub fn rotate(&mut self, rotation: &Rotation3<f64>) {
+        for vertex in &mut self.vertices {
+            *vertex = rotation * *vertex;
+        }
+        for facet in &mut self.facets {
+            facet.normal = rotation * facet.normal;
+        }
+    }
+
+    /// The positions of the vertices.
+    pub fn vertices(&self) -> impl Iterator<Item = Point3<f64>> + '_ {
+        self.vertices.iter().map(|vertex| Point3::from(*vertex))
     }
 
     fn assign_convex(&mut self, piece: &Polyhedron) {

@@ -15,6 +15,7 @@ use chebloyd::relax::space::Space;
 use chebloyd::relax::stand::Stand;
 use chebloyd::relax::tessellation::{Question, Tessellation};
 use chebloyd::scene::description::Scene;
+use chebloyd::scene::frames::frames;
 use chebloyd::scene::place::place;
 use chebloyd::scene::region::Region;
 
@@ -68,7 +69,7 @@ pub(crate) fn space(scene: &Scene) -> Result<Space, Failure> {
     for note in notes {
         eprintln!("note: {note}");
     }
-    Ok(Space::new(domain))
+    Ok(Space::with_frames(domain, frames(scene.frames.as_ref())))
 }
 
 /// Is shown a record, the sites it describes and the method's stand.

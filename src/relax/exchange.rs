@@ -44,7 +44,10 @@ pub(crate) struct Room {
 pub(crate) fn rooms(space: &Space, sites: &[Point3<f64>]) -> Result<Vec<Room>, DiagramError> {
     let diagram = Diagram::new(space.domain(), sites)?;
     diagram.map(|memory: &mut CellMemory, cell| {
-        memory.load(space.domain(), &cell);
+        let frame = space.frames().of(cell.site);
+        memory.load_in_frame(space.domain(), &cell, frame);
+        let distance =
+            |way: &Vector3<f64>| frame.map_or(way.amax(), |frame| (frame.inverse() * way).amax());
         let mut farthest = Vector3::zeros();
         for corner in cell.polyhedron.vertices() {
             let inside = || {
@@ -52,14 +55,14 @@ pub(crate) fn rooms(space: &Space, sites: &[Point3<f64>]) -> Result<Vec<Room>, D
                     .domain()
                     .contains(&space.domain().wrap(&(cell.position + corner.coords)))
             };
-            if corner.coords.amax() > farthest.amax() && inside() {
+            if distance(&corner.coords) > distance(&farthest) && inside() {
                 farthest = corner.coords;
             }
         }
         Room {
             energy: memory.evaluate(&Vector3::zeros(), 1).value,
             corner: space.domain().wrap(&(cell.position + farthest)),
-            distance: farthest.amax(),
+            distance: distance(&farthest),
         }
     })
 }

@@ -6,10 +6,12 @@
 //! In space there is more than one loop. [`objective`] is the energy of all cells as a function of
 //! all sites; [`travel`] carries out a [`plan`]: it descends along that objective ([`descent`]) or
 //! by Lloyd's moves, gets out of local minima (`kick`: `noise`, `exchange`), and goes from few sites
-//! to many ([`levels`]). Its [`stand`] is all that a later process needs to go on.
+//! to many ([`levels`]). [`frames`] turn the axes by
+//! which its distances are measured. Its [`stand`] is all that a later process needs to go on.
 
 pub mod descent;
 pub mod figures;
+pub mod frames;
 pub mod levels;
 pub mod lloyd;
 pub mod objective;
@@ -25,4 +27,5 @@ mod exchange;
 mod kick;
 mod noise;
 mod plane_figures;
+mod reach;
 mod shape;

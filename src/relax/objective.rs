@@ -75,7 +75,8 @@ impl Space {
     }
 
     fn part_of_cell(&self, memory: &mut Memory, cell: &Cell<'_>, order: u32) -> Part {
-        memory.cell.load(self.domain(), cell);
+        let frame = self.frames().of(cell.site);
+        memory.cell.load_in_frame(self.domain(), cell, frame);
         let (pieces, walk) = memory.cell.pieces();
         let mut pushes = Vec::new();
         let mut own = Vector3::zeros();
@@ -96,10 +97,13 @@ impl Space {
         } else {
             energy(pieces, &Vector3::zeros(), 1, walk).value
         };
+        for (_, push) in &mut pushes {
+            *push = memory.cell.in_space(*push);
+        }
         Part {
             energy: inside.value,
             chebyshev,
-            gradient: inside.gradient + own,
+            gradient: memory.cell.in_space(inside.gradient + own),
             pushes,
         }
     }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use nalgebra::Vector3;
+use nalgebra::{Rotation3, Vector3};
 
 use crate::domain::beyond::Beyond;
 use crate::geometry::clip::{Clip, ClipScratch, clip};
@@ -45,13 +45,15 @@ impl Shape {
             .count() as u32
     }
 
-    /// The share of the facet area whose unit normal has a component of at least [`ALIGNED`].
-    pub(crate) fn axis_aligned(&self) -> f64 {
+    /// The share of the facet area whose unit normal has a component of at least [`ALIGNED`] in the
+    /// cell's frame.
+    pub(crate) fn axis_aligned(&self, frame: Option<&Rotation3<f64>>) -> f64 {
         let (mut aligned, mut all) = (0.0, 0.0);
         for vector in self.areas.values() {
             let area = vector.norm();
             all += area;
-            if vector.amax() >= ALIGNED * area {
+            let turned = frame.map_or(*vector, |frame| frame.inverse() * vector);
+            if turned.amax() >= ALIGNED * area {
                 aligned += area;
             }
         }
@@ -69,14 +71,20 @@ impl Shape {
     }
 }
 
-/// The common part of a cell with the axis-aligned cube of volume `volume` about the origin.
-pub(crate) fn within_cube(cell: &Polyhedron, volume: f64, scratch: &mut ClipScratch) -> Polyhedron {
+/// The common part of a cell with the cube of volume `volume` about the origin, in the cell's frame.
+pub(crate) fn within_cube(
+    cell: &Polyhedron,
+    volume: f64,
+    frame: Option<&Rotation3<f64>>,
+    scratch: &mut ClipScratch,
+) -> Polyhedron {
     let mut common = cell.clone();
     let offset = 0.5 * volume.max(0.0).cbrt();
     for axis in 0..3 {
         for sign in [1.0, -1.0] {
             let mut normal = Vector3::zeros();
             normal[axis] = sign;
+            let normal = frame.map_or(normal, |frame| frame * normal);
             let side = HalfSpace { normal, offset };
             if clip(&mut common, &side, Beyond::Inner.label(), scratch) == Clip::Emptied {
                 return common;

@@ -1,8 +1,8 @@
 //! Diagrams in space: how cells in a domain answer the loops.
 
-use nalgebra::{Point3, Vector3};
+use nalgebra::{Point3, Rotation3, Vector3};
 
-use crate::chebyshev::center::{SHY_OF_BORDER, Search, center};
+use crate::chebyshev::center::{Search, center};
 use crate::chebyshev::energy::{SignedPiece, energy};
 use crate::chebyshev::integrand::Integrand;
 use crate::chebyshev::mass_moments::mass_moments;
@@ -12,11 +12,12 @@ use crate::geometry::bounds::Bounds;
 use crate::geometry::clip::ClipScratch;
 use crate::geometry::faceted::Piece;
 use crate::geometry::moments::Moments;
-use crate::geometry::polyhedron::Polyhedron;
 use crate::geometry::shell::Shell;
 use crate::integrals::polynomial::Polynomial;
 use crate::minimize::problem::Evaluation;
 use crate::relax::figures::CellFigures;
+use crate::relax::frames::Frames;
+use crate::relax::reach::{reach, target};
 use crate::relax::shape::{Shape, within_cube};
 use crate::relax::tessellation::{Assessment, Norm, Question, Tessellation};
 use crate::voronoi::cell::Cell;
@@ -26,13 +27,26 @@ use crate::voronoi::diagram::{Diagram, DiagramError};
 #[derive(Debug)]
 pub struct Space {
     domain: Box<dyn Domain>,
+    frames: Frames,
 }
 
 impl Space {
     /// The space of `domain`.
     #[must_use]
     pub fn new(domain: Box<dyn Domain>) -> Self {
-        Self { domain }
+        Self::with_frames(domain, Frames::Axes)
+    }
+
+    /// The space of `domain` whose cells measure the Chebyshev distance in these frames.
+    #[must_use]
+    pub fn with_frames(domain: Box<dyn Domain>, frames: Frames) -> Self {
+        Self { domain, frames }
+    }
+
+    /// The frames in which cells measure the Chebyshev distance.
+    #[must_use]
+    pub fn frames(&self) -> &Frames {
+        &self.frames
     }
 
     /// The domain.
@@ -53,7 +67,10 @@ impl Space {
         question: Question,
     ) -> Result<Vec<CellFigures<3>>, DiagramError> {
         let diagram = Diagram::new(self.domain(), sites)?;
-        diagram.map(|memory: &mut CellMemory, cell| memory.figures(self.domain(), &cell, question))
+        diagram.map(|memory: &mut CellMemory, cell| {
+            memory.load_in_frame(self.domain(), &cell, self.frames.of(cell.site));
+            memory.figures(self.domain(), &cell, question)
+        })
     }
 }
 
@@ -79,7 +96,7 @@ impl Tessellation<3> for Space {
     ) -> Result<Vec<Assessment<3>>, DiagramError> {
         let diagram = Diagram::new(self.domain(), sites)?;
         diagram.map(|memory: &mut CellMemory, cell| {
-            memory.load(self.domain(), &cell);
+            memory.load_in_frame(self.domain(), &cell, self.frames.of(cell.site));
             memory.assess(self.domain(), &cell, question)
         })
     }
@@ -106,11 +123,23 @@ pub struct CellMemory {
     walk: WalkScratch,
     piece: PieceScratch,
     clip: ClipScratch,
+    frame: Option<Rotation3<f64>>,
 }
 
 impl CellMemory {
     /// Prepares the pieces of `cell`.
     pub fn load(&mut self, domain: &dyn Domain, cell: &Cell<'_>) {
+        self.load_in_frame(domain, cell, None);
+    }
+
+    /// Prepares the pieces of `cell`, whose distances are measured in `frame`.
+    pub fn load_in_frame(
+        &mut self,
+        domain: &dyn Domain,
+        cell: &Cell<'_>,
+        frame: Option<&Rotation3<f64>>,
+    ) {
+        self.frame = frame.copied();
         let Self {
             pieces,
             used,
@@ -129,6 +158,9 @@ impl CellMemory {
             pieces[*used].sign = sign;
             pieces[*used].integrand.assign(part);
             pieces[*used].integrand.set_density(density);
+            if let Some(frame) = frame {
+                pieces[*used].integrand.rotate(&frame.inverse());
+            }
             *used += 1;
             let volumes = part.moments();
             moments.add_signed(sign, &volumes);
@@ -148,7 +180,21 @@ impl CellMemory {
     /// gradient and Hessian.
     #[must_use]
     pub fn evaluate(&mut self, center: &Vector3<f64>, order: u32) -> Evaluation<3> {
-        energy(&self.pieces[..self.used], center, order, &mut self.walk)
+        let pieces = &self.pieces[..self.used];
+        let Some(frame) = &self.frame else {
+            return energy(pieces, center, order, &mut self.walk);
+        };
+        let turned = energy(pieces, &(frame.inverse() * center), order, &mut self.walk);
+        Evaluation {
+            value: turned.value,
+            gradient: frame * turned.gradient,
+            hessian: frame * turned.hessian * frame.inverse(),
+        }
+    }
+
+    /// A vector of the cell's frame as it points in space.
+    pub(crate) fn in_space(&self, vector: Vector3<f64>) -> Vector3<f64> {
+        self.frame.map_or(vector, |frame| frame * vector)
     }
 
     /// The prepared pieces, and the memory to walk them.
@@ -156,21 +202,17 @@ impl CellMemory {
         (&self.pieces[..self.used], &mut self.walk)
     }
 
-    /// The figures of `cell`.
-    pub fn figures(
-        &mut self,
-        domain: &dyn Domain,
-        cell: &Cell<'_>,
-        asked: Question,
-    ) -> CellFigures<3> {
-        self.load(domain, cell);
+    /// The figures of `cell`, which is loaded.
+    fn figures(&mut self, domain: &dyn Domain, cell: &Cell<'_>, asked: Question) -> CellFigures<3> {
         let volume = self.moments.volume;
-        let Self { piece, clip, .. } = self;
+        let Self {
+            piece, clip, frame, ..
+        } = self;
         let mut shape = Shape::default();
         domain.pieces(&cell.position, cell.polyhedron, piece, &mut |sign, part| {
             shape.add(sign, part);
         });
-        let common = within_cube(cell.polyhedron, volume, clip);
+        let common = within_cube(cell.polyhedron, volume, frame.as_ref(), clip);
         if !common.is_empty() {
             domain.pieces(&cell.position, &common, piece, &mut |sign, part| {
                 shape.add_overlap(sign * part.moments().volume);
@@ -199,7 +241,7 @@ impl CellMemory {
             facets: shape.facets(volume),
             chebyshev: assessment.chebyshev,
             cubeness: shape.cubeness(volume),
-            axis_aligned: shape.axis_aligned(),
+            axis_aligned: shape.axis_aligned(self.frame.as_ref()),
         }
     }
 
@@ -222,7 +264,10 @@ impl CellMemory {
             order: asked.order,
             volume: self.moments.volume,
             mass: self.masses.volume,
-            bounds: reach(domain, cell),
+            bounds: match self.frame {
+                None => reach(domain, cell),
+                Some(_) => around(pieces),
+            },
         };
         let center = center(pieces, &search, &mut self.walk);
         let chebyshev = if asked.order == 1 {
@@ -230,10 +275,11 @@ impl CellMemory {
         } else {
             energy(pieces, &Vector3::zeros(), 1, &mut self.walk).value
         };
+        let way = self.in_space(center.point);
         Assessment {
             energy: center.energy_at_site,
             chebyshev: chebyshev / domain.mean_density(),
-            target: target(domain, cell, &center.point),
+            target: target(domain, cell, &way),
             evaluations: center.evaluations,
         }
     }
@@ -251,49 +297,11 @@ impl CellMemory {
     }
 }
 
-/// The box in which the site may move, relative to it: around its cell and within the domain's.
-pub(crate) fn reach(domain: &dyn Domain, cell: &Cell<'_>) -> Bounds<3> {
-    let around = cell.polyhedron.bounds();
-    let mut within = domain.bounds();
-    for (axis, period) in domain.periods().iter().enumerate() {
-        if period.is_some() {
-            within.min[axis] = f64::NEG_INFINITY;
-            within.max[axis] = f64::INFINITY;
-        }
+/// The box around the pieces, in their frame.
+fn around(pieces: &[SignedPiece]) -> Bounds<3> {
+    let mut bounds = Bounds::empty();
+    for vertex in pieces.iter().flat_map(|piece| piece.integrand.vertices()) {
+        bounds.include(&vertex);
     }
-    within.min -= cell.position.coords;
-    within.max -= cell.position.coords;
-    around.intersection(&within)
-}
-
-/// Where the site goes that is drawn to `step`: there, or [`SHY_OF_BORDER`] of the way to where the
-/// straight way first leaves the cell or the domain. The energy is convex, also if the cell is not,
-/// so it falls all along the way.
-fn target(domain: &dyn Domain, cell: &Cell<'_>, step: &Vector3<f64>) -> Point3<f64> {
-    let mut share = share_within(cell.polyhedron, step);
-    if !domain.is_convex() {
-        let exit = domain.first_exit(&cell.position, &(step * share));
-        if exit.is_finite() {
-            share *= SHY_OF_BORDER * exit;
-        }
-        // Rounding may put a point that is nearly on the surface on its wrong side.
-        while share > 0.0 && !domain.contains(&(cell.position + step * share)) {
-            share *= 0.5;
-        }
-    }
-    domain.wrap(&(cell.position + step * share))
-}
-
-/// The share of `step` that a site may make: all of it while that ends in the cell, else
-/// [`SHY_OF_BORDER`] of the way to the border. Since the energy is convex it falls all the way.
-fn share_within(cell: &Polyhedron, step: &Vector3<f64>) -> f64 {
-    let mut share: f64 = 1.0;
-    for facet in cell.facets() {
-        let border = facet.half_space();
-        let climb = border.normal.dot(step);
-        if climb > border.offset {
-            share = share.min(SHY_OF_BORDER * (border.offset / climb).max(0.0));
-        }
-    }
-    share
+    bounds
 }

@@ -9,6 +9,7 @@ use crate::domain::space;
 use crate::scene::density::Density;
 use crate::scene::domain::Domain;
 use crate::scene::error::Error;
+use crate::scene::frames::Turn;
 use crate::scene::method::Method;
 use crate::scene::norm::Norm;
 use crate::scene::output::Output;
@@ -51,6 +52,9 @@ pub struct Scene {
     /// exchanges.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub coarse_to_fine: Option<u32>,
+    /// The axes along which distances are measured, if not those of space.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub frames: Option<Turn>,
     /// Which files a run leaves besides its log and its sites.
     #[serde(default)]
     pub output: Output,

@@ -1,7 +1,7 @@
 //! What a run is asked to do: scenes and the sites they name.
 //!
 //! A scene is a JSON object ([`description`]) whose parts each have a file of their own:
-//! [`domain`], [`sites`], [`norm`], [`method`], [`output`]. [`read`] turns text into a scene or
+//! [`domain`], [`sites`], [`norm`], [`method`], [`frames`], [`output`]. [`read`] turns text into a scene or
 //! into an error that names file, line, column and the nearest known key; [`overrides`] applies
 //! what the command line says instead; [`validate`] judges the numbers. A scene that passed is
 //! *resolved*: every default is filled in and every path absolute, so that it can be written into
@@ -16,6 +16,7 @@ pub mod description;
 pub mod domain;
 pub mod domain_keys;
 pub mod error;
+pub mod frames;
 pub mod grid;
 pub mod mesh_domain;
 pub mod method;

@@ -30,6 +30,13 @@ pub fn scene(scene: &Scene) -> Result<(), Error> {
     }
     scene.domain.validate(scene.dimension)?;
     scene.sites.validate(scene.dimension)?;
+    if scene.frames.is_some() && scene.density.is_some() {
+        let message = "frames and a density cannot go together yet; leave out one".to_owned();
+        return Err(Error::value("frames", message));
+    }
+    if let Some(turn) = &scene.frames {
+        turn.validate(scene.dimension)?;
+    }
     scene.method.validate(scene)
 }
 
