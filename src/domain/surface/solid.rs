@@ -6,7 +6,7 @@ use crate::domain::beyond::Beyond;
 use crate::domain::error::DomainError;
 use crate::domain::near::visit_near;
 use crate::domain::space::{Domain, PieceScratch};
-use crate::domain::surface::clipped::Meeting;
+use crate::domain::surface::clipped::{ClippedCell, Meeting};
 use crate::domain::surface::shadow::shadows;
 use crate::domain::surface::triangle::{Border, Corner, Origin};
 use crate::domain::surface::walls::walls;
@@ -14,6 +14,7 @@ use crate::domain::surface::way::first_exit;
 use crate::domain::surface::winding::winding;
 use crate::geometry::bounds::Bounds;
 use crate::geometry::box_tree::BoxTree;
+use crate::geometry::clip::{ClipScratch, clip};
 use crate::geometry::faceted::Piece;
 use crate::geometry::label::Label;
 use crate::geometry::polyhedron::Polyhedron;
@@ -27,7 +28,11 @@ const MARGIN: f64 = 1.0 / 16.0;
 
 /// How far the solid is moved, in shares of the cell's size, to undo a tangle: above rounding, below
 /// what a file of cells should show.
-const NUDGES: [f64; 4] = [1e-13, 1e-12, 1e-11, 1e-10];
+const NUDGES: [f64; 5] = [0.0, 1e-13, 1e-12, 1e-11, 1e-10];
+
+/// Facets below this share of the cell's size squared are slivers: leaving them out moves the border
+/// by less than files of cells should show.
+const SLIVER: f64 = 1e-11;
 
 /// In which direction: across anything that a person would build.
 const NUDGE: [f64; 3] = [0.412, -0.731, 0.544];
@@ -128,6 +133,41 @@ impl SurfaceSolid {
     }
 }
 
+impl SurfaceSolid {
+    /// Visits what the cell and the solid have in common, unless that is tangled.
+    fn shape_as_it_is(
+        &self,
+        site: &Point3<f64>,
+        cell: &Polyhedron,
+        clipped: &mut ClippedCell,
+        visit: &mut dyn FnMut(Piece<'_>),
+    ) -> bool {
+        match clipped.meet(self, site, cell) {
+            Meeting::Apart => visit(Piece::Convex(cell)),
+            Meeting::Clipped => visit(Piece::Faceted(&clipped.part)),
+            Meeting::Tangled => return false,
+        }
+        true
+    }
+}
+
+/// Makes `into` the cell without facets of no area. Those stand, as strips along edges, in the cells
+/// of exact lattices, where rounding decides which triangles they cut.
+fn drop_slivers(cell: &Polyhedron, into: &mut Polyhedron, scratch: &mut ClipScratch) {
+    let mut around = cell.bounds();
+    let margin = around.extent();
+    around.min -= margin;
+    around.max += margin;
+    let least = SLIVER * cell.radius_squared();
+    into.assign_cuboid(&around, [Beyond::Inner.label(); 6]);
+    for facet in cell
+        .facets()
+        .filter(|facet| facet.area_vector().norm() > least)
+    {
+        clip(into, &facet.half_space(), facet.label(), scratch);
+    }
+}
+
 impl Domain for SurfaceSolid {
     fn bounds(&self) -> Bounds<3> {
         self.bounds
@@ -206,14 +246,22 @@ impl Domain for SurfaceSolid {
         scratch: &mut PieceScratch,
         visit: &mut dyn FnMut(Piece<'_>),
     ) {
-        // A tangle is a coincidence: it comes undone when the solid moves a little.
+        if self.shape_as_it_is(site, cell, &mut scratch.clipped, visit) {
+            return;
+        }
+        let PieceScratch {
+            piece,
+            clip,
+            clipped,
+            ..
+        } = scratch;
+        drop_slivers(cell, piece, clip);
+        // What is still tangled is a coincidence: it comes undone when the solid moves a little.
         let size = cell.radius_squared().sqrt();
-        let moves = std::iter::once(0.0).chain(NUDGES);
-        for nudge in moves.map(|share| Vector3::from(NUDGE) * (share * size)) {
-            match scratch.clipped.meet(self, &(site + nudge), cell) {
-                Meeting::Apart => return visit(Piece::Convex(cell)),
-                Meeting::Clipped => return visit(Piece::Faceted(&scratch.clipped.part)),
-                Meeting::Tangled => {}
+        for share in NUDGES {
+            let nudged = site + Vector3::from(NUDGE) * (share * size);
+            if self.shape_as_it_is(&nudged, piece, clipped, visit) {
+                return;
             }
         }
     }
