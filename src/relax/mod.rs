@@ -6,8 +6,8 @@
 //! In space there is more than one loop. [`objective`] is the energy of all cells as a function of
 //! all sites; [`travel`] carries out a [`plan`]: it descends along that objective ([`descent`]) or
 //! by Lloyd's moves, gets out of local minima (`kick`: `noise`, `exchange`), and goes from few sites
-//! to many ([`levels`]). [`frames`] turn the axes by
-//! which its distances are measured. Its [`stand`] is all that a later process needs to go on.
+//! to many ([`levels`]). Its [`stand`] is all that a later process needs to go on. [`frames`] turn the
+//! axes along which distances are measured; [`outline`] is what files and pictures show of a cell.
 
 pub mod descent;
 pub mod figures;
@@ -15,6 +15,7 @@ pub mod frames;
 pub mod levels;
 pub mod lloyd;
 pub mod objective;
+pub mod outline;
 pub mod plan;
 pub mod plane;
 pub mod record;

@@ -12,7 +12,6 @@ use crate::geometry::bounds::Bounds;
 use crate::geometry::clip::ClipScratch;
 use crate::geometry::faceted::Piece;
 use crate::geometry::moments::Moments;
-use crate::geometry::shell::Shell;
 use crate::integrals::polynomial::Polynomial;
 use crate::minimize::problem::Evaluation;
 use crate::relax::figures::CellFigures;
@@ -100,16 +99,6 @@ impl Tessellation<3> for Space {
             memory.assess(self.domain(), &cell, question)
         })
     }
-}
-
-/// The surface of `cell` within the domain, in the domain's coordinates: what files and pictures
-/// show.
-pub fn shell(domain: &dyn Domain, cell: &Cell<'_>, scratch: &mut PieceScratch) -> Shell {
-    let mut shell = Shell::default();
-    domain.shape(&cell.position, cell.polyhedron, scratch, &mut |piece| {
-        shell = Shell::from(piece).translated(&cell.position.coords);
-    });
-    shell
 }
 
 /// A cell's signed pieces, prepared, and the memory to work on them.
