@@ -272,3 +272,20 @@ fn a_reader_that_leaves_is_no_error() {
     assert_eq!(String::from_utf8_lossy(&output.stderr), "");
     assert_eq!(output.status.code(), Some(0));
 }
+
+#[test]
+fn a_cell_is_taken_apart_as_picture_and_as_polyhedra() {
+    let desk = Desk::new();
+    for (name, beginning) in [("cell.png", "\u{fffd}PNG"), ("cell.vtu", "<?xml")] {
+        let output = desk.run(&["fragments", "--count", "50", "--site", "7", "-o", name]);
+        assert_eq!(output.status.code(), Some(0), "{output:?}");
+        let bytes = desk.read(name);
+        assert!(
+            String::from_utf8_lossy(&bytes).starts_with(beginning),
+            "{name}"
+        );
+    }
+    let told = desk.refusal(&["fragments", "--count", "50", "--site", "50", "-o", "no.png"]);
+    assert_all_in(&told, &["site 50", "50"]);
+    assert!(!desk.path("no.png").exists());
+}

@@ -2,7 +2,7 @@
 
 use clap::{Args, Parser, Subcommand};
 
-use crate::cli::{bench, completions, man, mass, measure, plot, relax};
+use crate::cli::{bench, completions, fragments, man, mass, measure, plot, relax};
 
 /// Relaxes point sets under the Chebyshev norm until their Voronoi cells are near-cubic.
 ///
@@ -33,6 +33,7 @@ pub(crate) enum Command {
     Measure(measure::Options),
     Mass(mass::Options),
     Plot(plot::Options),
+    Fragments(fragments::Options),
     Bench(bench::Options),
     /// Print the JSON Schema of scenes
     Schema,

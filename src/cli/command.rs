@@ -2,7 +2,7 @@
 
 use crate::cli::arguments::{Arguments, Command, Common};
 use crate::cli::failure::Failure;
-use crate::cli::{bench, completions, man, mass, measure, plot, relax, schema};
+use crate::cli::{bench, completions, fragments, man, mass, measure, plot, relax, schema};
 
 /// Runs the command that `arguments` name.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
@@ -13,6 +13,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         Command::Measure(options) => measure::run(options),
         Command::Mass(options) => mass::run(options),
         Command::Plot(options) => plot::run(options, common),
+        Command::Fragments(options) => fragments::run(options, common),
         Command::Bench(options) => bench::run(options, common.threads),
         Command::Schema => schema::run(),
         Command::Completions(options) => completions::run(options),

@@ -6,6 +6,7 @@ pub(crate) mod cell_files;
 pub(crate) mod command;
 pub(crate) mod completions;
 pub(crate) mod failure;
+pub(crate) mod fragments;
 pub(crate) mod ground;
 pub(crate) mod ground_plane;
 pub(crate) mod ground_space;

@@ -1,0 +1,165 @@
+//! `chebloyd fragments`.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use nalgebra::{Point3, Vector3};
+
+use chebloyd::chebyshev::energy::{SignedPiece, energy};
+use chebloyd::chebyshev::fragments::fragments;
+use chebloyd::chebyshev::integrand::Integrand;
+use chebloyd::chebyshev::sector::Sector;
+use chebloyd::chebyshev::walk::WalkScratch;
+use chebloyd::domain::beyond::Beyond;
+use chebloyd::export::vtu::{CellGeometry, write_cells};
+use chebloyd::export::whole_file;
+use chebloyd::geometry::polyhedron::Polyhedron;
+use chebloyd::geometry::shell::Shell;
+use chebloyd::plot::exploded::{Fragment, FragmentedCell, exploded};
+use chebloyd::relax::space::Space;
+use chebloyd::relax::tessellation::Tessellation;
+use chebloyd::scene::overrides::Overrides;
+use chebloyd::voronoi::diagram::Diagram;
+
+use crate::cli::arguments::Common;
+use crate::cli::failure::Failure;
+use crate::cli::ground::{Ground, space};
+use crate::cli::scene_options::SceneOptions;
+use crate::cli::stdout;
+
+/// Take one cell apart into its six fragments, as a picture or as polyhedra
+///
+/// A fragment holds the points whose Chebyshev distance from the site lies along one axis and
+/// direction. In a .vtu file each is a polyhedron with its volume and its share of the energy.
+#[derive(Debug, Args)]
+pub(crate) struct Options {
+    #[command(flatten)]
+    scene: SceneOptions,
+    /// Whose cell, counting from zero [default: the site nearest the middle of the domain]
+    #[arg(long, value_name = "I")]
+    site: Option<usize>,
+    /// The file to write: .png or .vtu
+    #[arg(long, short, value_name = "FILE", required = true)]
+    output: PathBuf,
+}
+
+pub(crate) fn run(options: &Options, common: Common) -> Result<(), Failure> {
+    let scene = options.scene.scene(Overrides::default())?;
+    if scene.dimension != 3 {
+        let message = "fragments are drawn of cells in space only: choose \"dimension\": 3";
+        return Err(Failure::input(message));
+    }
+    let is_picture = is_picture(&options.output)?;
+    let ground = space(&scene)?;
+    let sites = ground.place(&scene)?;
+    let site = options.site.unwrap_or_else(|| middle(&ground, &sites));
+    let position = *sites.get(site).ok_or_else(|| {
+        let count = sites.len();
+        Failure::input(format!(
+            "there is no site {site} among {count}; the first is 0"
+        ))
+    })?;
+    let parts = parts(&ground, &sites, site)?;
+    if is_picture {
+        draw(&options.output, site, &position, &parts)?;
+    } else {
+        export(&options.output, site, &position, &parts)?;
+    }
+    if common.quiet {
+        return Ok(());
+    }
+    stdout::print(format!("{}\n", options.output.display()))
+}
+
+fn is_picture(path: &Path) -> Result<bool, Failure> {
+    let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
+    match extension.to_str() {
+        Some("png") => Ok(true),
+        Some("vtu") => Ok(false),
+        _ => Err(Failure::input(format!(
+            "cannot tell the format of {}: name it .png or .vtu",
+            path.display()
+        ))),
+    }
+}
+
+/// The site nearest the middle of the domain's box.
+fn middle(space: &Space, sites: &[Point3<f64>]) -> usize {
+    let center = space.bounds().center();
+    let distance = |site: usize| (sites[site] - center).norm_squared();
+    (0..sites.len())
+        .min_by(|&a, &b| distance(a).total_cmp(&distance(b)))
+        .unwrap_or_default()
+}
+
+/// The fragments of a site's cell, relative to the site.
+fn parts(space: &Space, sites: &[Point3<f64>], site: usize) -> Result<[Polyhedron; 6], Failure> {
+    let diagram = Diagram::new(space.domain(), sites).map_err(Failure::input)?;
+    let cells = diagram.map(|(): &mut (), cell| {
+        let wanted = cell.site as usize == site;
+        wanted.then(|| cell.polyhedron.clone())
+    });
+    let cell = cells.map_err(Failure::input)?.swap_remove(site);
+    let cell = cell.unwrap_or_default();
+    let inside = cell.vertices().all(|v| {
+        let vertex = sites[site] + v.coords;
+        space.domain().is_convex() || space.domain().contains(&vertex)
+    });
+    if !inside {
+        let message = format!("the surface cuts the cell of site {site}; choose another by --site");
+        return Err(Failure::input(message));
+    }
+    Ok(fragments(&cell, &Point3::origin(), Beyond::Inner.label()))
+}
+
+fn draw(
+    path: &Path,
+    site: usize,
+    position: &Point3<f64>,
+    parts: &[Polyhedron; 6],
+) -> Result<(), Failure> {
+    let fragment = |(sector, part): (Sector, &Polyhedron)| Fragment {
+        axis: sector.axis(),
+        positive: sector.sign() > 0.0,
+        shell: Shell::from(part).translated(&position.coords),
+    };
+    let cell = FragmentedCell {
+        caption: format!("Fragments of the cell of site {site}"),
+        center: *position,
+        fragments: Sector::ALL.into_iter().zip(parts).map(fragment).collect(),
+    };
+    let bytes = exploded(&[cell]).map_err(Failure::run)?;
+    whole_file::write(path, |file| file.write_all(&bytes))
+        .map_err(|error| Failure::input(format!("cannot write {}: {error}", path.display())))
+}
+
+fn export(
+    path: &Path,
+    site: usize,
+    position: &Point3<f64>,
+    parts: &[Polyhedron; 6],
+) -> Result<(), Failure> {
+    let cells = parts.iter().filter(|part| !part.is_empty()).map(|part| {
+        let shell = Shell::from(part).translated(&position.coords);
+        CellGeometry {
+            site,
+            energy: own_energy(part),
+            volume: shell.volume(),
+            cubeness: 0.0,
+            facet_count: shell.facet_count(),
+            shell,
+        }
+    });
+    write_cells(path, cells).map_err(Failure::input)?;
+    Ok(())
+}
+
+/// The integral of the Chebyshev distance from the site over a fragment.
+fn own_energy(part: &Polyhedron) -> f64 {
+    let piece = SignedPiece {
+        sign: 1.0,
+        integrand: Integrand::new(part),
+    };
+    energy([&piece], &Vector3::zeros(), 1, &mut WalkScratch::default()).value
+}
