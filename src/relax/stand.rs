@@ -53,6 +53,15 @@ impl Stand {
         }
     }
 
+    /// Begins the next finer level.
+    pub(crate) fn descend_to_finer_level(&mut self) {
+        *self = Self {
+            kicked: self.kicked,
+            evaluations: self.evaluations,
+            ..Self::new(self.count, self.level.saturating_sub(1))
+        };
+    }
+
     /// The number of kicks on the present level.
     #[must_use]
     pub fn round(&self) -> u64 {

@@ -189,6 +189,12 @@ impl Traveler<'_> {
         for (site, cell) in self.sites.iter_mut().zip(&cells) {
             *site = cell.target;
         }
+        self.stand.descent = None;
+        self.look()
+    }
+
+    /// The cells as Lloyd's next move needs them.
+    fn look(&mut self) -> Result<Totals, TravelError> {
         let cells = self.assess()?;
         let mut totals = Totals::default();
         for cell in &cells {
@@ -198,7 +204,6 @@ impl Traveler<'_> {
             self.stand.evaluations += f64::from(cell.evaluations);
         }
         self.cells = Some(cells);
-        self.stand.descent = None;
         Ok(totals)
     }
 
@@ -208,6 +213,9 @@ impl Traveler<'_> {
 
     /// Evaluates new sites, from which the next descent begins.
     fn enter(&mut self) -> Result<Totals, TravelError> {
+        if self.plan.descent.is_none() {
+            return self.look();
+        }
         let global = self.space.global(self.sites, self.plan.question.order)?;
         self.stand.evaluations += self.sites.len() as f64;
         self.stand.descent = self.plan.descent.map(|_| begin(self.sites, &global));
@@ -244,12 +252,8 @@ impl Traveler<'_> {
         if self.stand.level == 0 {
             return Ok(Some(None));
         }
-        let level = self.stand.level - 1;
-        *self.stand = Stand {
-            kicked: self.stand.kicked,
-            evaluations: self.stand.evaluations,
-            ..Stand::new(self.stand.count, level)
-        };
+        self.stand.descend_to_finer_level();
+        let level = self.stand.level;
         *self.sites = refined(
             self.space,
             self.sites,
