@@ -11,6 +11,7 @@ use nalgebra::{Point3, Rotation3, Vector3};
 use crate::geometry::faceted::{Faceted, Piece};
 use crate::geometry::half_space::HalfSpace;
 use crate::geometry::label::Label;
+use crate::geometry::moments::Moments;
 use crate::geometry::polyhedron::Polyhedron;
 use crate::integrals::polynomial::Polynomial;
 
@@ -67,6 +68,26 @@ impl Integrand {
     /// Gives the piece a density, a polynomial in its coordinates; none is density 1.
     pub fn set_density(&mut self, density: Option<&Polynomial>) {
         self.density = density.cloned();
+    }
+
+    /// Volume and moments about the origin, by the tetrahedra (origin, q, a, b) of all edges.
+    #[must_use]
+    pub fn moments(&self) -> Moments {
+        let mut moments = Moments::default();
+        for edge in &self.edges {
+            let [a, b] = [edge.from, edge.to].map(|vertex| self.vertices[vertex as usize]);
+            let (sum, squares) = (a + b, a.norm_squared() + b.norm_squared());
+            for (facet, area) in [(edge.left, edge.left_area), (edge.right, edge.right_area)] {
+                let facet = &self.facets[facet as usize];
+                let anchor = self.vertices[facet.anchor as usize];
+                let (all, volume) = (sum + anchor, area * facet.offset / 6.0);
+                moments.volume += volume;
+                moments.first += all * (volume / 4.0);
+                let squares = squares + anchor.norm_squared() + all.norm_squared();
+                moments.second += volume / 20.0 * squares;
+            }
+        }
+        moments
     }
 
     /// Turns the piece about the origin. Areas stay; a density would have to be turned too, and is

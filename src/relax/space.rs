@@ -147,11 +147,11 @@ impl CellMemory {
             pieces[*used].sign = sign;
             pieces[*used].integrand.assign(part);
             pieces[*used].integrand.set_density(density);
+            let volumes = pieces[*used].integrand.moments();
             if let Some(frame) = frame {
                 pieces[*used].integrand.rotate(&frame.inverse());
             }
             *used += 1;
-            let volumes = part.moments();
             moments.add_signed(sign, &volumes);
             let weighted = density.map(|density| mass_moments(part, density));
             masses.add_signed(sign, &weighted.unwrap_or(volumes));
