@@ -3,6 +3,7 @@
 use nalgebra::{Point3, Vector3};
 
 use crate::chebyshev::center::SHY_OF_BORDER;
+use crate::chebyshev::energy::SignedPiece;
 use crate::domain::space::Domain;
 use crate::geometry::bounds::Bounds;
 use crate::geometry::polyhedron::Polyhedron;
@@ -64,4 +65,13 @@ fn share_within(cell: &Polyhedron, step: &Vector3<f64>) -> f64 {
         }
     }
     share
+}
+
+/// The box around the pieces, in their frame.
+pub(crate) fn around(pieces: &[SignedPiece]) -> Bounds<3> {
+    let mut bounds = Bounds::empty();
+    for vertex in pieces.iter().flat_map(|piece| piece.integrand.vertices()) {
+        bounds.include(&vertex);
+    }
+    bounds
 }

@@ -2,7 +2,7 @@
 
 use nalgebra::{Point3, Rotation3, Vector3};
 
-use crate::chebyshev::center::{Search, center};
+use crate::chebyshev::center::{Center, Search, center};
 use crate::chebyshev::energy::{SignedPiece, energy};
 use crate::chebyshev::integrand::Integrand;
 use crate::chebyshev::mass_moments::mass_moments;
@@ -16,7 +16,7 @@ use crate::integrals::polynomial::Polynomial;
 use crate::minimize::problem::Evaluation;
 use crate::relax::figures::CellFigures;
 use crate::relax::frames::Frames;
-use crate::relax::reach::{reach, target};
+use crate::relax::reach::{around, reach, target};
 use crate::relax::shape::{Shape, within_cube};
 use crate::relax::tessellation::{Assessment, Norm, Question, Tessellation};
 use crate::voronoi::cell::Cell;
@@ -209,7 +209,13 @@ impl CellMemory {
         }
         let assessment = self.assess(domain, cell, asked);
         let centroid = self.masses.centroid();
-        let step = displacement(&domain.periods(), &cell.position, &assessment.target);
+        let step = match asked.norm {
+            Norm::Linf => {
+                let center = self.center(domain, cell, asked);
+                self.in_space(center.point)
+            }
+            Norm::L2 => centroid.coords,
+        };
         let (gradient, center_energy) = match asked.norm {
             Norm::Linf => {
                 let gradient = self.evaluate(&Vector3::zeros(), asked.order).gradient;
@@ -225,7 +231,7 @@ impl CellMemory {
             centroid: domain.wrap(&(cell.position + centroid.coords)),
             energy: assessment.energy,
             gradient,
-            center: assessment.target,
+            center: domain.wrap(&(cell.position + step)),
             center_energy,
             facets: shape.facets(volume),
             chebyshev: assessment.chebyshev,
@@ -241,12 +247,8 @@ impl CellMemory {
         }
     }
 
-    fn assess_linf(
-        &mut self,
-        domain: &dyn Domain,
-        cell: &Cell<'_>,
-        asked: Question,
-    ) -> Assessment<3> {
+    /// The center of the loaded cell, in its frame.
+    fn center(&mut self, domain: &dyn Domain, cell: &Cell<'_>, asked: Question) -> Center<3> {
         let pieces = &self.pieces[..self.used];
         let search = Search {
             minimizer: asked.minimizer,
@@ -258,7 +260,17 @@ impl CellMemory {
                 Some(_) => around(pieces),
             },
         };
-        let center = center(pieces, &search, &mut self.walk);
+        center(pieces, &search, &mut self.walk)
+    }
+
+    fn assess_linf(
+        &mut self,
+        domain: &dyn Domain,
+        cell: &Cell<'_>,
+        asked: Question,
+    ) -> Assessment<3> {
+        let center = self.center(domain, cell, asked);
+        let pieces = &self.pieces[..self.used];
         let chebyshev = if asked.order == 1 {
             center.energy_at_site
         } else {
@@ -284,13 +296,4 @@ impl CellMemory {
             evaluations: 1,
         }
     }
-}
-
-/// The box around the pieces, in their frame.
-fn around(pieces: &[SignedPiece]) -> Bounds<3> {
-    let mut bounds = Bounds::empty();
-    for vertex in pieces.iter().flat_map(|piece| piece.integrand.vertices()) {
-        bounds.include(&vertex);
-    }
-    bounds
 }
