@@ -2,7 +2,7 @@
 
 use nalgebra::{Point3, Rotation3, Vector3};
 
-use crate::chebyshev::center::{Center, Search, center};
+use crate::chebyshev::center::{Search, center};
 use crate::chebyshev::energy::{SignedPiece, energy};
 use crate::chebyshev::integrand::Integrand;
 use crate::chebyshev::mass_moments::mass_moments;
@@ -207,48 +207,44 @@ impl CellMemory {
                 shape.add_overlap(sign * part.moments().volume);
             });
         }
-        let assessment = self.assess(domain, cell, asked);
+        let found = self.find(domain, cell, asked);
         let centroid = self.masses.centroid();
-        let step = match asked.norm {
-            Norm::Linf => {
-                let center = self.center(domain, cell, asked);
-                self.in_space(center.point)
-            }
-            Norm::L2 => centroid.coords,
-        };
-        let (gradient, center_energy) = match asked.norm {
-            Norm::Linf => {
-                let gradient = self.evaluate(&Vector3::zeros(), asked.order).gradient;
-                (gradient, self.evaluate(&step, asked.order).value)
-            }
-            Norm::L2 => (
-                -2.0 * self.masses.first,
-                self.masses.second_about(&Point3::from(step)),
-            ),
+        let center_energy = match asked.norm {
+            Norm::Linf => self.evaluate(&found.way, asked.order).value,
+            Norm::L2 => self.masses.second_about(&Point3::from(found.way)),
         };
         CellFigures {
             volume,
             centroid: domain.wrap(&(cell.position + centroid.coords)),
-            energy: assessment.energy,
-            gradient,
-            center: domain.wrap(&(cell.position + step)),
+            energy: found.energy,
+            gradient: found.gradient,
+            center: domain.wrap(&(cell.position + found.way)),
             center_energy,
             facets: shape.facets(volume),
-            chebyshev: assessment.chebyshev,
+            chebyshev: found.chebyshev,
             cubeness: shape.cubeness(volume),
             axis_aligned: shape.axis_aligned(self.frame.as_ref()),
         }
     }
 
     fn assess(&mut self, domain: &dyn Domain, cell: &Cell<'_>, asked: Question) -> Assessment<3> {
-        match asked.norm {
-            Norm::Linf => self.assess_linf(domain, cell, asked),
-            Norm::L2 => self.assess_l2(domain, cell),
+        let found = self.find(domain, cell, asked);
+        Assessment {
+            energy: found.energy,
+            chebyshev: found.chebyshev,
+            target: target(domain, cell, &found.way),
+            evaluations: found.evaluations,
         }
     }
 
-    /// The center of the loaded cell, in its frame.
-    fn center(&mut self, domain: &dyn Domain, cell: &Cell<'_>, asked: Question) -> Center<3> {
+    fn find(&mut self, domain: &dyn Domain, cell: &Cell<'_>, asked: Question) -> Found {
+        match asked.norm {
+            Norm::Linf => self.find_center(domain, cell, asked),
+            Norm::L2 => self.find_centroid(domain, cell),
+        }
+    }
+
+    fn find_center(&mut self, domain: &dyn Domain, cell: &Cell<'_>, asked: Question) -> Found {
         let pieces = &self.pieces[..self.used];
         let search = Search {
             minimizer: asked.minimizer,
@@ -260,40 +256,42 @@ impl CellMemory {
                 Some(_) => around(pieces),
             },
         };
-        center(pieces, &search, &mut self.walk)
-    }
-
-    fn assess_linf(
-        &mut self,
-        domain: &dyn Domain,
-        cell: &Cell<'_>,
-        asked: Question,
-    ) -> Assessment<3> {
-        let center = self.center(domain, cell, asked);
-        let pieces = &self.pieces[..self.used];
+        let center = center(pieces, &search, &mut self.walk);
         let chebyshev = if asked.order == 1 {
             center.energy_at_site
         } else {
             energy(pieces, &Vector3::zeros(), 1, &mut self.walk).value
         };
-        let way = self.in_space(center.point);
-        Assessment {
+        Found {
             energy: center.energy_at_site,
+            gradient: self.in_space(center.gradient_at_site),
             chebyshev: chebyshev / domain.mean_density(),
-            target: target(domain, cell, &way),
+            way: self.in_space(center.point),
             evaluations: center.evaluations,
         }
     }
 
-    fn assess_l2(&mut self, domain: &dyn Domain, cell: &Cell<'_>) -> Assessment<3> {
+    fn find_centroid(&mut self, domain: &dyn Domain, cell: &Cell<'_>) -> Found {
         let pieces = &self.pieces[..self.used];
         let chebyshev = energy(pieces, &Vector3::zeros(), 1, &mut self.walk).value;
-        let centroid = reach(domain, cell).clamp(&self.masses.centroid());
-        Assessment {
+        Found {
             energy: self.masses.second,
+            gradient: -2.0 * self.masses.first,
             chebyshev: chebyshev / domain.mean_density(),
-            target: target(domain, cell, &centroid.coords),
+            way: reach(domain, cell).clamp(&self.masses.centroid()).coords,
             evaluations: 1,
         }
     }
+}
+
+/// What a site finds in its cell, in the asked norm.
+struct Found {
+    energy: f64,
+    /// The energy's gradient at the site.
+    gradient: Vector3<f64>,
+    /// The p = 1 Chebyshev energy at the site, per mean density.
+    chebyshev: f64,
+    /// From the site to the minimizer.
+    way: Vector3<f64>,
+    evaluations: u32,
 }
