@@ -16,8 +16,9 @@
 use nalgebra::Vector3;
 
 use crate::chebyshev::energy::{SignedPiece, tetrahedron};
-use crate::chebyshev::sector::{Interface, Sector};
-use crate::chebyshev::visit::{FacetView, Visit};
+use crate::chebyshev::interface::{Interface, Mark};
+use crate::chebyshev::sector::Sector;
+use crate::chebyshev::visit::{Corner, FacetView, Side, Visit};
 use crate::chebyshev::walk::{WalkScratch, walk};
 use crate::geometry::label::Label;
 use crate::integrals::simplex::complete_homogeneous;
@@ -107,7 +108,7 @@ impl Sums<'_> {
     #[inline]
     fn add(
         &mut self,
-        facet: &FacetView,
+        facet: &FacetView<'_>,
         sector: Sector,
         doubled_area: f64,
         corners: [&Vector3<f64>; 3],
@@ -121,7 +122,7 @@ impl Sums<'_> {
             self.weights_of_power(doubled_area, distances)
         };
         self.volumes[sector.number()] += doubled_area * facet.height * slope;
-        let sums = &mut self.facets[facet.number as usize];
+        let sums = &mut self.facets[facet.number];
         sums.weight += weights[0] + weights[1] + weights[2];
         sums.first += corners[0] * weights[0] + corners[1] * weights[1] + corners[2] * weights[2];
     }
@@ -140,28 +141,24 @@ impl Sums<'_> {
 
 impl Visit for Sums<'_> {
     #[inline]
-    fn share(
-        &mut self,
-        facet: &FacetView,
-        sector: Sector,
-        doubled_area: f64,
-        a: &Vector3<f64>,
-        b: &Vector3<f64>,
-    ) {
-        self.add(facet, sector, doubled_area, [&facet.anchor, a, b]);
+    fn share(&mut self, sides: &[Side<'_>; 2], sector: Sector, part: f64, ends: [&Corner; 2]) {
+        for Side {
+            facet,
+            doubled_area,
+        } in sides
+        {
+            let corners = [&facet.anchor.point(), &ends[0].point, &ends[1].point];
+            self.add(facet, sector, part * doubled_area, corners);
+        }
     }
 
     #[inline]
-    fn segment(
-        &mut self,
-        facet: &FacetView,
-        interface: Interface,
-        doubled_area: f64,
-        u: &Vector3<f64>,
-        v: &Vector3<f64>,
-    ) {
+    fn segment(&mut self, facet: &FacetView<'_>, interface: Interface, u: &Mark, v: &Mark) {
         let (left, right) = interface.sectors();
-        self.add(facet, left, doubled_area, [&facet.anchor, u, v]);
-        self.add(facet, right, -doubled_area, [&facet.anchor, u, v]);
+        let [u, v] = [u, v].map(|mark| interface.point(mark));
+        let doubled_area = facet.doubled_area(&u, &v);
+        let corners = [&facet.anchor.point(), &u, &v];
+        self.add(facet, left, doubled_area, corners);
+        self.add(facet, right, -doubled_area, corners);
     }
 }

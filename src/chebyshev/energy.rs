@@ -12,8 +12,9 @@
 use nalgebra::{Matrix3, Vector3};
 
 use crate::chebyshev::integrand::Integrand;
-use crate::chebyshev::sector::{Interface, Sector};
-use crate::chebyshev::visit::{FacetView, Visit};
+use crate::chebyshev::interface::{Interface, Mark};
+use crate::chebyshev::sector::Sector;
+use crate::chebyshev::visit::{Corner, FacetView, Side, Visit};
 use crate::chebyshev::walk::{WalkScratch, walk};
 use crate::chebyshev::weighted::{Places, Weighted};
 use crate::integrals::simplex::complete_homogeneous;
@@ -82,35 +83,26 @@ struct Linear {
 
 impl Visit for Linear {
     #[inline]
-    fn share(
-        &mut self,
-        facet: &FacetView,
-        sector: Sector,
-        doubled_area: f64,
-        a: &Vector3<f64>,
-        b: &Vector3<f64>,
-    ) {
-        let volume = doubled_area * facet.height;
-        self.value += volume * sector.distance(&(facet.anchor + a + b));
-        self.volumes[sector.number()] += volume;
+    fn share(&mut self, sides: &[Side<'_>; 2], sector: Sector, part: f64, ends: [&Corner; 2]) {
+        let [left, right] = sides.map(|side| side.doubled_area * side.facet.height);
+        let [on_left, on_right] = sides.map(|side| side.facet.anchor.distance(sector));
+        let both = left + right;
+        let around = left * on_left + right * on_right;
+        self.value += part * (both * (ends[0].distance + ends[1].distance) + around);
+        self.volumes[sector.number()] += part * both;
     }
 
     #[inline]
-    fn segment(
-        &mut self,
-        facet: &FacetView,
-        interface: Interface,
-        doubled_area: f64,
-        u: &Vector3<f64>,
-        v: &Vector3<f64>,
-    ) {
+    fn segment(&mut self, facet: &FacetView<'_>, interface: Interface, u: &Mark, v: &Mark) {
         let (left, right) = interface.sectors();
-        let volume = doubled_area * facet.height;
+        let determinant = interface.determinant(u, v);
+        let difference = facet.anchor.distance(left) - facet.anchor.distance(right);
+        let volume = determinant * difference;
         // At u and v both distances agree and cancel.
-        self.value += volume * (left.distance(&facet.anchor) - right.distance(&facet.anchor));
+        self.value += volume * difference;
         self.volumes[left.number()] += volume;
         self.volumes[right.number()] -= volume;
-        self.areas[interface.number()] += interface_area(interface, u, v);
+        self.areas[interface.number()] += 2.0 * determinant;
     }
 }
 
@@ -153,12 +145,11 @@ impl Power {
         }
     }
 
-    fn add(&mut self, sector: Sector, volume: f64, corners: [&Vector3<f64>; 3]) {
-        let distances = corners.map(|corner| sector.distance(corner));
-        self.value += volume * tetrahedron(self.order, &distances);
-        self.first[sector.number()] += volume * tetrahedron(self.order - 1, &distances);
+    fn add(&mut self, sector: Sector, volume: f64, distances: &[f64; 3]) {
+        self.value += volume * tetrahedron(self.order, distances);
+        self.first[sector.number()] += volume * tetrahedron(self.order - 1, distances);
         if self.order >= 2 {
-            self.second[sector.number()] += volume * tetrahedron(self.order - 2, &distances);
+            self.second[sector.number()] += volume * tetrahedron(self.order - 2, distances);
         }
     }
 
@@ -189,44 +180,31 @@ pub(crate) fn sums_evaluation(
 }
 
 impl Visit for Power {
-    fn share(
-        &mut self,
-        facet: &FacetView,
-        sector: Sector,
-        doubled_area: f64,
-        a: &Vector3<f64>,
-        b: &Vector3<f64>,
-    ) {
-        self.add(sector, doubled_area * facet.height, [&facet.anchor, a, b]);
+    fn share(&mut self, sides: &[Side<'_>; 2], sector: Sector, part: f64, ends: [&Corner; 2]) {
+        for Side {
+            facet,
+            doubled_area,
+        } in sides
+        {
+            let [a, b] = ends.map(|end| end.distance);
+            let distances = [facet.anchor.distance(sector), a, b];
+            self.add(sector, part * doubled_area * facet.height, &distances);
+        }
     }
 
-    fn segment(
-        &mut self,
-        facet: &FacetView,
-        interface: Interface,
-        doubled_area: f64,
-        u: &Vector3<f64>,
-        v: &Vector3<f64>,
-    ) {
+    fn segment(&mut self, facet: &FacetView<'_>, interface: Interface, u: &Mark, v: &Mark) {
         let (left, right) = interface.sectors();
-        let volume = doubled_area * facet.height;
-        self.add(left, volume, [&facet.anchor, u, v]);
-        self.add(right, -volume, [&facet.anchor, u, v]);
+        let [on_left, on_right] = [left, right].map(|sector| facet.anchor.distance(sector));
+        let determinant = interface.determinant(u, v);
+        let volume = determinant * (on_left - on_right);
+        let ends = [u.distance, v.distance];
+        self.add(left, volume, &[on_left, ends[0], ends[1]]);
+        self.add(right, -volume, &[on_right, ends[0], ends[1]]);
         // Over a triangle at the center ∫ d^m dA = A · 2 m!/(m+2)! · h_m.
         let m = f64::from(self.order - 1);
-        let distances = [u, v].map(|corner| left.distance(corner));
-        let mean = complete_homogeneous(self.order - 1, &distances) * 2.0 / ((m + 1.0) * (m + 2.0));
-        self.interfaces[interface.number()] += mean * interface_area(interface, u, v);
+        let mean = complete_homogeneous(self.order - 1, &ends) * 2.0 / ((m + 1.0) * (m + 2.0));
+        self.interfaces[interface.number()] += mean * (2.0 * determinant);
     }
-}
-
-/// 4/√2 times the signed area of the triangle (center, u, v) on the interface: (u×v)·w, since u×v
-/// is parallel to w and |w| = √2.
-#[inline]
-pub(crate) fn interface_area(interface: Interface, u: &Vector3<f64>, v: &Vector3<f64>) -> f64 {
-    let (left, right) = interface.sectors();
-    let normal = u.cross(v);
-    left.distance(&normal) - right.distance(&normal)
 }
 
 /// Σ (A/√2) w wᵀ over the interfaces, from 4/√2 times their areas.

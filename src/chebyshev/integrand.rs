@@ -1,10 +1,11 @@
 //! What stays constant of a piece while its center moves.
 //!
-//! Every facet f is fanned from an anchor vertex q. The triangle (q, a, b) of a directed edge has
-//! twice the area σ = n·((a−q)×(b−q)), n the unit normal: constant for the piece's life, so that
-//! the tetrahedron with the center c has six times the volume σ H with H = d − n·c, the signed
-//! height of c below the facet. No polygon is cut for an integral: an edge that runs through
-//! several sectors splits its σ in proportion.
+//! Every facet f is fanned from the foot q of the perpendicular from the origin of the piece's
+//! coordinates (for a cell: its site), which is never farther from the origin than the facet is.
+//! The triangle (q, a, b) of a directed edge has twice the area σ = n·(a×b), n the unit normal:
+//! constant for the piece's life, so that the tetrahedron with the center c has six times the volume
+//! σ H with H = d − n·c, the signed height of c below the facet. No polygon is cut for an integral:
+//! an edge that runs through several sectors splits its σ in proportion.
 
 use nalgebra::{Point3, Rotation3, Vector3};
 
@@ -20,7 +21,24 @@ use crate::integrals::polynomial::Polynomial;
 pub(crate) struct FacetConstants {
     pub(crate) normal: Vector3<f64>,
     pub(crate) offset: f64,
-    pub(crate) anchor: u32,
+}
+
+impl FacetConstants {
+    fn new(plane: &HalfSpace) -> Self {
+        let HalfSpace { normal, offset } = plane;
+        let length = normal.norm();
+        let scale = if length > 0.0 { 1.0 / length } else { 1.0 };
+        Self {
+            normal: normal * scale,
+            offset: offset * scale,
+        }
+    }
+
+    /// The foot of the perpendicular from the origin.
+    #[inline]
+    pub(crate) fn foot(&self) -> Vector3<f64> {
+        self.normal * self.offset
+    }
 }
 
 /// An edge, and the doubled areas that its two facets' fans have on it.
@@ -43,9 +61,13 @@ pub struct Integrand {
     pub(crate) labels: Vec<Label>,
     /// In the piece's coordinates; none is density 1.
     pub(crate) density: Option<Polynomial>,
+    volume: f64,
+    /// Per plane of a convex piece, the facet that it bears.
+    numbers: Vec<u32>,
 }
 
-const UNSEEN: u32 = u32::MAX;
+/// The number of a plane that bears no facet, as far as is known.
+const NONE: u32 = u32::MAX;
 
 impl Integrand {
     /// Prepares `piece`.
@@ -70,6 +92,12 @@ impl Integrand {
         self.density = density.cloned();
     }
 
+    /// The volume (L³).
+    #[must_use]
+    pub fn volume(&self) -> f64 {
+        self.volume
+    }
+
     /// Volume and moments about the origin, by the tetrahedra (origin, q, a, b) of all edges.
     #[must_use]
     pub fn moments(&self) -> Moments {
@@ -79,11 +107,11 @@ impl Integrand {
             let (sum, squares) = (a + b, a.norm_squared() + b.norm_squared());
             for (facet, area) in [(edge.left, edge.left_area), (edge.right, edge.right_area)] {
                 let facet = &self.facets[facet as usize];
-                let anchor = self.vertices[facet.anchor as usize];
-                let (all, volume) = (sum + anchor, area * facet.offset / 6.0);
+                let foot = facet.foot();
+                let (all, volume) = (sum + foot, area * facet.offset / 6.0);
                 moments.volume += volume;
                 moments.first += all * (volume / 4.0);
-                let squares = squares + anchor.norm_squared() + all.norm_squared();
+                let squares = squares + foot.norm_squared() + all.norm_squared();
                 moments.second += volume / 20.0 * squares;
             }
         }
@@ -109,22 +137,27 @@ impl Integrand {
     fn assign_convex(&mut self, piece: &Polyhedron) {
         self.vertices.clear();
         self.vertices.extend(piece.vertices().map(|v| v.coords));
-        self.assign_facets(piece.planes.iter());
+        self.facets.clear();
         self.labels.clear();
-        self.labels.extend_from_slice(&piece.labels);
-        for (vertex, facets) in piece.facets.iter().enumerate() {
-            for &facet in facets {
-                let anchor = &mut self.facets[facet as usize].anchor;
-                *anchor = (*anchor).min(vertex as u32);
+        self.numbers.clear();
+        self.numbers.resize(piece.planes.len(), NONE);
+        for &plane in piece.facets.iter().flatten() {
+            let plane = plane as usize;
+            if self.numbers[plane] == NONE {
+                self.numbers[plane] = self.facets.len() as u32;
+                self.facets.push(FacetConstants::new(&piece.planes[plane]));
+                self.labels.push(piece.labels[plane]);
             }
         }
         self.edges.clear();
+        self.volume = 0.0;
         for (from, (facets, next)) in piece.facets.iter().zip(&piece.next).enumerate() {
             for slot in 0..3 {
                 let to = next[slot];
                 if (from as u32) < to {
-                    let (left, right) = (facets[slot], facets[(slot + 2) % 3]);
-                    self.push_edge(from as u32, to, left, right);
+                    let [left, right] = [facets[slot], facets[(slot + 2) % 3]]
+                        .map(|plane| self.numbers[plane as usize]);
+                    self.push_edge([from as u32, to], [left, right]);
                 }
             }
         }
@@ -135,42 +168,25 @@ impl Integrand {
     fn assign_faceted(&mut self, piece: &Faceted) {
         self.vertices.clear();
         self.vertices.extend_from_slice(&piece.vertices);
-        self.assign_facets(piece.facets.iter().map(|(plane, _)| plane));
+        self.facets.clear();
+        let planes = piece.facets.iter().map(|(plane, _)| plane);
+        self.facets.extend(planes.map(FacetConstants::new));
         self.labels.clear();
         self.labels
             .extend(piece.facets.iter().map(|(_, label)| label));
-        for edge in &piece.edges {
-            for facet in [edge.left, edge.right] {
-                let anchor = &mut self.facets[facet as usize].anchor;
-                *anchor = (*anchor).min(edge.from);
-            }
-        }
         self.edges.clear();
+        self.volume = 0.0;
         for edge in &piece.edges {
-            self.push_edge(edge.from, edge.to, edge.left, edge.right);
+            self.push_edge([edge.from, edge.to], [edge.left, edge.right]);
         }
     }
 
-    fn assign_facets<'a>(&mut self, planes: impl Iterator<Item = &'a HalfSpace>) {
-        self.facets.clear();
-        self.facets.extend(planes.map(|plane| {
-            let unit = plane.normalized();
-            FacetConstants {
-                normal: unit.normal,
-                offset: unit.offset,
-                anchor: UNSEEN,
-            }
-        }));
-    }
-
-    fn push_edge(&mut self, from: u32, to: u32, left: u32, right: u32) {
-        let [a, b] = [from, to].map(|vertex| self.vertices[vertex as usize]);
-        let area = |facet: u32| {
-            let facet = &self.facets[facet as usize];
-            let anchor = self.vertices[facet.anchor as usize];
-            facet.normal.dot(&(a - anchor).cross(&(b - anchor)))
-        };
-        let (left_area, right_area) = (area(left), -area(right));
+    #[inline]
+    fn push_edge(&mut self, [from, to]: [u32; 2], [left, right]: [u32; 2]) {
+        let fan = self.vertices[from as usize].cross(&self.vertices[to as usize]);
+        let [on_left, on_right] = [left, right].map(|facet| &self.facets[facet as usize]);
+        let (left_area, right_area) = (on_left.normal.dot(&fan), -on_right.normal.dot(&fan));
+        self.volume += (left_area * on_left.offset + right_area * on_right.offset) / 6.0;
         self.edges.push(EdgeConstants {
             from,
             to,

@@ -10,6 +10,7 @@ pub mod center;
 pub mod energy;
 pub mod fragments;
 pub mod integrand;
+pub(crate) mod interface;
 pub mod mass_moments;
 pub mod plane;
 pub mod sector;

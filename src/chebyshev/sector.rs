@@ -1,14 +1,4 @@
-//! Space about a center, split by the largest coordinate difference.
-//!
-//! Six *sectors* ±x, ±y, ±z (the cones that cut fragments out of a cell) meet pairwise in twelve
-//! *interfaces* (plane cones on |y_i| = |y_j|), and those in threes in eight *diagonals* (rays
-//! along (±1, ±1, ±1)). As a map on the sphere this is the octahedron: sectors its vertices,
-//! interfaces its edges, diagonals its faces.
-//!
-//! A walk around a convex polygon visits sectors; the interfaces it crosses, counted modulo two,
-//! determine which diagonals pierce the polygon. `pierced` looks that up, so that a cell's
-//! integrals are put together from a consistent subdivision even where rounding alone decided the
-//! sector of a vertex, as it does at every corner of a cube about its center.
+//! Space about a center, split by the largest coordinate difference into six cones.
 
 use nalgebra::Vector3;
 
@@ -16,14 +6,6 @@ use nalgebra::Vector3;
 /// axis, plus one for the negative side.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Sector(u8);
-
-/// The place where two sectors of different axes meet: four times the number of the pair of axes
-/// (xy, xz, yz), plus two and one for the negative sides.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Interface(u8);
-
-/// The pairs of axes i < j between which interfaces lie.
-const PAIRS: [(usize, usize); 3] = [(0, 1), (0, 2), (1, 2)];
 
 impl Sector {
     /// All six: +x, −x, +y, −y, +z, −z.
@@ -91,126 +73,9 @@ impl Sector {
     }
 }
 
-impl Interface {
-    pub(crate) const COUNT: usize = 12;
-
-    /// The interface between two sectors of different axes.
-    #[inline]
-    pub(crate) fn between(one: Sector, other: Sector) -> Self {
-        let (low, high) = if one.0 < other.0 {
-            (one, other)
-        } else {
-            (other, one)
-        };
-        // The pairs xy, xz, yz are those whose axes sum to 1, 2, 3.
-        let pair = low.axis() + high.axis() - 1;
-        Self((4 * pair) as u8 | (low.0 & 1) << 1 | (high.0 & 1))
-    }
-
-    /// The two sectors: the one of the smaller axis first. That one is *left* of the interface's
-    /// segments, seen from outside the facet on which they lie.
-    #[inline]
-    pub(crate) fn sectors(self) -> (Sector, Sector) {
-        let (i, j) = PAIRS[(self.0 >> 2) as usize];
-        let low = Sector(2 * i as u8 + (self.0 >> 1 & 1));
-        let high = Sector(2 * j as u8 + (self.0 & 1));
-        (low, high)
-    }
-
-    #[inline]
-    pub(crate) fn number(self) -> usize {
-        self.0 as usize
-    }
-
-    /// The first interface of a set that has one.
-    #[inline]
-    pub(crate) fn lowest(set: u16) -> Self {
-        Self(set.trailing_zeros() as u8)
-    }
-
-    /// Its bit in a set of interfaces.
-    #[inline]
-    pub(crate) fn bit(self) -> u16 {
-        1 << self.0
-    }
-
-    /// The three interfaces at the diagonal, with whether their segments *end* there, for a facet
-    /// seen from outside with the center inside.
-    #[inline]
-    pub(crate) fn at_diagonal(diagonal: u8) -> [(Self, bool); 3] {
-        let sides = [0, 1, 2].map(|axis| diagonal >> axis & 1);
-        // Around (1, 1, 1) the sectors run x, y, z counter-clockwise; a mirror turns that round.
-        let even = (diagonal.count_ones() & 1) == 0;
-        let at = |pair: usize| {
-            let (i, j) = PAIRS[pair];
-            Self((4 * pair) as u8 | sides[i] << 1 | sides[j])
-        };
-        [(at(0), even), (at(1), !even), (at(2), even)]
-    }
-}
-
-/// The ray of a diagonal: bit k of its number is set where coordinate k is negative.
-#[inline]
-pub(crate) fn diagonal_ray(diagonal: u8) -> Vector3<f64> {
-    Vector3::from([0, 1, 2].map(|axis| 1.0 - 2.0 * f64::from(diagonal >> axis & 1)))
-}
-
-/// The diagonals, as a set of bits, inside a closed walk that crosses the interfaces of the set
-/// `crossed` an odd number of times. Where a set of four and its complement both fit, the one
-/// that holds diagonal 0 is returned.
-#[inline]
-pub(crate) fn pierced(crossed: u16) -> u8 {
-    PIERCED[crossed as usize]
-}
-
-static PIERCED: [u8; 1 << Interface::COUNT] = pierced_table();
-
-const fn pierced_table() -> [u8; 1 << Interface::COUNT] {
-    let mut table = [0; 1 << Interface::COUNT];
-    let mut inside: usize = 0;
-    while inside < 256 {
-        let mut crossed = 0;
-        let mut diagonal = 0;
-        while diagonal < 8 {
-            if inside >> diagonal & 1 == 1 {
-                let (x, y, z) = (diagonal & 1, diagonal >> 1 & 1, diagonal >> 2 & 1);
-                crossed ^= 1 << (x << 1 | y);
-                crossed ^= 1 << (4 | x << 1 | z);
-                crossed ^= 1 << (8 | y << 1 | z);
-            }
-            diagonal += 1;
-        }
-        let size = (inside as u8).count_ones();
-        if size < 4 || (size == 4 && inside & 1 == 1) {
-            table[crossed] = inside as u8;
-        }
-        inside += 1;
-    }
-    table
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn interfaces_name_their_sectors() {
-        for one in Sector::ALL {
-            for other in Sector::ALL.into_iter().filter(|s| s.axis() > one.axis()) {
-                assert_eq!(Interface::between(other, one).sectors(), (one, other));
-                assert_eq!(Interface::between(one, other).sectors(), (one, other));
-            }
-        }
-    }
-
-    #[test]
-    fn a_walk_around_one_diagonal_pierces_it() {
-        for diagonal in 0..8 {
-            let interfaces = Interface::at_diagonal(diagonal);
-            let crossed = interfaces.iter().fold(0, |set, (i, _)| set ^ i.bit());
-            assert_eq!(pierced(crossed), 1 << diagonal);
-        }
-    }
 
     #[test]
     fn the_sector_holds_the_largest_difference() {

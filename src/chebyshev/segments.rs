@@ -5,159 +5,175 @@
 
 use nalgebra::Vector3;
 
-use crate::chebyshev::integrand::FacetConstants;
-use crate::chebyshev::sector::{Interface, diagonal_ray, pierced};
+use crate::chebyshev::interface::{Endpoint, Interface, Mark, diagonal_ray, pierced};
 use crate::chebyshev::visit::{FacetView, Visit};
 
-/// Where segments begin and end on the interfaces of a facet.
-#[derive(Clone, Debug)]
+/// The endpoints that are starts.
+const STARTS: u32 = (1 << Interface::COUNT) - 1;
+
+/// Where segments begin and end on a facet: at most one point per endpoint.
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Endpoints {
-    /// The interfaces with a start, as a set of bits, and those with an end.
-    seen: [u16; 2],
-    /// Per role and interface, the point.
-    points: [[Vector3<f64>; Interface::COUNT]; 2],
-    /// Second starts or ends on an interface. A convex facet has none but by rounding.
-    spare: Vec<Endpoint>,
+    /// The endpoints there are, as a set of bits.
+    seen: u32,
+    /// Whether there are spare ones elsewhere.
+    has_spare: bool,
+    /// Meaningless where nothing was seen.
+    marks: [Mark; Endpoint::COUNT],
 }
 
+/// A second start or end on an interface of a facet. A convex facet has none but by rounding.
 #[derive(Clone, Copy, Debug)]
-struct Endpoint {
-    interface: Interface,
-    role: Role,
-    point: Vector3<f64>,
-}
-
-/// What an endpoint is to a segment with the interface's first sector on its left.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Role {
-    Start,
-    End,
-}
-
-impl Role {
-    #[inline]
-    pub(crate) fn start_if(is_start: bool) -> Self {
-        if is_start { Self::Start } else { Self::End }
-    }
-}
-
-impl Default for Endpoints {
-    fn default() -> Self {
-        Self {
-            seen: [0; 2],
-            points: [[Vector3::zeros(); Interface::COUNT]; 2],
-            spare: Vec::new(),
-        }
-    }
+pub(crate) struct Spare {
+    /// The facet's number.
+    pub(crate) facet: usize,
+    /// What the point is.
+    pub(crate) endpoint: Endpoint,
+    /// Where it is.
+    pub(crate) mark: Mark,
 }
 
 impl Endpoints {
     /// Forgets all endpoints.
     #[inline]
     pub(crate) fn clear(&mut self) {
-        self.seen = [0; 2];
-        self.spare.clear();
+        self.seen = 0;
+        self.has_spare = false;
     }
 
-    /// Adds an endpoint.
+    /// Whether there are no endpoints.
     #[inline]
-    pub(crate) fn add(&mut self, interface: Interface, role: Role, point: Vector3<f64>) {
-        let seen = &mut self.seen[role as usize];
-        if *seen & interface.bit() == 0 {
-            *seen |= interface.bit();
-            self.points[role as usize][interface.number()] = point;
-        } else {
-            self.spare.push(Endpoint {
-                interface,
-                role,
-                point,
-            });
-        }
+    pub(crate) fn is_empty(&self) -> bool {
+        self.seen == 0
     }
 
-    /// The interfaces with an odd number of endpoints.
-    fn crossed(&self) -> u16 {
-        let spare = self.spare.iter().map(|endpoint| endpoint.interface.bit());
-        spare.fold(self.seen[0] ^ self.seen[1], |set, bit| set ^ bit)
+    /// Adds an endpoint, or says that its place is taken and it has to be a spare one.
+    #[inline]
+    pub(crate) fn add(&mut self, endpoint: Endpoint, mark: Mark) -> bool {
+        let is_free = self.seen & endpoint.bit() == 0;
+        if is_free {
+            self.seen |= endpoint.bit();
+            self.marks[endpoint.number()] = mark;
+        } else {
+            self.has_spare = true;
+        }
+        is_free
     }
 
     /// One of the points, if there are any.
     fn any_point(&self) -> Option<Vector3<f64>> {
-        let [starts, ends] = self.seen;
-        let (role, seen) = if starts != 0 { (0, starts) } else { (1, ends) };
-        (seen != 0).then(|| self.points[role][Interface::lowest(seen).number()])
-    }
-
-    /// Pairs starts with ends of the same interface. Which of several go together makes no
-    /// difference: they lie on one line, on which signed segments of the same ends add up to the same.
-    fn pair(&mut self, mut report: impl FnMut(Interface, &Vector3<f64>, &Vector3<f64>)) {
-        let mut both = self.seen[0] & self.seen[1];
-        while both != 0 {
-            let interface = Interface::lowest(both);
-            let [start, end] = [0, 1].map(|role| &self.points[role][interface.number()]);
-            report(interface, start, end);
-            both ^= interface.bit();
-        }
-        while let Some(one) = self.spare.pop() {
-            let Endpoint {
-                interface, role, ..
-            } = one;
-            let partner = |other: &Endpoint| other.interface == interface && other.role != role;
-            let Some(place) = self.spare.iter().position(partner) else {
-                continue;
-            };
-            let point = self.spare.swap_remove(place).point;
-            match role {
-                Role::Start => report(interface, &one.point, &point),
-                Role::End => report(interface, &point, &one.point),
-            }
-        }
+        let endpoint = (self.seen != 0).then(|| Endpoint::lowest(self.seen))?;
+        Some(endpoint.interface().point(&self.marks[endpoint.number()]))
     }
 }
 
-/// Reports the segments of a facet whose boundary crosses interfaces at `endpoints`. They are used
-/// up.
+/// Reports the segments of a facet whose boundary crosses interfaces at `endpoints`, and at those
+/// of the `spare` ones that are the facet's. They are used up.
+#[inline]
 pub(crate) fn report_segments(
-    constants: &FacetConstants,
-    view: &FacetView,
+    view: &FacetView<'_>,
     endpoints: &mut Endpoints,
+    spare: &mut Vec<Spare>,
     visitor: &mut impl Visit,
 ) {
-    push_diagonals(constants, view, endpoints);
-    endpoints.pair(|interface, u, v| {
-        let fan = (u - view.anchor).cross(&(v - view.anchor));
-        visitor.segment(view, interface, constants.normal.dot(&fan), u, v);
-    });
+    let mut crossed = (endpoints.seen ^ endpoints.seen >> Interface::COUNT) & STARTS;
+    if endpoints.has_spare {
+        let own = spare.iter().filter(|one| one.facet == view.number);
+        crossed = own.fold(crossed, |set, one| {
+            set ^ 1 << one.endpoint.interface().number()
+        });
+    }
+    if crossed != 0 {
+        add_diagonals(crossed, view, endpoints, spare);
+    }
+    let mut both = endpoints.seen & endpoints.seen >> Interface::COUNT;
+    while both != 0 {
+        let interface = Interface::lowest(both);
+        let [u, v] = [false, true].map(|ends| Endpoint::of(interface, ends).number());
+        visitor.segment(view, interface, &endpoints.marks[u], &endpoints.marks[v]);
+        both &= both - 1;
+    }
+    if endpoints.has_spare {
+        report_spare(view, spare, visitor);
+    }
+}
+
+/// Pairs the facet's spare starts with spare ends of the same interface. Which of several go
+/// together makes no difference: they lie on one line, on which signed segments of the same ends
+/// add up to the same.
+#[cold]
+fn report_spare(view: &FacetView<'_>, spare: &mut Vec<Spare>, visitor: &mut impl Visit) {
+    while let Some(place) = spare.iter().position(|one| one.facet == view.number) {
+        let one = spare.swap_remove(place);
+        let is_partner =
+            |other: &Spare| other.facet == one.facet && other.endpoint == one.endpoint.opposite();
+        let Some(place) = spare.iter().position(is_partner) else {
+            continue;
+        };
+        let other = spare.swap_remove(place);
+        let (start, end) = if one.endpoint.is_start() {
+            (&one, &other)
+        } else {
+            (&other, &one)
+        };
+        visitor.segment(view, one.endpoint.interface(), &start.mark, &end.mark);
+    }
 }
 
 /// Adds the points in which diagonals pierce the facet, each an endpoint of three interfaces.
-fn push_diagonals(constants: &FacetConstants, view: &FacetView, endpoints: &mut Endpoints) {
-    let mut inside = pierced(endpoints.crossed());
+#[inline]
+fn add_diagonals(
+    crossed: u32,
+    view: &FacetView<'_>,
+    endpoints: &mut Endpoints,
+    spare: &mut Vec<Spare>,
+) {
+    let mut inside = pierced(crossed);
     let seen_from_inside = view.height >= 0.0;
-    let steepness = |diagonal: u8| {
-        let dot = constants.normal.dot(&diagonal_ray(diagonal));
-        if seen_from_inside { dot } else { -dot }
-    };
     if inside.count_ones() == 4 {
         // The facet spans a whole sector: this one or the opposite.
-        let balance = |set: u8| -> f64 { members(set).map(steepness).sum() };
+        let balance = |set: u8| -> f64 { members(set).map(|d| steepness(view, d)).sum() };
         if balance(!inside) > balance(inside) {
             inside = !inside;
         }
     }
     for diagonal in members(inside) {
-        let slope = steepness(diagonal);
+        let slope = steepness(view, diagonal);
         let reach = view.height.abs() / slope;
-        let point = if slope > 0.0 && reach.is_finite() {
-            diagonal_ray(diagonal) * reach
-        } else {
-            // Rounding alone says that this diagonal pierces: its triangle has no area.
-            endpoints.any_point().unwrap_or(view.anchor)
-        };
-        for (interface, ends) in Interface::at_diagonal(diagonal) {
-            endpoints.add(interface, Role::start_if(ends != seen_from_inside), point);
+        let is_sound = slope > 0.0 && reach.is_finite();
+        for (endpoint, sign) in Endpoint::at_diagonal(diagonal) {
+            let mark = if is_sound {
+                Mark {
+                    distance: reach,
+                    third: sign * reach,
+                }
+            } else {
+                // Rounding alone says that this diagonal pierces: its triangle has no area.
+                let point = endpoints.any_point().unwrap_or(view.anchor.point());
+                endpoint.interface().mark(&point)
+            };
+            let endpoint = if seen_from_inside {
+                endpoint
+            } else {
+                endpoint.opposite()
+            };
+            if !endpoints.add(endpoint, mark) {
+                let facet = view.number;
+                spare.push(Spare {
+                    facet,
+                    endpoint,
+                    mark,
+                });
+            }
         }
     }
+}
+
+/// How fast the diagonal comes nearer to the facet's plane from the center.
+#[inline]
+fn steepness(view: &FacetView<'_>, diagonal: u8) -> f64 {
+    let dot = view.constants.normal.dot(&diagonal_ray(diagonal));
+    if view.height >= 0.0 { dot } else { -dot }
 }
 
 fn members(mut set: u8) -> impl Iterator<Item = u8> {

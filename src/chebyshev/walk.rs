@@ -14,35 +14,29 @@
 
 use nalgebra::Vector3;
 
-use crate::chebyshev::integrand::{EdgeConstants, FacetConstants, Integrand};
-use crate::chebyshev::sector::{Interface, Sector};
-use crate::chebyshev::segments::{Endpoints, Role, report_segments};
-use crate::chebyshev::visit::{FacetView, Visit};
+use crate::chebyshev::integrand::{EdgeConstants, Integrand};
+use crate::chebyshev::interface::{Endpoint, Mark};
+use crate::chebyshev::sector::Sector;
+use crate::chebyshev::segments::{Endpoints, Spare, report_segments};
+use crate::chebyshev::visit::{Corner, FacetView, Side, Sight, Visit};
 use crate::chebyshev::weighted::Places;
 
 /// The memory of a walk, to be reused from one center to the next.
 #[derive(Clone, Debug, Default)]
 pub struct WalkScratch {
-    vertices: Vec<(Vector3<f64>, Sector)>,
-    facets: Vec<FacetView>,
-    /// Per facet, its last entry: twice the crossing's place, plus one for the right side, plus one;
-    /// zero for none.
-    last: Vec<u32>,
-    crossings: Vec<Crossing>,
-    endpoints: Endpoints,
+    vertices: Vec<(Sight, Sector)>,
+    facets: Vec<FacetSight>,
+    endpoints: Vec<Endpoints>,
+    spare: Vec<Spare>,
     /// For pieces with a density.
     pub(crate) places: Option<Places>,
 }
 
-/// Where an edge crosses an interface, for both facets beside it.
+/// A facet as seen from the center.
 #[derive(Clone, Copy, Debug)]
-struct Crossing {
-    point: Vector3<f64>,
-    interface: Interface,
-    /// What it is on the left facet; on the right one it is the opposite.
-    is_start: bool,
-    /// The facets' entries before this one, as in `last`.
-    before: [u32; 2],
+struct FacetSight {
+    height: f64,
+    anchor: Sight,
 }
 
 /// Walks the surface of a piece as seen from `center` (in the piece's coordinates).
@@ -55,21 +49,33 @@ pub(crate) fn walk(
 ) {
     prepare(piece, center, scratch);
     for edge in &piece.edges {
-        let (a, from) = scratch.vertices[edge.from as usize];
-        let (b, to) = scratch.vertices[edge.to as usize];
+        let (a, from) = &scratch.vertices[edge.from as usize];
+        let (b, to) = &scratch.vertices[edge.to as usize];
         if from == to {
             // The distance is convex along the edge, so no other sector comes between.
-            let left = &scratch.facets[edge.left as usize];
-            visitor.share(left, from, edge.left_area, &a, &b);
-            let right = &scratch.facets[edge.right as usize];
-            visitor.share(right, from, edge.right_area, &b, &a);
+            let sides = sides(piece, edge, &scratch.facets);
+            visitor.share(&sides, *from, 1.0, [&a.corner(*from), &b.corner(*from)]);
+        } else if let Some((end, mark)) = only_crossing((a, *from), (b, *to)) {
+            let sides = sides(piece, edge, &scratch.facets);
+            let between = corner(Endpoint::passing(*from, *to), &mark);
+            visitor.share(&sides, *from, end, [&a.corner(*from), &between]);
+            visitor.share(&sides, *to, 1.0 - end, [&between, &b.corner(*to)]);
+            note(
+                edge,
+                (*from, *to),
+                mark,
+                &mut scratch.endpoints,
+                &mut scratch.spare,
+            );
         } else {
-            split_edge(edge, scratch, visitor);
+            split_edge(piece, edge, scratch, visitor);
         }
     }
-    for facet in 0..piece.facets.len() {
-        if scratch.last[facet] != 0 {
-            join_segments(&piece.facets[facet], facet, scratch, visitor);
+    let endpoints = &mut scratch.endpoints[..piece.facets.len()];
+    for (number, endpoints) in endpoints.iter_mut().enumerate() {
+        if !endpoints.is_empty() {
+            let view = view(piece, number, &scratch.facets);
+            report_segments(&view, endpoints, &mut scratch.spare, visitor);
         }
     }
 }
@@ -78,67 +84,151 @@ fn prepare(piece: &Integrand, center: &Vector3<f64>, scratch: &mut WalkScratch) 
     scratch.vertices.clear();
     scratch.vertices.extend(piece.vertices.iter().map(|vertex| {
         let displacement = vertex - center;
-        (displacement, Sector::of(&displacement))
+        (Sight::new(&displacement), Sector::of(&displacement))
     }));
-    scratch.facets.clear();
-    for (number, facet) in piece.facets.iter().enumerate() {
-        // Planes that have lost all their vertices have no anchor and are never asked for.
-        let anchor = scratch.vertices.get(facet.anchor as usize);
-        scratch.facets.push(FacetView {
-            number: number as u32,
-            anchor: anchor.map_or_else(Vector3::zeros, |(anchor, _)| *anchor),
-            height: facet.offset - facet.normal.dot(center),
-        });
+    let count = piece.facets.len();
+    if scratch.endpoints.len() < count {
+        scratch.endpoints.resize(count, Endpoints::default());
     }
-    scratch.last.clear();
-    scratch.last.resize(piece.facets.len(), 0);
-    scratch.crossings.clear();
+    for endpoints in &mut scratch.endpoints[..count] {
+        endpoints.clear();
+    }
+    scratch.facets.clear();
+    scratch
+        .facets
+        .extend(piece.facets.iter().map(|facet| FacetSight {
+            height: facet.offset - facet.normal.dot(center),
+            anchor: Sight::new(&(facet.foot() - center)),
+        }));
+    scratch.spare.clear();
+}
+
+#[inline]
+fn view<'a>(piece: &'a Integrand, number: usize, facets: &'a [FacetSight]) -> FacetView<'a> {
+    let FacetSight { height, anchor } = &facets[number];
+    FacetView {
+        number,
+        constants: &piece.facets[number],
+        anchor,
+        height: *height,
+    }
+}
+
+/// The facets beside an edge.
+#[inline]
+fn sides<'a>(
+    piece: &'a Integrand,
+    edge: &EdgeConstants,
+    facets: &'a [FacetSight],
+) -> [Side<'a>; 2] {
+    let both = [(edge.left, edge.left_area), (edge.right, edge.right_area)];
+    both.map(|(facet, doubled_area)| Side {
+        facet: view(piece, facet as usize, facets),
+        doubled_area,
+    })
+}
+
+#[inline]
+fn corner(endpoint: Endpoint, mark: &Mark) -> Corner {
+    Corner {
+        distance: mark.distance,
+        point: endpoint.interface().point(mark),
+    }
+}
+
+/// Where the edge passes from the sector of `a` to that of `b`, if no third one comes between.
+///
+/// That is so where both distances agree and are the largest: the Chebyshev distance is convex, so
+/// a sector that has it at two points has it everywhere between them.
+#[inline]
+fn only_crossing((a, from): (&Sight, Sector), (b, to): (&Sight, Sector)) -> Option<(f64, Mark)> {
+    let fall = a.distance(from) - a.distance(to);
+    let rise = b.distance(to) - b.distance(from);
+    let end = fall / (fall + rise);
+    let third = Endpoint::passing(from, to).interface().third_axis();
+    let mark = mark_on([a, b], from, third, end);
+    let is_largest = mark.third.abs() <= mark.distance;
+    (is_largest && from.axis() != to.axis()).then_some((end, mark))
+}
+
+/// The point at `end` along the edge from `a` to `b`, on an interface of `sector`.
+#[inline]
+fn mark_on([a, b]: [&Sight; 2], sector: Sector, third: usize, end: f64) -> Mark {
+    let between = |from: f64, to: f64| from + end * (to - from);
+    Mark {
+        distance: between(a.distance(sector), b.distance(sector)),
+        third: between(a.along(third), b.along(third)),
+    }
+}
+
+/// Enters a crossing at both facets of the edge.
+#[inline]
+fn note(
+    edge: &EdgeConstants,
+    (from, to): (Sector, Sector),
+    mark: Mark,
+    endpoints: &mut [Endpoints],
+    spare: &mut Vec<Spare>,
+) {
+    for (facet, endpoint) in [
+        (edge.left, Endpoint::passing(from, to)),
+        (edge.right, Endpoint::passing(to, from)),
+    ] {
+        let facet = facet as usize;
+        if !endpoints[facet].add(endpoint, mark) {
+            spare.push(Spare {
+                facet,
+                endpoint,
+                mark,
+            });
+        }
+    }
 }
 
 /// Reports an edge's shares sector by sector and notes its crossings at both facets.
-fn split_edge(edge: &EdgeConstants, scratch: &mut WalkScratch, visitor: &mut impl Visit) {
+#[cold]
+fn split_edge(
+    piece: &Integrand,
+    edge: &EdgeConstants,
+    scratch: &mut WalkScratch,
+    visitor: &mut impl Visit,
+) {
     let (a, mut sector) = scratch.vertices[edge.from as usize];
     let (b, goal) = scratch.vertices[edge.to as usize];
-    let along = b - a;
-    let [left, right] = [edge.left, edge.right].map(|facet| scratch.facets[facet as usize]);
-    let (mut start, mut point) = (0.0, a);
-    loop {
-        let (end, following) = if sector == goal {
-            (1.0, None)
-        } else {
-            let (end, following) = next_sector(&a, &along, sector, goal, start);
-            (end, Some(following))
-        };
-        let next_point = if end < 1.0 { a + along * end } else { b };
-        let part = end - start;
-        visitor.share(&left, sector, part * edge.left_area, &point, &next_point);
-        visitor.share(&right, sector, part * edge.right_area, &next_point, &point);
-        let Some(following) = following else { break };
-        let interface = Interface::between(sector, following);
-        let is_start = sector == interface.sectors().0;
-        note(edge, interface, is_start, next_point, scratch);
-        (start, point, sector) = (end, next_point, following);
+    let sides = sides(piece, edge, &scratch.facets);
+    let (mut start, mut last) = (0.0, a.corner(sector));
+    while sector != goal {
+        let (end, following) = next_sector([&a, &b], sector, goal, start);
+        let endpoint = Endpoint::passing(sector, following);
+        let mark = mark_on([&a, &b], sector, endpoint.interface().third_axis(), end);
+        let next = corner(endpoint, &mark);
+        visitor.share(&sides, sector, end - start, [&last, &next]);
+        note(
+            edge,
+            (sector, following),
+            mark,
+            &mut scratch.endpoints,
+            &mut scratch.spare,
+        );
+        (start, last, sector) = (end, next, following);
     }
+    visitor.share(&sides, sector, 1.0 - start, [&last, &b.corner(sector)]);
 }
 
-/// Where along the edge a + t·along, t ≥ start, `sector` ends, and which sector follows it on the
-/// way to `goal`.
+/// Where along the edge from `a` to `b`, not before `start`, `sector` ends, and which sector
+/// follows it on the way to `goal`.
 ///
 /// Slopes grow from sector to sector, so at most five steps are made. Where rounding has put the
-/// goal beyond the end of the edge, it is reached at t = 1 by way of sectors that touch.
-fn next_sector(
-    a: &Vector3<f64>,
-    along: &Vector3<f64>,
-    sector: Sector,
-    goal: Sector,
-    start: f64,
-) -> (f64, Sector) {
-    let (value, slope) = (sector.distance(a), sector.distance(along));
+/// goal beyond the end of the edge, it is reached there by way of sectors that touch.
+fn next_sector([a, b]: [&Sight; 2], sector: Sector, goal: Sector, start: f64) -> (f64, Sector) {
+    let value = a.distance(sector);
+    let slope = b.distance(sector) - value;
     let mut best = None;
     let mut least = 1.0;
     for other in sector.beside() {
-        let gain = other.distance(along) - slope;
-        let t = (value - other.distance(a)) / gain;
+        let other_value = a.distance(other);
+        let gain = b.distance(other) - other_value - slope;
+        let t = (value - other_value) / gain;
         if gain > 0.0 && t < least {
             (best, least) = (Some(other), t);
         }
@@ -149,48 +239,4 @@ fn next_sector(
         // The opposite sector is the goal: go through the first one of another axis.
         None => (1.0, sector.beside()[0]),
     }
-}
-
-fn note(
-    edge: &EdgeConstants,
-    interface: Interface,
-    is_start: bool,
-    point: Vector3<f64>,
-    scratch: &mut WalkScratch,
-) {
-    let entry = 2 * scratch.crossings.len() as u32 + 1;
-    let before = [(edge.left, entry), (edge.right, entry + 1)]
-        .map(|(facet, entry)| std::mem::replace(&mut scratch.last[facet as usize], entry));
-    scratch.crossings.push(Crossing {
-        point,
-        interface,
-        is_start,
-        before,
-    });
-}
-
-/// Gathers a facet's crossings and reports its segments.
-fn join_segments(
-    constants: &FacetConstants,
-    facet: usize,
-    scratch: &mut WalkScratch,
-    visitor: &mut impl Visit,
-) {
-    let WalkScratch {
-        facets,
-        last,
-        crossings,
-        endpoints,
-        ..
-    } = scratch;
-    endpoints.clear();
-    let mut entry = last[facet];
-    while entry != 0 {
-        let (place, side) = ((entry - 1) / 2, (entry - 1) % 2);
-        let crossing = &crossings[place as usize];
-        let role = Role::start_if(crossing.is_start == (side == 0));
-        endpoints.add(crossing.interface, role, crossing.point);
-        entry = crossing.before[side as usize];
-    }
-    report_segments(constants, &facets[facet], endpoints, visitor);
 }

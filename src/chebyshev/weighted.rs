@@ -8,9 +8,10 @@
 
 use nalgebra::{Point3, Vector3};
 
-use crate::chebyshev::energy::{interface_area, sums_evaluation};
-use crate::chebyshev::sector::{Interface, Sector};
-use crate::chebyshev::visit::{FacetView, Visit};
+use crate::chebyshev::energy::sums_evaluation;
+use crate::chebyshev::interface::{Interface, Mark};
+use crate::chebyshev::sector::Sector;
+use crate::chebyshev::visit::{Corner, FacetView, Side, Visit};
 use crate::integrals::polynomial::Polynomial;
 use crate::integrals::series::{Exponents, Monomials, weight};
 use crate::minimize::problem::Evaluation;
@@ -137,34 +138,29 @@ impl<'a> Weighted<'a> {
 }
 
 impl Visit for Weighted<'_> {
-    fn share(
-        &mut self,
-        facet: &FacetView,
-        sector: Sector,
-        doubled_area: f64,
-        a: &Vector3<f64>,
-        b: &Vector3<f64>,
-    ) {
-        self.fill([&facet.anchor, a, b]);
-        self.add(sector, doubled_area * facet.height / 6.0);
+    fn share(&mut self, sides: &[Side<'_>; 2], sector: Sector, part: f64, ends: [&Corner; 2]) {
+        for Side {
+            facet,
+            doubled_area,
+        } in sides
+        {
+            self.fill([&facet.anchor.point(), &ends[0].point, &ends[1].point]);
+            self.add(sector, part * doubled_area * facet.height / 6.0);
+        }
     }
 
-    fn segment(
-        &mut self,
-        facet: &FacetView,
-        interface: Interface,
-        doubled_area: f64,
-        u: &Vector3<f64>,
-        v: &Vector3<f64>,
-    ) {
+    fn segment(&mut self, facet: &FacetView<'_>, interface: Interface, u: &Mark, v: &Mark) {
         let (left, right) = interface.sectors();
-        let volume = doubled_area * facet.height / 6.0;
-        self.fill([&facet.anchor, u, v]);
+        let determinant = interface.determinant(u, v);
+        let difference = facet.anchor.distance(left) - facet.anchor.distance(right);
+        let volume = determinant * difference / 6.0;
+        let [u, v] = [u, v].map(|mark| interface.point(mark));
+        self.fill([&facet.anchor.point(), &u, &v]);
         self.add(left, volume);
         self.add(right, -volume);
-        self.fill([u, v]);
+        self.fill([&u, &v]);
         let power = self.places.order - 1;
         let mean = self.sum(&self.places.flat[left.axis()], left.sign(), power);
-        self.interfaces[interface.number()] += mean * interface_area(interface, u, v);
+        self.interfaces[interface.number()] += mean * (2.0 * determinant);
     }
 }

@@ -9,7 +9,8 @@ use rayon::ThreadPoolBuilder;
 
 use chebloyd::domain::cuboid::Cuboid;
 use chebloyd::domain::space::Domain;
-use chebloyd::relax::space::{CellMemory, Space};
+use chebloyd::relax::cell_memory::CellMemory;
+use chebloyd::relax::space::Space;
 use chebloyd::relax::tessellation::{Minimizer, Norm, Question, Tessellation};
 use chebloyd::scene::place::place;
 use chebloyd::scene::region::Region;

@@ -9,9 +9,10 @@
 
 use nalgebra::{Point3, Vector3};
 
+use crate::relax::cell_memory::CellMemory;
 use crate::relax::noise::Random;
 use crate::relax::record::optimal_side;
-use crate::relax::space::{CellMemory, Space};
+use crate::relax::space::Space;
 use crate::relax::tessellation::Tessellation;
 use crate::voronoi::diagram::{Diagram, DiagramError};
 

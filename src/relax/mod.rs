@@ -9,6 +9,7 @@
 //! to many ([`levels`]). Its [`stand`] is all that a later process needs to go on. [`frames`] turn the
 //! axes along which distances are measured; [`outline`] is what files and pictures show of a cell.
 
+pub mod cell_memory;
 pub mod descent;
 pub mod figures;
 pub mod frames;

@@ -15,7 +15,8 @@ use nalgebra::{Point3, Vector3};
 use crate::chebyshev::borders::{BorderScratch, borders};
 use crate::chebyshev::energy::energy;
 use crate::domain::beyond::Beyond;
-use crate::relax::space::{CellMemory, Space};
+use crate::relax::cell_memory::CellMemory;
+use crate::relax::space::Space;
 use crate::voronoi::cell::Cell;
 use crate::voronoi::diagram::{Diagram, DiagramError};
 

@@ -1,0 +1,318 @@
+//! Where the sectors about a center meet.
+//!
+//! The six *sectors* ±x, ±y, ±z (the cones that cut fragments out of a cell) meet pairwise in twelve
+//! *interfaces* (plane cones on |y_i| = |y_j|), and those in threes in eight *diagonals* (rays
+//! along (±1, ±1, ±1)). As a map on the sphere this is the octahedron: sectors its vertices,
+//! interfaces its edges, diagonals its faces.
+//!
+//! A walk around a convex polygon visits sectors; the interfaces it crosses, counted modulo two,
+//! determine which diagonals pierce the polygon. `pierced` looks that up, so that a cell's
+//! integrals are put together from a consistent subdivision even where rounding alone decided the
+//! sector of a vertex, as it does at every corner of a cube about its center.
+
+use nalgebra::Vector3;
+
+use crate::chebyshev::sector::Sector;
+
+/// The place where two sectors of different axes meet: four times the number of the pair of axes
+/// (xy, xz, yz), plus two and one for the negative sides.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Interface(u8);
+
+/// A point of an interface, told by two numbers.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Mark {
+    /// Its Chebyshev distance from the center: that along either axis of the interface.
+    pub(crate) distance: f64,
+    /// Its coordinate along the third axis.
+    pub(crate) third: f64,
+}
+
+/// An interface, and what a point of it is to a segment with the interface's first sector on its
+/// left: 0 … 11 the segment's start, 12 … 23 its end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Endpoint(u8);
+
+/// The pairs of axes i < j between which interfaces lie.
+const PAIRS: [(usize, usize); 3] = [(0, 1), (0, 2), (1, 2)];
+
+/// Per interface: +1 where its two axes' directions and the third axis are right-handed, else −1.
+const TURNS: [f64; Interface::COUNT] = [
+    1.0, -1.0, -1.0, 1.0, -1.0, 1.0, 1.0, -1.0, 1.0, -1.0, -1.0, 1.0,
+];
+
+impl Interface {
+    pub(crate) const COUNT: usize = 12;
+
+    /// The two sectors: the one of the smaller axis first. That one is *left* of the interface's
+    /// segments, seen from outside the facet on which they lie.
+    #[inline]
+    pub(crate) fn sectors(self) -> (Sector, Sector) {
+        SECTORS[self.number()]
+    }
+
+    /// The axis of neither sector.
+    #[inline]
+    pub(crate) fn third_axis(self) -> usize {
+        2 - (self.0 >> 2) as usize
+    }
+
+    /// The displacement of a point of the interface.
+    #[inline]
+    pub(crate) fn point(self, mark: &Mark) -> Vector3<f64> {
+        let (left, right) = self.sectors();
+        let mut point = Vector3::zeros();
+        point[left.axis()] = left.sign() * mark.distance;
+        point[right.axis()] = right.sign() * mark.distance;
+        point[self.third_axis()] = mark.third;
+        point
+    }
+
+    /// The mark of a point near the interface.
+    pub(crate) fn mark(self, point: &Vector3<f64>) -> Mark {
+        Mark {
+            distance: self.sectors().0.distance(point),
+            third: point[self.third_axis()],
+        }
+    }
+
+    /// What makes u × v of two points of the interface D (left − right), left and right the
+    /// gradients of its sectors' distances. The triangle of u and v with the center has the area
+    /// D/√2, and six times the volume of its tetrahedron with q is D (left(q) − right(q)).
+    #[inline]
+    pub(crate) fn determinant(self, u: &Mark, v: &Mark) -> f64 {
+        TURNS[self.number()] * (u.distance * v.third - u.third * v.distance)
+    }
+
+    /// Its place among all.
+    #[inline]
+    pub(crate) fn number(self) -> usize {
+        self.0 as usize
+    }
+
+    /// The first interface of a set that has one.
+    #[inline]
+    pub(crate) fn lowest(set: u32) -> Self {
+        Self(set.trailing_zeros() as u8)
+    }
+}
+
+static SECTORS: [(Sector, Sector); Interface::COUNT] = sectors_table();
+
+const fn sectors_table() -> [(Sector, Sector); Interface::COUNT] {
+    let mut table = [(Sector::ALL[0], Sector::ALL[0]); Interface::COUNT];
+    let mut interface = 0;
+    while interface < Interface::COUNT {
+        let (i, j) = PAIRS[interface >> 2];
+        let low = Sector::ALL[2 * i + (interface >> 1 & 1)];
+        let high = Sector::ALL[2 * j + (interface & 1)];
+        table[interface] = (low, high);
+        interface += 1;
+    }
+    table
+}
+
+impl Endpoint {
+    pub(crate) const COUNT: usize = 2 * Interface::COUNT;
+
+    /// Where a walk around a facet passes from one sector to one of another axis. From the facet
+    /// on the other side of the edge it is the way back.
+    #[inline]
+    pub(crate) fn passing(from: Sector, to: Sector) -> Self {
+        PASSING[from.number()][to.number()]
+    }
+
+    /// The one at the start or the end of an interface's segment.
+    #[inline]
+    pub(crate) fn of(interface: Interface, ends: bool) -> Self {
+        Self(interface.0 + if ends { Interface::COUNT as u8 } else { 0 })
+    }
+
+    /// Its place among all.
+    #[inline]
+    pub(crate) fn number(self) -> usize {
+        self.0 as usize
+    }
+
+    /// Its bit in a set of endpoints.
+    #[inline]
+    pub(crate) fn bit(self) -> u32 {
+        1 << self.0
+    }
+
+    /// The first endpoint of a set that has one.
+    #[inline]
+    pub(crate) fn lowest(set: u32) -> Self {
+        Self(set.trailing_zeros() as u8)
+    }
+
+    /// The other end of a segment.
+    #[inline]
+    pub(crate) fn opposite(self) -> Self {
+        Self::of(self.interface(), self.is_start())
+    }
+
+    #[inline]
+    pub(crate) fn interface(self) -> Interface {
+        if self.is_start() {
+            Interface(self.0)
+        } else {
+            Interface(self.0 - Interface::COUNT as u8)
+        }
+    }
+
+    #[inline]
+    pub(crate) fn is_start(self) -> bool {
+        self.number() < Interface::COUNT
+    }
+
+    /// The three endpoints at the diagonal, for a facet seen from outside with the center inside,
+    /// each with the sign of the diagonal along the interface's third axis.
+    #[inline]
+    pub(crate) fn at_diagonal(diagonal: u8) -> [(Self, f64); 3] {
+        AT_DIAGONAL[usize::from(diagonal & 7)]
+    }
+}
+
+/// [`Endpoint::passing`]; meaningless between sectors of one axis.
+static PASSING: [[Endpoint; 6]; 6] = passing_table();
+
+const fn passing_table() -> [[Endpoint; 6]; 6] {
+    let mut table = [[Endpoint(0); 6]; 6];
+    let mut interface = 0;
+    while interface < Interface::COUNT {
+        let (i, j) = PAIRS[interface >> 2];
+        let (low, high) = (2 * i + (interface >> 1 & 1), 2 * j + (interface & 1));
+        table[low][high] = Endpoint(interface as u8);
+        table[high][low] = Endpoint((interface + Interface::COUNT) as u8);
+        interface += 1;
+    }
+    table
+}
+
+static AT_DIAGONAL: [[(Endpoint, f64); 3]; 8] = diagonal_table();
+
+const fn diagonal_table() -> [[(Endpoint, f64); 3]; 8] {
+    let mut table = [[(Endpoint(0), 0.0); 3]; 8];
+    let mut entry = 0;
+    while entry < 24 {
+        let (diagonal, pair) = (entry / 3, entry % 3);
+        let (i, j) = PAIRS[pair];
+        let interface = 4 * pair | (diagonal >> i & 1) << 1 | (diagonal >> j & 1);
+        // Around (1, 1, 1) the sectors run x, y, z counter-clockwise; a mirror turns that round.
+        let is_mirrored = diagonal.count_ones() & 1 == 1;
+        let ends = (pair == 1) == is_mirrored;
+        let number = interface + if ends { Interface::COUNT } else { 0 };
+        let is_negative = diagonal >> (2 - pair) & 1 == 1;
+        table[diagonal][pair] = (Endpoint(number as u8), if is_negative { -1.0 } else { 1.0 });
+        entry += 1;
+    }
+    table
+}
+
+/// The ray of a diagonal: bit k of its number is set where coordinate k is negative.
+#[inline]
+pub(crate) fn diagonal_ray(diagonal: u8) -> Vector3<f64> {
+    Vector3::from([0, 1, 2].map(|axis| 1.0 - 2.0 * f64::from(diagonal >> axis & 1)))
+}
+
+/// The diagonals, as a set of bits, inside a closed walk that crosses the interfaces of the set
+/// `crossed` an odd number of times. Where a set of four and its complement both fit, the one
+/// that holds diagonal 0 is returned.
+#[inline]
+pub(crate) fn pierced(crossed: u32) -> u8 {
+    PIERCED[crossed as usize & ((1 << Interface::COUNT) - 1)]
+}
+
+static PIERCED: [u8; 1 << Interface::COUNT] = pierced_table();
+
+const fn pierced_table() -> [u8; 1 << Interface::COUNT] {
+    let mut table = [0; 1 << Interface::COUNT];
+    let mut inside: usize = 0;
+    while inside < 256 {
+        let mut crossed = 0;
+        let mut diagonal = 0;
+        while diagonal < 8 {
+            if inside >> diagonal & 1 == 1 {
+                let (x, y, z) = (diagonal & 1, diagonal >> 1 & 1, diagonal >> 2 & 1);
+                crossed ^= 1 << (x << 1 | y);
+                crossed ^= 1 << (4 | x << 1 | z);
+                crossed ^= 1 << (8 | y << 1 | z);
+            }
+            diagonal += 1;
+        }
+        let size = (inside as u8).count_ones();
+        if size < 4 || (size == 4 && inside & 1 == 1) {
+            table[crossed] = inside as u8;
+        }
+        inside += 1;
+    }
+    table
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_passage_and_the_way_back_are_the_two_ends_of_one_interface() {
+        for one in Sector::ALL {
+            for other in Sector::ALL.into_iter().filter(|s| s.axis() > one.axis()) {
+                let start = Endpoint::passing(one, other);
+                assert!(start.is_start());
+                assert_eq!(start.interface().sectors(), (one, other));
+                assert_eq!(Endpoint::passing(other, one), start.opposite());
+            }
+        }
+    }
+
+    #[test]
+    fn a_walk_around_one_diagonal_pierces_it() {
+        for diagonal in 0..8 {
+            let endpoints = Endpoint::at_diagonal(diagonal);
+            let bit = |(endpoint, _): (Endpoint, f64)| 1 << endpoint.interface().number();
+            let crossed = endpoints.map(bit).iter().fold(0, |set, bit| set ^ bit);
+            assert_eq!(pierced(crossed), 1 << diagonal);
+        }
+    }
+
+    #[test]
+    fn marks_and_points_are_two_ways_to_tell_the_same() {
+        for diagonal in 0..8 {
+            for (endpoint, sign) in Endpoint::at_diagonal(diagonal) {
+                let mark = Mark {
+                    distance: 2.0,
+                    third: 2.0 * sign,
+                };
+                let point = endpoint.interface().point(&mark);
+                assert_eq!(point, 2.0 * diagonal_ray(diagonal));
+                let again = endpoint.interface().mark(&point);
+                assert_eq!((again.distance, again.third), (mark.distance, mark.third));
+            }
+        }
+    }
+
+    #[test]
+    fn determinants_measure_the_cross_product() {
+        for diagonal in 0..8 {
+            for (endpoint, _) in Endpoint::at_diagonal(diagonal) {
+                let interface = endpoint.interface();
+                let [u, v] =
+                    [(1.0, 0.25), (3.0, -2.0)].map(|(distance, third)| Mark { distance, third });
+                let cross = interface.point(&u).cross(&interface.point(&v));
+                let (left, right) = interface.sectors();
+                let normal = |sector: Sector| {
+                    Vector3::from([0, 1, 2].map(|k| {
+                        if k == sector.axis() {
+                            sector.sign()
+                        } else {
+                            0.0
+                        }
+                    }))
+                };
+                let told = (normal(left) - normal(right)) * interface.determinant(&u, &v);
+                assert_eq!(cross, told);
+            }
+        }
+    }
+}

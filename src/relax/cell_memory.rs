@@ -1,0 +1,254 @@
+//! One cell, prepared for integrals, and what a relaxation asks of it.
+
+use nalgebra::{Point3, Rotation3, Vector3};
+
+use crate::chebyshev::center::{Search, center};
+use crate::chebyshev::energy::{SignedPiece, energy};
+use crate::chebyshev::integrand::Integrand;
+use crate::chebyshev::mass_moments::mass_moments;
+use crate::chebyshev::walk::WalkScratch;
+use crate::domain::space::{Domain, PieceScratch};
+use crate::geometry::clip::ClipScratch;
+use crate::geometry::faceted::Piece;
+use crate::geometry::moments::Moments;
+use crate::integrals::polynomial::Polynomial;
+use crate::minimize::problem::Evaluation;
+use crate::relax::figures::CellFigures;
+use crate::relax::reach::{around, reach, target};
+use crate::relax::shape::{Shape, within_cube};
+use crate::relax::tessellation::{Assessment, Norm, Question};
+use crate::voronoi::cell::Cell;
+
+/// A cell's signed pieces, prepared, and the memory to work on them.
+#[derive(Debug, Default)]
+pub struct CellMemory {
+    pieces: Vec<SignedPiece>,
+    used: usize,
+    /// The cell's volume (L³).
+    volume: f64,
+    /// Mass and its moments of the pieces with a density.
+    weighted: Moments,
+    walk: WalkScratch,
+    piece: PieceScratch,
+    clip: ClipScratch,
+    frame: Option<Rotation3<f64>>,
+}
+
+impl CellMemory {
+    /// Prepares the pieces of `cell`.
+    pub fn load(&mut self, domain: &dyn Domain, cell: &Cell<'_>) {
+        self.load_in_frame(domain, cell, None);
+    }
+
+    /// Prepares the pieces of `cell`, whose distances are measured in `frame`.
+    pub fn load_in_frame(
+        &mut self,
+        domain: &dyn Domain,
+        cell: &Cell<'_>,
+        frame: Option<&Rotation3<f64>>,
+    ) {
+        self.frame = frame.copied();
+        let Self {
+            pieces,
+            used,
+            volume,
+            weighted,
+            piece,
+            ..
+        } = self;
+        *used = 0;
+        (*volume, *weighted) = (0.0, Moments::default());
+        let mut prepare = |sign: f64, part: Piece<'_>, density: Option<&Polynomial>| {
+            if *used == pieces.len() {
+                let integrand = Integrand::default();
+                pieces.push(SignedPiece { sign, integrand });
+            }
+            pieces[*used].sign = sign;
+            pieces[*used].integrand.assign(part);
+            pieces[*used].integrand.set_density(density);
+            *volume += sign * pieces[*used].integrand.volume();
+            if let Some(density) = density {
+                weighted.add_signed(sign, &mass_moments(part, density));
+            }
+            if let Some(frame) = frame {
+                pieces[*used].integrand.rotate(&frame.inverse());
+            }
+            *used += 1;
+        };
+        domain.weighted_pieces(&cell.position, cell.polyhedron, piece, &mut prepare);
+    }
+
+    /// The volume of the loaded cell (L³).
+    #[must_use]
+    pub fn volume(&self) -> f64 {
+        self.volume
+    }
+
+    /// Mass and its moments of the loaded cell about its site; volume and its moments where there
+    /// is no density.
+    #[must_use]
+    pub fn masses(&self) -> Moments {
+        let mut masses = self.weighted;
+        for SignedPiece { sign, integrand } in &self.pieces[..self.used] {
+            if integrand.density.is_none() {
+                let mut moments = integrand.moments();
+                moments.first = self.in_space(moments.first);
+                masses.add_signed(*sign, &moments);
+            }
+        }
+        masses
+    }
+
+    /// The mass of the loaded cell: its volume where there is no density.
+    fn mass(&self) -> f64 {
+        let mut mass = self.weighted.volume;
+        for SignedPiece { sign, integrand } in &self.pieces[..self.used] {
+            if integrand.density.is_none() {
+                mass += sign * integrand.volume();
+            }
+        }
+        mass
+    }
+
+    /// The order-p Chebyshev energy of the loaded cell about a displacement from its site, with
+    /// gradient and Hessian.
+    #[must_use]
+    pub fn evaluate(&mut self, center: &Vector3<f64>, order: u32) -> Evaluation<3> {
+        let pieces = &self.pieces[..self.used];
+        let Some(frame) = &self.frame else {
+            return energy(pieces, center, order, &mut self.walk);
+        };
+        let turned = energy(pieces, &(frame.inverse() * center), order, &mut self.walk);
+        Evaluation {
+            value: turned.value,
+            gradient: frame * turned.gradient,
+            hessian: frame * turned.hessian * frame.inverse(),
+        }
+    }
+
+    /// A vector of the cell's frame as it points in space.
+    pub(crate) fn in_space(&self, vector: Vector3<f64>) -> Vector3<f64> {
+        self.frame.map_or(vector, |frame| frame * vector)
+    }
+
+    /// The prepared pieces, and the memory to walk them.
+    pub(crate) fn pieces(&mut self) -> (&[SignedPiece], &mut WalkScratch) {
+        (&self.pieces[..self.used], &mut self.walk)
+    }
+
+    /// The figures of `cell`, which is loaded.
+    pub(crate) fn figures(
+        &mut self,
+        domain: &dyn Domain,
+        cell: &Cell<'_>,
+        asked: Question,
+    ) -> CellFigures<3> {
+        let volume = self.volume;
+        let Self {
+            piece, clip, frame, ..
+        } = self;
+        let mut shape = Shape::default();
+        domain.pieces(&cell.position, cell.polyhedron, piece, &mut |sign, part| {
+            shape.add(sign, part);
+        });
+        let common = within_cube(cell.polyhedron, volume, frame.as_ref(), clip);
+        if !common.is_empty() {
+            domain.pieces(&cell.position, &common, piece, &mut |sign, part| {
+                shape.add_overlap(sign * part.moments().volume);
+            });
+        }
+        let found = self.find(domain, cell, asked);
+        let masses = self.masses();
+        let centroid = masses.centroid();
+        let center_energy = match asked.norm {
+            Norm::Linf => self.evaluate(&found.way, asked.order).value,
+            Norm::L2 => masses.second_about(&Point3::from(found.way)),
+        };
+        CellFigures {
+            volume,
+            centroid: domain.wrap(&(cell.position + centroid.coords)),
+            energy: found.energy,
+            gradient: found.gradient,
+            center: domain.wrap(&(cell.position + found.way)),
+            center_energy,
+            facets: shape.facets(volume),
+            chebyshev: found.chebyshev,
+            cubeness: shape.cubeness(volume),
+            axis_aligned: shape.axis_aligned(self.frame.as_ref()),
+        }
+    }
+
+    pub(crate) fn assess(
+        &mut self,
+        domain: &dyn Domain,
+        cell: &Cell<'_>,
+        asked: Question,
+    ) -> Assessment<3> {
+        let found = self.find(domain, cell, asked);
+        Assessment {
+            energy: found.energy,
+            chebyshev: found.chebyshev,
+            target: target(domain, cell, &found.way),
+            evaluations: found.evaluations,
+        }
+    }
+
+    fn find(&mut self, domain: &dyn Domain, cell: &Cell<'_>, asked: Question) -> Found {
+        match asked.norm {
+            Norm::Linf => self.find_center(domain, cell, asked),
+            Norm::L2 => self.find_centroid(domain, cell),
+        }
+    }
+
+    fn find_center(&mut self, domain: &dyn Domain, cell: &Cell<'_>, asked: Question) -> Found {
+        let pieces = &self.pieces[..self.used];
+        let search = Search {
+            minimizer: asked.minimizer,
+            order: asked.order,
+            volume: self.volume,
+            mass: self.mass(),
+            bounds: match self.frame {
+                None => reach(domain, cell),
+                Some(_) => around(pieces),
+            },
+        };
+        let center = center(pieces, &search, &mut self.walk);
+        let chebyshev = if asked.order == 1 {
+            center.energy_at_site
+        } else {
+            energy(pieces, &Vector3::zeros(), 1, &mut self.walk).value
+        };
+        Found {
+            energy: center.energy_at_site,
+            gradient: self.in_space(center.gradient_at_site),
+            chebyshev: chebyshev / domain.mean_density(),
+            way: self.in_space(center.point),
+            evaluations: center.evaluations,
+        }
+    }
+
+    fn find_centroid(&mut self, domain: &dyn Domain, cell: &Cell<'_>) -> Found {
+        let masses = self.masses();
+        let pieces = &self.pieces[..self.used];
+        let chebyshev = energy(pieces, &Vector3::zeros(), 1, &mut self.walk).value;
+        Found {
+            energy: masses.second,
+            gradient: -2.0 * masses.first,
+            chebyshev: chebyshev / domain.mean_density(),
+            way: reach(domain, cell).clamp(&masses.centroid()).coords,
+            evaluations: 1,
+        }
+    }
+}
+
+/// What a site finds in its cell, in the asked norm.
+struct Found {
+    energy: f64,
+    /// The energy's gradient at the site.
+    gradient: Vector3<f64>,
+    /// The p = 1 Chebyshev energy at the site, per mean density.
+    chebyshev: f64,
+    /// From the site to the minimizer.
+    way: Vector3<f64>,
+    evaluations: u32,
+}
