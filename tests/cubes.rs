@@ -131,6 +131,29 @@ fn descents_never_rise_and_stay_in_the_domain() {
     }
 }
 
+/// The energies of the README's table, by evaluations per site: what Lloyd's iteration reaches in a
+/// thousand takes a descent twenty.
+#[test]
+fn a_descent_from_a_thousand_random_sites_is_low_after_few_evaluations() {
+    let space = Space::new(Box::new(Cuboid::unit()));
+    for seed in [1, 2] {
+        let given = random_sites(&space, 1000, seed);
+        let run = run(&space, &Plan::quasi_newton(1, 100), &given);
+        let percent_within = |evaluations: f64| {
+            let within = run
+                .records
+                .iter()
+                .take_while(|record| record.evaluations <= evaluations);
+            within.map(|record| record.energy_percent).last().unwrap()
+        };
+        assert!(percent_within(25.0) <= 101.6, "seed {seed}");
+        assert!(percent_within(200.0) <= 101.0, "seed {seed}");
+        for pair in run.records.windows(2) {
+            assert!(pair[1].energy_mean <= pair[0].energy_mean, "{pair:?}");
+        }
+    }
+}
+
 #[test]
 fn a_descent_sees_what_lloyd_does_not() {
     let space = boxed([1.0, 1.0, 1.0], [false; 3]);

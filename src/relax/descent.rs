@@ -6,7 +6,7 @@
 
 use std::ops::ControlFlow;
 
-use nalgebra::Point3;
+use nalgebra::{Point3, Vector3};
 
 use crate::minimize::history::History;
 use crate::minimize::lbfgsb::resume;
@@ -18,12 +18,14 @@ use crate::relax::record::optimal_side;
 use crate::relax::space::Space;
 use crate::relax::tessellation::Tessellation;
 
-/// The first trial moves the farthest site by this share of the mean cell's side: gradients say
-/// nothing about lengths, and a tenth of a cell never turns the diagram over.
-const FIRST_STEP: f64 = 0.1;
+/// The first model of the curvature is this share of that of a cube about its center, which is what
+/// a site feels whose cell stands still: cells follow their sites about half of the way. From random
+/// sites the first step is then accepted at once, and twice or half of it gains no less in the end.
+const FIRST_CURVATURE: f64 = 0.5;
 
-/// No step moves a site farther than this share of that side, so that none jumps over a neighbor.
-const LARGEST_STEP: f64 = 0.5;
+/// No step moves a site farther than this many sides of the mean cell. Half as far holds up the
+/// first few steps from random sites; twice as far is never asked for.
+const LARGEST_STEP: f64 = 1.0;
 
 /// How to descend.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -107,7 +109,7 @@ pub(crate) fn step(
         gradient_tolerance: options.gradient_tolerance,
         value_tolerance: 0.0,
         group: 3,
-        first_step: FIRST_STEP * side,
+        first_step: first_step(state.gradient(), options.order, side),
         largest_step: LARGEST_STEP * side,
         max_evaluations: u64::MAX,
     };
@@ -144,6 +146,18 @@ pub(crate) fn step(
         (true, Some(totals), _) => Step::Taken(*totals),
         (_, _, Ended::Stopped) | (false, _, _) | (true, None, _) => Step::Over,
     })
+}
+
+/// How far the first trial moves the farthest site (L): as Newton's method would in a model of
+/// [`FIRST_CURVATURE`] times 8p (s/2)^(1+p), the second derivative of a cube's energy ∫ d∞^p about
+/// its center in every direction.
+fn first_step(gradient: &[f64], order: u32, side: f64) -> f64 {
+    let cube = 8.0 * f64::from(order) * (0.5 * side).powi(1 + order as i32);
+    let squares = gradient
+        .chunks_exact(3)
+        .map(|g| Vector3::from_column_slice(g).norm_squared());
+    let steepest = squares.fold(0.0, f64::max).sqrt();
+    (steepest / (FIRST_CURVATURE * cube)).max(f64::MIN_POSITIVE)
 }
 
 /// The bounds of all variables: the domain's box, none along periodic axes.
