@@ -5,8 +5,12 @@ use std::ops::ControlFlow;
 
 use chebloyd::domain::convex::ConvexPolyhedron;
 use chebloyd::domain::cuboid::Cuboid;
+use chebloyd::domain::surface::solid::SurfaceSolid;
+use chebloyd::domain::weighted::WeightedDomain;
 use chebloyd::geometry::bounds::Bounds;
 use chebloyd::geometry::half_space::HalfSpace;
+use chebloyd::mesh::shapes::tubes::torus;
+use chebloyd::mesh::validate::validate;
 use chebloyd::relax::figures::Figures;
 use chebloyd::relax::levels::{coarsened, levels_for_cubes, refined, sites_of_level};
 use chebloyd::relax::lloyd::Ended;
@@ -41,6 +45,19 @@ fn convex() -> Space {
         }
     }
     Space::new(Box::new(ConvexPolyhedron::new(&walls).unwrap()))
+}
+
+/// The unit cube with a density that grows eightfold across it.
+fn graded() -> Space {
+    let density = "1 + 7*x^2".parse().unwrap();
+    Space::new(Box::new(
+        WeightedDomain::new(Box::new(Cuboid::unit()), density).unwrap(),
+    ))
+}
+
+fn ring() -> Space {
+    let surface = validate(&torus(1.0, 0.4, 24, 12)).unwrap().0;
+    Space::new(Box::new(SurfaceSolid::new(&surface).unwrap()))
 }
 
 fn random_sites(space: &Space, count: usize, seed: u64) -> Vec<Point3<f64>> {
@@ -110,6 +127,8 @@ fn descents_never_rise_and_stay_in_the_domain() {
         boxed([1.0, 1.0, 1.0], [false; 3]),
         boxed([1.0, 2.0, 1.0], [true, false, true]),
         convex(),
+        graded(),
+        ring(),
     ];
     for (number, space) in spaces.iter().enumerate() {
         for order in [1, 2] {
@@ -120,11 +139,8 @@ fn descents_never_rise_and_stay_in_the_domain() {
             for pair in run.records.windows(2) {
                 assert!(pair[1].energy_mean <= pair[0].energy_mean, "{pair:?}");
             }
-            assert!(
-                run.records[25].energy_percent < 104.0,
-                "{:?}",
-                run.records[25]
-            );
+            let [first, last] = [0, 25].map(|k| run.records[k].energy_percent);
+            assert!(last < 0.85 * first, "{number}: {first} {last}");
             assert!(run.records[25].evaluations < 40.0);
             assert!(run.sites.iter().all(|site| space.domain().contains(site)));
         }

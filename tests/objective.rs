@@ -4,8 +4,17 @@
 use chebloyd::domain::convex::ConvexPolyhedron;
 use chebloyd::domain::cuboid::Cuboid;
 use chebloyd::domain::space::Domain;
+use chebloyd::domain::surface::solid::SurfaceSolid;
+use chebloyd::domain::tets::TetSolid;
+use chebloyd::domain::weighted::WeightedDomain;
 use chebloyd::geometry::bounds::Bounds;
 use chebloyd::geometry::half_space::HalfSpace;
+use chebloyd::mesh::shapes::boxes::unit_cube_tets;
+use chebloyd::mesh::shapes::bracket::bracket;
+use chebloyd::mesh::shapes::tubes::torus;
+use chebloyd::mesh::sound::validate_tets;
+use chebloyd::mesh::surface::SurfaceMesh;
+use chebloyd::mesh::validate::validate;
 use chebloyd::relax::frames::Frames;
 use chebloyd::relax::record::optimal_energy;
 use chebloyd::relax::space::Space;
@@ -221,4 +230,91 @@ fn the_gradient_is_that_of_central_differences_with_a_frame_for_every_site() {
     let frames = (0..25).map(|_| frame(&mut random)).collect();
     let space = Space::with_frames(Box::new(Cuboid::unit()), Frames::PerSite(frames));
     check_gradient(&space, 25, 11);
+}
+
+fn solid(mesh: &SurfaceMesh) -> Box<dyn Domain> {
+    Box::new(SurfaceSolid::new(&validate(mesh).unwrap().0).unwrap())
+}
+
+fn weighted(domain: Box<dyn Domain>) -> Box<dyn Domain> {
+    let density = "2 + x - 0.5*y*z + x^2".parse().unwrap();
+    Box::new(WeightedDomain::new(domain, density).unwrap())
+}
+
+/// The unit cube in tetrahedra, with a density that is linear on each and has kinks between them.
+fn tets(has_density: bool) -> Box<dyn Domain> {
+    let sound = validate_tets(&unit_cube_tets(2)).unwrap().0;
+    let values = sound.mesh().vertices.iter();
+    let values: Vec<f64> = values.map(|v| 1.0 + v.x + v.y * v.y + v.z.abs()).collect();
+    let solid = TetSolid::new(&sound).unwrap();
+    match has_density {
+        true => Box::new(solid.with_density(&values).unwrap()),
+        false => Box::new(solid),
+    }
+}
+
+#[test]
+fn the_gradient_is_that_of_central_differences_in_tetrahedra() {
+    check_gradient(&Space::new(tets(false)), 20, 12);
+}
+
+#[test]
+fn the_gradient_is_that_of_central_differences_in_surfaces() {
+    check_gradient(&Space::new(solid(&bracket(2))), 20, 13);
+    check_gradient(&Space::new(solid(&torus(1.0, 0.4, 12, 8))), 20, 14);
+}
+
+#[test]
+fn the_gradient_is_that_of_central_differences_with_a_density() {
+    check_gradient(&Space::new(weighted(Box::new(Cuboid::unit()))), 25, 15);
+    check_gradient(&Space::new(tets(true)), 15, 16);
+    check_gradient(&Space::new(weighted(solid(&bracket(2)))), 15, 17);
+}
+
+#[test]
+fn the_gradient_is_that_of_central_differences_with_a_density_and_frames() {
+    let (_, frame) = turned(30.0);
+    for domain in [weighted(Box::new(Cuboid::unit())), tets(true)] {
+        check_gradient(&Space::with_frames(domain, Frames::One(frame)), 12, 18);
+    }
+}
+
+/// Two programs for the same integrals: that of Lloyd's cells and that of the global objective.
+#[test]
+fn the_objective_is_the_sum_of_the_cells_energies_with_a_density() {
+    for domain in [weighted(Box::new(Cuboid::unit())), tets(true)] {
+        let space = Space::new(domain);
+        let sites = random_sites(space.domain(), 60, 19);
+        for order in [1, 2, 3] {
+            let question = Question {
+                norm: Norm::Linf,
+                order,
+                minimizer: Minimizer::Newton,
+            };
+            let cells = space.assess(&sites, question).unwrap();
+            let global = space.global(&sites, order).unwrap();
+            for (cell, energy) in cells.iter().zip(&global.energies) {
+                assert!((cell.energy - energy).abs() < 1e-12 * cell.energy);
+            }
+            let chebyshev: f64 = cells.iter().map(|cell| cell.chebyshev).sum();
+            assert!((global.chebyshev - chebyshev).abs() < 1e-12 * chebyshev);
+        }
+    }
+}
+
+#[test]
+fn a_density_of_one_changes_nothing() {
+    let plain = Space::new(Box::new(Cuboid::unit()));
+    let one = "1 + 0*x".parse().unwrap();
+    let domain = WeightedDomain::new(Box::new(Cuboid::unit()), one).unwrap();
+    let weighted = Space::new(Box::new(domain));
+    let sites = random_sites(plain.domain(), 50, 20);
+    for order in [1, 2] {
+        let expected = plain.global(&sites, order).unwrap();
+        let found = weighted.global(&sites, order).unwrap();
+        assert!((found.energy / expected.energy - 1.0).abs() < 1e-13);
+        for (a, b) in found.gradient.iter().zip(&expected.gradient) {
+            assert!((a - b).norm() < 1e-13 * expected.energy);
+        }
+    }
 }

@@ -11,16 +11,20 @@
 //! On a triangle with corner distances δ, with λ_v the barycentric coordinates,
 //! ∫ d^p λ_v dA = 2 A p!/(p+3)! · h_p(δ, δ_v): three weights, whose sum is ∫ d^p dA and whose
 //! mean of the corners is ∫ d^p y dA. The energy itself is Σ_f H_f/(3+p) ∫_f d∞^p dA, H_f the
-//! site's height below the facet, since d∞^p is homogeneous about the site.
+//! site's height below the facet, since d∞^p is homogeneous about the site. Where pieces have a
+//! density, the same integrals with it inside come from `weighted_borders`.
 
 use nalgebra::Vector3;
 
 use crate::chebyshev::energy::{SignedPiece, tetrahedron};
+use crate::chebyshev::integrand::Integrand;
 use crate::chebyshev::interface::{Interface, Mark};
 use crate::chebyshev::sector::Sector;
 use crate::chebyshev::visit::{Corner, FacetView, Side, Visit};
 use crate::chebyshev::walk::{WalkScratch, walk};
+use crate::chebyshev::weighted_borders::{BorderPlaces, WeightedSums};
 use crate::geometry::label::Label;
+use crate::integrals::polynomial::Polynomial;
 use crate::integrals::simplex::complete_homogeneous;
 
 /// What one facet does to the sites on its two sides.
@@ -47,6 +51,8 @@ pub struct Inside {
 #[derive(Clone, Debug, Default)]
 pub struct BorderScratch {
     facets: Vec<FacetSums>,
+    /// For pieces with a density.
+    places: Option<BorderPlaces>,
 }
 
 /// The energy of order `order` of `pieces` about their site, the origin, and to `visit` what
@@ -60,24 +66,17 @@ pub fn borders<'a>(
 ) -> Inside {
     let mut total = Inside::default();
     for SignedPiece { sign, integrand } in pieces {
-        let mut sums = Sums {
-            order,
-            volumes: [0.0; 6],
-            facets: &mut scratch.facets,
+        let (value, volumes) = match &integrand.density {
+            None => plain(integrand, order, walked, &mut scratch.facets),
+            Some(density) => weighted(integrand, density, order, walked, scratch),
         };
-        sums.facets.clear();
-        sums.facets
-            .resize(integrand.facets.len(), FacetSums::default());
-        walk(integrand, &Vector3::zeros(), walked, &mut sums);
-        let volumes = sums.volumes;
         let slope = |k: usize| volumes[2 * k + 1] - volumes[2 * k];
+        total.value += sign * value;
         total.gradient += Vector3::from([0, 1, 2].map(slope)) * (f64::from(order) * sign);
         let planes = integrand.facets.iter().zip(&integrand.labels);
         for ((plane, &label), sums) in planes.zip(&scratch.facets) {
-            let weight = sign * sums.weight;
-            total.value += weight * plane.offset / (3.0 + f64::from(order));
             if sums.weight.abs() > 0.0 && is_bisector(label) {
-                let first = sums.first * *sign;
+                let (weight, first) = (sums.weight * sign, sums.first * *sign);
                 let distance = 2.0 * plane.offset;
                 visit(Push {
                     label,
@@ -90,11 +89,57 @@ pub fn borders<'a>(
     total
 }
 
+/// The energy of a piece of density 1, and per sector ∫ d∞^{p−1} dV.
+fn plain(
+    integrand: &Integrand,
+    order: u32,
+    walked: &mut WalkScratch,
+    facets: &mut Vec<FacetSums>,
+) -> (f64, [f64; 6]) {
+    reset(facets, integrand);
+    let mut sums = Sums {
+        order,
+        volumes: [0.0; 6],
+        facets,
+    };
+    walk(integrand, &Vector3::zeros(), walked, &mut sums);
+    let volumes = sums.volumes;
+    let planes = integrand.facets.iter().zip(facets);
+    let heights = planes.map(|(plane, sums)| sums.weight * plane.offset);
+    let value = heights.sum::<f64>() / (3.0 + f64::from(order));
+    (value, volumes)
+}
+
+/// The same with the density inside.
+fn weighted(
+    integrand: &Integrand,
+    density: &Polynomial,
+    order: u32,
+    walked: &mut WalkScratch,
+    scratch: &mut BorderScratch,
+) -> (f64, [f64; 6]) {
+    reset(&mut scratch.facets, integrand);
+    let degree = density.degree();
+    let kept = scratch.places.take();
+    let kept = kept.filter(|places| places.serve(degree, order));
+    let places = kept.unwrap_or_else(|| BorderPlaces::new(degree, order));
+    let mut sums = WeightedSums::new(&places, density, &mut scratch.facets);
+    walk(integrand, &Vector3::zeros(), walked, &mut sums);
+    let found = (sums.value, sums.slopes);
+    scratch.places = Some(places);
+    found
+}
+
+fn reset(facets: &mut Vec<FacetSums>, integrand: &Integrand) {
+    facets.clear();
+    facets.resize(integrand.facets.len(), FacetSums::default());
+}
+
 /// ∫ d∞^p dA and ∫ d∞^p y dA over one facet.
 #[derive(Clone, Copy, Debug, Default)]
-struct FacetSums {
-    weight: f64,
-    first: Vector3<f64>,
+pub(crate) struct FacetSums {
+    pub(crate) weight: f64,
+    pub(crate) first: Vector3<f64>,
 }
 
 /// The sums of a walk: per sector ∫ d∞^{p−1} dV, and per facet its own.

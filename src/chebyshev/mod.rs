@@ -16,6 +16,7 @@ pub mod plane;
 pub mod sector;
 pub mod walk;
 pub(crate) mod weighted;
+pub(crate) mod weighted_borders;
 
 mod segments;
 mod visit;

@@ -95,6 +95,11 @@ pub trait Domain: Debug + Send + Sync {
         });
     }
 
+    /// Whether some places weigh more than others.
+    fn has_density(&self) -> bool {
+        false
+    }
+
     /// The mean of the density over Ω; 1 without one.
     fn mean_density(&self) -> f64 {
         1.0

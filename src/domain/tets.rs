@@ -242,6 +242,10 @@ impl Domain for TetSolid {
         });
     }
 
+    fn has_density(&self) -> bool {
+        self.density.is_some()
+    }
+
     fn mean_density(&self) -> f64 {
         self.density.as_ref().map_or(1.0, |density| density.mean)
     }

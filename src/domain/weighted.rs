@@ -109,6 +109,10 @@ impl Domain for WeightedDomain {
         self.domain.pieces(site, cell, scratch, &mut weigh);
     }
 
+    fn has_density(&self) -> bool {
+        true
+    }
+
     /// From the same grid of places as the check of the sign: good to a percent or so.
     fn mean_density(&self) -> f64 {
         self.mean

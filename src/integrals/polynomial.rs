@@ -1,7 +1,7 @@
 //! Polynomials in x, y and z.
 
-use crate::integrals::series::{Exponents, degree};
-use nalgebra::{Point3, Vector3};
+use crate::integrals::series::{Exponents, Monomials, degree};
+use nalgebra::{Point3, Rotation3, Vector3};
 use std::collections::BTreeMap;
 use std::ops::{Add, Mul, Neg};
 
@@ -74,10 +74,30 @@ impl Polynomial {
             exponents[axis] = 1;
             Self::constant(origin[axis]) + Self::monomial(1.0, exponents)
         });
+        self.substituted(&shifted)
+    }
+
+    /// The same function of y with x = `rotation` y.
+    #[must_use]
+    pub fn turned(&self, rotation: &Rotation3<f64>) -> Self {
+        let rows: [Self; 3] =
+            [0, 1, 2].map(|axis| Self::linear(0.0, &rotation.matrix().row(axis).transpose()));
+        self.substituted(&rows)
+    }
+
+    /// The coefficients in the order of a table; terms that are not in it are left out.
+    #[must_use]
+    pub fn coefficients(&self, monomials: &Monomials) -> Vec<f64> {
+        let value = |exponents| self.terms.get(exponents).copied().unwrap_or(0.0);
+        monomials.exponents().iter().map(value).collect()
+    }
+
+    /// The polynomial of these three in place of x, y and z.
+    fn substituted(&self, coordinates: &[Self; 3]) -> Self {
         self.terms()
             .map(|(exponents, value)| {
                 (0..3).fold(Self::constant(value), |product, axis| {
-                    product * shifted[axis].power(exponents[axis])
+                    product * coordinates[axis].power(exponents[axis])
                 })
             })
             .fold(Self::default(), |sum, term| sum + term)

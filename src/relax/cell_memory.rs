@@ -1,5 +1,7 @@
 //! One cell, prepared for integrals, and what a relaxation asks of it.
 
+use std::borrow::Cow;
+
 use nalgebra::{Point3, Rotation3, Vector3};
 
 use crate::chebyshev::center::{Search, center};
@@ -65,7 +67,11 @@ impl CellMemory {
             }
             pieces[*used].sign = sign;
             pieces[*used].integrand.assign(part);
-            pieces[*used].integrand.set_density(density);
+            let turned = density.map(|density| match frame {
+                Some(frame) => Cow::Owned(density.turned(frame)),
+                None => Cow::Borrowed(density),
+            });
+            pieces[*used].integrand.set_density(turned.as_deref());
             *volume += sign * pieces[*used].integrand.volume();
             if let Some(density) = density {
                 weighted.add_signed(sign, &mass_moments(part, density));

@@ -35,7 +35,7 @@ pub struct DescentOptions {
     /// How many steps the model of the curvature remembers.
     pub memory: usize,
     /// Converged once no component of the projected gradient is larger than this share of
-    /// s^(2+p), s the side of the mean cell.
+    /// s^(2+p), s the side of the mean cell, times the mean density.
     pub gradient_tolerance: f64,
 }
 
@@ -103,13 +103,14 @@ pub(crate) fn step(
 ) -> Result<Step, LbfgsbError> {
     let count = state.point().len() / 3;
     let side = optimal_side::<3>(space.volume(), count);
+    let density = space.domain().mean_density();
     let solver = LbfgsbOptions {
         memory: options.memory,
-        scale: side.powi(2 + options.order as i32),
+        scale: density * side.powi(2 + options.order as i32),
         gradient_tolerance: options.gradient_tolerance,
         value_tolerance: 0.0,
         group: 3,
-        first_step: first_step(state.gradient(), options.order, side),
+        first_step: first_step(state.gradient(), options.order, side, density),
         largest_step: LARGEST_STEP * side,
         max_evaluations: u64::MAX,
     };
@@ -151,8 +152,8 @@ pub(crate) fn step(
 /// How far the first trial moves the farthest site (L): as Newton's method would in a model of
 /// [`FIRST_CURVATURE`] times 8p (s/2)^(1+p), the second derivative of a cube's energy ∫ d∞^p about
 /// its center in every direction.
-fn first_step(gradient: &[f64], order: u32, side: f64) -> f64 {
-    let cube = 8.0 * f64::from(order) * (0.5 * side).powi(1 + order as i32);
+fn first_step(gradient: &[f64], order: u32, side: f64, density: f64) -> f64 {
+    let cube = density * 8.0 * f64::from(order) * (0.5 * side).powi(1 + order as i32);
     let squares = gradient
         .chunks_exact(3)
         .map(|g| Vector3::from_column_slice(g).norm_squared());

@@ -24,10 +24,11 @@ const LEAST_NOISE: f64 = 0.25;
 /// last descent does the rest. Far more than the gain that a round must bring.
 const PERFECT: f64 = 1e-7;
 
-/// Whether sites of this energy and number have cubes for cells, but for a last descent.
+/// Whether sites of this energy and number have cubes for cells, but for a last descent. Where some
+/// places weigh more than others nobody knows the least energy.
 pub(crate) fn is_perfect(space: &Space, energy: f64, count: usize, order: u32) -> bool {
     let least = count as f64 * optimal_energy::<3>(space.volume(), count, order);
-    energy <= least * (1.0 + PERFECT)
+    !space.domain().has_density() && energy <= least * (1.0 + PERFECT)
 }
 
 /// Disturbs `sites`, given whether the last round was the best, and returns how many evaluations
@@ -96,7 +97,8 @@ fn shake_imperfect(
     deviation: f64,
     random: &mut Random,
 ) {
-    let limit = IMPERFECT * optimal_energy::<3>(space.volume(), sites.len(), 1);
+    let cube = optimal_energy::<3>(space.volume(), sites.len(), 1);
+    let limit = IMPERFECT * space.domain().mean_density() * cube;
     let is_imperfect = |site: usize| rooms[site].energy >= limit;
     shake(space, sites, deviation, random, is_imperfect);
 }

@@ -25,7 +25,7 @@ use crate::voronoi::diagram::{Diagram, DiagramError};
 pub struct Global {
     /// F: the sum of the cells' energies of the asked order (L^(3+p)).
     pub energy: f64,
-    /// The sum of the cells' p = 1 Chebyshev energies (L⁴).
+    /// The sum of the cells' p = 1 Chebyshev energies, per unit of the domain's mean density (L⁴).
     pub chebyshev: f64,
     /// The largest energy of a cell (L^(3+p)).
     pub energy_max: f64,
@@ -103,7 +103,7 @@ impl Space {
         }
         Part {
             energy: inside.value,
-            chebyshev,
+            chebyshev: chebyshev / self.domain().mean_density(),
             gradient: memory.cell.in_space(inside.gradient + own),
             pushes,
         }

@@ -68,7 +68,7 @@ pub struct QuasiNewton {
     /// Stop when `movement_percent` falls below this; 0 never stops early.
     pub tolerance: f64,
     /// Stop when no component of the projected gradient is larger than this share of s^(2+p), s the
-    /// side of the mean cell.
+    /// side of the mean cell, times the mean density.
     pub gradient_tolerance: f64,
     /// How many steps the model of the curvature remembers.
     pub memory: usize,

@@ -2,7 +2,6 @@
 
 use crate::scene::description::Scene;
 use crate::scene::error::Error;
-use crate::scene::method::MethodName;
 
 /// The largest order p: beyond it d∞^p underflows for cells of a thousandth of the domain.
 const LARGEST_ORDER: u32 = 64;
@@ -24,16 +23,8 @@ pub fn scene(scene: &Scene) -> Result<(), Error> {
         let message = "only domains in space have one; leave it out or set \"dimension\": 3";
         return Err(Error::value("density", message));
     }
-    if scene.density.is_some() && scene.method.name() != MethodName::Lloyd {
-        let message = "only Lloyd's iteration knows of it; choose \"method\": {\"lloyd\": {}}";
-        return Err(Error::value("density", message));
-    }
     scene.domain.validate(scene.dimension)?;
     scene.sites.validate(scene.dimension)?;
-    if scene.frames.is_some() && scene.density.is_some() {
-        let message = "frames and a density cannot go together yet; leave out one".to_owned();
-        return Err(Error::value("frames", message));
-    }
     if let Some(turn) = &scene.frames {
         turn.validate(scene.dimension)?;
     }
