@@ -95,11 +95,11 @@ fn plain(
     order: u32,
     walked: &mut WalkScratch,
     facets: &mut Vec<FacetSums>,
-) -> (f64, [f64; 6]) {
+) -> (f64, [f64; Sector::SLOTS]) {
     reset(facets, integrand);
     let mut sums = Sums {
         order,
-        volumes: [0.0; 6],
+        volumes: [0.0; Sector::SLOTS],
         facets,
     };
     walk(integrand, &Vector3::zeros(), walked, &mut sums);
@@ -117,7 +117,7 @@ fn weighted(
     order: u32,
     walked: &mut WalkScratch,
     scratch: &mut BorderScratch,
-) -> (f64, [f64; 6]) {
+) -> (f64, [f64; Sector::SLOTS]) {
     reset(&mut scratch.facets, integrand);
     let degree = density.degree();
     let kept = scratch.places.take();
@@ -145,7 +145,7 @@ pub(crate) struct FacetSums {
 /// The sums of a walk: per sector ∫ d∞^{p−1} dV, and per facet its own.
 struct Sums<'a> {
     order: u32,
-    volumes: [f64; 6],
+    volumes: [f64; Sector::SLOTS],
     facets: &'a mut Vec<FacetSums>,
 }
 

@@ -77,8 +77,8 @@ pub fn energy<'a>(
 #[derive(Default)]
 struct Linear {
     value: f64,
-    volumes: [f64; 6],
-    areas: [f64; Interface::COUNT],
+    volumes: [f64; Sector::SLOTS],
+    areas: [f64; Interface::SLOTS],
 }
 
 impl Visit for Linear {
@@ -122,9 +122,9 @@ impl Linear {
 struct Power {
     order: u32,
     value: f64,
-    first: [f64; 6],
-    second: [f64; 6],
-    interfaces: [f64; Interface::COUNT],
+    first: [f64; Sector::SLOTS],
+    second: [f64; Sector::SLOTS],
+    interfaces: [f64; Interface::SLOTS],
 }
 
 /// ∫ of the m-th power of the distance over a tetrahedron at the center, per six times its volume:
@@ -139,9 +139,9 @@ impl Power {
         Self {
             order,
             value: 0.0,
-            first: [0.0; 6],
-            second: [0.0; 6],
-            interfaces: [0.0; Interface::COUNT],
+            first: [0.0; Sector::SLOTS],
+            second: [0.0; Sector::SLOTS],
+            interfaces: [0.0; Interface::SLOTS],
         }
     }
 
@@ -164,9 +164,9 @@ impl Power {
 pub(crate) fn sums_evaluation(
     order: u32,
     value: f64,
-    first: &[f64; 6],
-    second: &[f64; 6],
-    interfaces: &[f64; Interface::COUNT],
+    first: &[f64; Sector::SLOTS],
+    second: &[f64; Sector::SLOTS],
+    interfaces: &[f64; Interface::SLOTS],
 ) -> Evaluation<3> {
     let p = f64::from(order);
     let gradient = Vector3::from([0, 1, 2].map(|k| first[2 * k + 1] - first[2 * k])) * p;
@@ -208,7 +208,7 @@ impl Visit for Power {
 }
 
 /// Σ (A/√2) w wᵀ over the interfaces, from 4/√2 times their areas.
-fn interface_hessian(areas: &[f64; Interface::COUNT]) -> Matrix3<f64> {
+fn interface_hessian(areas: &[f64; Interface::SLOTS]) -> Matrix3<f64> {
     let mut hessian = Matrix3::zeros();
     for (number, (i, j)) in [(0, 1), (0, 2), (1, 2)].into_iter().enumerate() {
         // On + + and − − the directions of w differ, on + − and − + they agree.

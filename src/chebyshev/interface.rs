@@ -29,7 +29,7 @@ pub(crate) struct Mark {
 }
 
 /// An interface, and what a point of it is to a segment with the interface's first sector on its
-/// left: 0 … 11 the segment's start, 12 … 23 its end.
+/// left: the interface's number for the segment's start, [`Interface::SLOTS`] more for its end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Endpoint(u8);
 
@@ -37,12 +37,16 @@ pub(crate) struct Endpoint(u8);
 const PAIRS: [(usize, usize); 3] = [(0, 1), (0, 2), (1, 2)];
 
 /// Per interface: +1 where its two axes' directions and the third axis are right-handed, else −1.
-const TURNS: [f64; Interface::COUNT] = [
-    1.0, -1.0, -1.0, 1.0, -1.0, 1.0, 1.0, -1.0, 1.0, -1.0, -1.0, 1.0,
+const TURNS: [f64; Interface::SLOTS] = [
+    1.0, -1.0, -1.0, 1.0, -1.0, 1.0, 1.0, -1.0, 1.0, -1.0, -1.0, 1.0, 0.0, 0.0, 0.0, 0.0,
 ];
 
 impl Interface {
+    /// How many there are.
     pub(crate) const COUNT: usize = 12;
+
+    /// The length of tables by number, which need no check of bounds then.
+    pub(crate) const SLOTS: usize = 16;
 
     /// The two sectors: the one of the smaller axis first. That one is *left* of the interface's
     /// segments, seen from outside the facet on which they lie.
@@ -87,7 +91,7 @@ impl Interface {
     /// Its place among all.
     #[inline]
     pub(crate) fn number(self) -> usize {
-        self.0 as usize
+        usize::from(self.0) % Self::SLOTS
     }
 
     /// The first interface of a set that has one.
@@ -97,10 +101,10 @@ impl Interface {
     }
 }
 
-static SECTORS: [(Sector, Sector); Interface::COUNT] = sectors_table();
+static SECTORS: [(Sector, Sector); Interface::SLOTS] = sectors_table();
 
-const fn sectors_table() -> [(Sector, Sector); Interface::COUNT] {
-    let mut table = [(Sector::ALL[0], Sector::ALL[0]); Interface::COUNT];
+const fn sectors_table() -> [(Sector, Sector); Interface::SLOTS] {
+    let mut table = [(Sector::ALL[0], Sector::ALL[0]); Interface::SLOTS];
     let mut interface = 0;
     while interface < Interface::COUNT {
         let (i, j) = PAIRS[interface >> 2];
@@ -113,7 +117,8 @@ const fn sectors_table() -> [(Sector, Sector); Interface::COUNT] {
 }
 
 impl Endpoint {
-    pub(crate) const COUNT: usize = 2 * Interface::COUNT;
+    /// The length of tables by number, which need no check of bounds then.
+    pub(crate) const SLOTS: usize = 2 * Interface::SLOTS;
 
     /// Where a walk around a facet passes from one sector to one of another axis. From the facet
     /// on the other side of the edge it is the way back.
@@ -125,19 +130,19 @@ impl Endpoint {
     /// The one at the start or the end of an interface's segment.
     #[inline]
     pub(crate) fn of(interface: Interface, ends: bool) -> Self {
-        Self(interface.0 + if ends { Interface::COUNT as u8 } else { 0 })
+        Self(interface.0 + if ends { Interface::SLOTS as u8 } else { 0 })
     }
 
     /// Its place among all.
     #[inline]
     pub(crate) fn number(self) -> usize {
-        self.0 as usize
+        usize::from(self.0) % Self::SLOTS
     }
 
     /// Its bit in a set of endpoints.
     #[inline]
     pub(crate) fn bit(self) -> u32 {
-        1 << self.0
+        1 << self.number()
     }
 
     /// The first endpoint of a set that has one.
@@ -149,60 +154,58 @@ impl Endpoint {
     /// The other end of a segment.
     #[inline]
     pub(crate) fn opposite(self) -> Self {
-        Self::of(self.interface(), self.is_start())
+        Self(self.0 ^ Interface::SLOTS as u8)
     }
 
+    /// The interface.
     #[inline]
     pub(crate) fn interface(self) -> Interface {
-        if self.is_start() {
-            Interface(self.0)
-        } else {
-            Interface(self.0 - Interface::COUNT as u8)
-        }
+        Interface(self.0 % Interface::SLOTS as u8)
     }
 
+    /// Whether it is a start.
     #[inline]
     pub(crate) fn is_start(self) -> bool {
-        self.number() < Interface::COUNT
+        self.number() < Interface::SLOTS
     }
 
-    /// The three endpoints at the diagonal, for a facet seen from outside with the center inside,
-    /// each with the sign of the diagonal along the interface's third axis.
+    /// The three endpoints at the diagonal, for a facet seen from outside with the center inside or
+    /// beyond it, each with the sign of the diagonal along the interface's third axis.
     #[inline]
-    pub(crate) fn at_diagonal(diagonal: u8) -> [(Self, f64); 3] {
-        AT_DIAGONAL[usize::from(diagonal & 7)]
+    pub(crate) fn at_diagonal(diagonal: u8, seen_from_inside: bool) -> &'static [(Self, f64); 3] {
+        &AT_DIAGONAL[usize::from(seen_from_inside)][usize::from(diagonal & 7)]
     }
 }
 
 /// [`Endpoint::passing`]; meaningless between sectors of one axis.
-static PASSING: [[Endpoint; 6]; 6] = passing_table();
+static PASSING: [[Endpoint; Sector::SLOTS]; Sector::SLOTS] = passing_table();
 
-const fn passing_table() -> [[Endpoint; 6]; 6] {
-    let mut table = [[Endpoint(0); 6]; 6];
+const fn passing_table() -> [[Endpoint; Sector::SLOTS]; Sector::SLOTS] {
+    let mut table = [[Endpoint(0); Sector::SLOTS]; Sector::SLOTS];
     let mut interface = 0;
     while interface < Interface::COUNT {
         let (i, j) = PAIRS[interface >> 2];
         let (low, high) = (2 * i + (interface >> 1 & 1), 2 * j + (interface & 1));
         table[low][high] = Endpoint(interface as u8);
-        table[high][low] = Endpoint((interface + Interface::COUNT) as u8);
+        table[high][low] = Endpoint((interface + Interface::SLOTS) as u8);
         interface += 1;
     }
     table
 }
 
-static AT_DIAGONAL: [[(Endpoint, f64); 3]; 8] = diagonal_table();
+static AT_DIAGONAL: [[[(Endpoint, f64); 3]; 8]; 2] = [diagonal_table(false), diagonal_table(true)];
 
-const fn diagonal_table() -> [[(Endpoint, f64); 3]; 8] {
+const fn diagonal_table(seen_from_inside: bool) -> [[(Endpoint, f64); 3]; 8] {
     let mut table = [[(Endpoint(0), 0.0); 3]; 8];
     let mut entry = 0;
     while entry < 24 {
         let (diagonal, pair) = (entry / 3, entry % 3);
         let (i, j) = PAIRS[pair];
-        let interface = 4 * pair | (diagonal >> i & 1) << 1 | (diagonal >> j & 1);
+        let interface = 4 * pair + 2 * (diagonal >> i & 1) + (diagonal >> j & 1);
         // Around (1, 1, 1) the sectors run x, y, z counter-clockwise; a mirror turns that round.
         let is_mirrored = diagonal.count_ones() & 1 == 1;
-        let ends = (pair == 1) == is_mirrored;
-        let number = interface + if ends { Interface::COUNT } else { 0 };
+        let ends = ((pair == 1) == is_mirrored) == seen_from_inside;
+        let number = interface + if ends { Interface::SLOTS } else { 0 };
         let is_negative = diagonal >> (2 - pair) & 1 == 1;
         table[diagonal][pair] = (Endpoint(number as u8), if is_negative { -1.0 } else { 1.0 });
         entry += 1;
@@ -212,9 +215,20 @@ const fn diagonal_table() -> [[(Endpoint, f64); 3]; 8] {
 
 /// The ray of a diagonal: bit k of its number is set where coordinate k is negative.
 #[inline]
-pub(crate) fn diagonal_ray(diagonal: u8) -> Vector3<f64> {
-    Vector3::from([0, 1, 2].map(|axis| 1.0 - 2.0 * f64::from(diagonal >> axis & 1)))
+pub(crate) fn diagonal_ray(diagonal: u8) -> &'static Vector3<f64> {
+    &RAYS[usize::from(diagonal & 7)]
 }
+
+static RAYS: [Vector3<f64>; 8] = [
+    Vector3::new(1.0, 1.0, 1.0),
+    Vector3::new(-1.0, 1.0, 1.0),
+    Vector3::new(1.0, -1.0, 1.0),
+    Vector3::new(-1.0, -1.0, 1.0),
+    Vector3::new(1.0, 1.0, -1.0),
+    Vector3::new(-1.0, 1.0, -1.0),
+    Vector3::new(1.0, -1.0, -1.0),
+    Vector3::new(-1.0, -1.0, -1.0),
+];
 
 /// The diagonals, as a set of bits, inside a closed walk that crosses the interfaces of the set
 /// `crossed` an odd number of times. Where a set of four and its complement both fit, the one
@@ -269,9 +283,10 @@ mod tests {
     #[test]
     fn a_walk_around_one_diagonal_pierces_it() {
         for diagonal in 0..8 {
-            let endpoints = Endpoint::at_diagonal(diagonal);
-            let bit = |(endpoint, _): (Endpoint, f64)| 1 << endpoint.interface().number();
-            let crossed = endpoints.map(bit).iter().fold(0, |set, bit| set ^ bit);
+            let endpoints = Endpoint::at_diagonal(diagonal, true);
+            let crossed = endpoints.iter().fold(0, |set, (endpoint, _)| {
+                set ^ 1 << endpoint.interface().number()
+            });
             assert_eq!(pierced(crossed), 1 << diagonal);
         }
     }
@@ -279,7 +294,7 @@ mod tests {
     #[test]
     fn marks_and_points_are_two_ways_to_tell_the_same() {
         for diagonal in 0..8 {
-            for (endpoint, sign) in Endpoint::at_diagonal(diagonal) {
+            for (endpoint, sign) in Endpoint::at_diagonal(diagonal, false) {
                 let mark = Mark {
                     distance: 2.0,
                     third: 2.0 * sign,
@@ -295,7 +310,7 @@ mod tests {
     #[test]
     fn determinants_measure_the_cross_product() {
         for diagonal in 0..8 {
-            for (endpoint, _) in Endpoint::at_diagonal(diagonal) {
+            for (endpoint, _) in Endpoint::at_diagonal(diagonal, false) {
                 let interface = endpoint.interface();
                 let [u, v] =
                     [(1.0, 0.25), (3.0, -2.0)].map(|(distance, third)| Mark { distance, third });

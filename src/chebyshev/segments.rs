@@ -9,7 +9,7 @@ use crate::chebyshev::interface::{Endpoint, Interface, Mark, diagonal_ray, pierc
 use crate::chebyshev::visit::{FacetView, Visit};
 
 /// The endpoints that are starts.
-const STARTS: u32 = (1 << Interface::COUNT) - 1;
+const STARTS: u32 = (1 << Interface::SLOTS) - 1;
 
 /// Where segments begin and end on a facet: at most one point per endpoint.
 #[derive(Clone, Debug, Default)]
@@ -19,7 +19,7 @@ pub(crate) struct Endpoints {
     /// Whether there are spare ones elsewhere.
     has_spare: bool,
     /// Meaningless where nothing was seen.
-    marks: [Mark; Endpoint::COUNT],
+    marks: [Mark; Endpoint::SLOTS],
 }
 
 /// A second start or end on an interface of a facet. A convex facet has none but by rounding.
@@ -76,7 +76,7 @@ pub(crate) fn report_segments(
     spare: &mut Vec<Spare>,
     visitor: &mut impl Visit,
 ) {
-    let mut crossed = (endpoints.seen ^ endpoints.seen >> Interface::COUNT) & STARTS;
+    let mut crossed = (endpoints.seen ^ endpoints.seen >> Interface::SLOTS) & STARTS;
     if endpoints.has_spare {
         let own = spare.iter().filter(|one| one.facet == view.number);
         crossed = own.fold(crossed, |set, one| {
@@ -86,7 +86,7 @@ pub(crate) fn report_segments(
     if crossed != 0 {
         add_diagonals(crossed, view, endpoints, spare);
     }
-    let mut both = endpoints.seen & endpoints.seen >> Interface::COUNT;
+    let mut both = endpoints.seen & endpoints.seen >> Interface::SLOTS;
     while both != 0 {
         let interface = Interface::lowest(both);
         let [u, v] = [false, true].map(|ends| Endpoint::of(interface, ends).number());
@@ -128,20 +128,24 @@ fn add_diagonals(
     endpoints: &mut Endpoints,
     spare: &mut Vec<Spare>,
 ) {
-    let mut inside = pierced(crossed);
-    let seen_from_inside = view.height >= 0.0;
-    if inside.count_ones() == 4 {
-        // The facet spans a whole sector: this one or the opposite.
-        let balance = |set: u8| -> f64 { members(set).map(|d| steepness(view, d)).sum() };
-        if balance(!inside) > balance(inside) {
-            inside = !inside;
-        }
-    }
-    for diagonal in members(inside) {
-        let slope = steepness(view, diagonal);
-        let reach = view.height.abs() / slope;
-        let is_sound = slope > 0.0 && reach.is_finite();
-        for (endpoint, sign) in Endpoint::at_diagonal(diagonal) {
+    let inside = pierced(crossed);
+    let mut left = if inside.count_ones() == 4 {
+        likelier(inside, view)
+    } else {
+        inside
+    };
+    while left != 0 {
+        let diagonal = left.trailing_zeros() as u8;
+        left &= left - 1;
+        // Both change sign where the center lies beyond the facet.
+        let reach = view.height / view.normal().dot(diagonal_ray(diagonal));
+        let is_sound = (0.0..f64::INFINITY).contains(&reach);
+        let point = if is_sound {
+            None
+        } else {
+            endpoints.any_point()
+        };
+        for &(endpoint, sign) in Endpoint::at_diagonal(diagonal, view.height >= 0.0) {
             let mark = if is_sound {
                 Mark {
                     distance: reach,
@@ -149,13 +153,8 @@ fn add_diagonals(
                 }
             } else {
                 // Rounding alone says that this diagonal pierces: its triangle has no area.
-                let point = endpoints.any_point().unwrap_or(view.anchor.point());
+                let point = point.unwrap_or_else(|| view.anchor.point());
                 endpoint.interface().mark(&point)
-            };
-            let endpoint = if seen_from_inside {
-                endpoint
-            } else {
-                endpoint.opposite()
             };
             if !endpoints.add(endpoint, mark) {
                 let facet = view.number;
@@ -169,17 +168,14 @@ fn add_diagonals(
     }
 }
 
-/// How fast the diagonal comes nearer to the facet's plane from the center.
-#[inline]
-fn steepness(view: &FacetView<'_>, diagonal: u8) -> f64 {
-    let dot = view.constants.normal.dot(&diagonal_ray(diagonal));
-    if view.height >= 0.0 { dot } else { -dot }
-}
-
-fn members(mut set: u8) -> impl Iterator<Item = u8> {
-    std::iter::from_fn(move || {
-        let member = set.trailing_zeros() as u8;
-        set &= set.wrapping_sub(1);
-        (member < 8).then_some(member)
-    })
+/// The facet spans a whole sector: the one in the middle of the four diagonals, or the opposite.
+#[cold]
+fn likelier(inside: u8, view: &FacetView<'_>) -> u8 {
+    let balance = |set: u8| -> f64 {
+        let members = (0..8).filter(|diagonal| set >> diagonal & 1 == 1);
+        let slopes = members.map(|diagonal| view.normal().dot(diagonal_ray(diagonal)));
+        slopes.sum()
+    };
+    let is_opposite = (balance(!inside) > balance(inside)) == (view.height >= 0.0);
+    if is_opposite { !inside } else { inside }
 }

@@ -2,21 +2,21 @@
 
 use nalgebra::Vector3;
 
-use crate::chebyshev::integrand::FacetConstants;
+use crate::chebyshev::integrand::Integrand;
 use crate::chebyshev::interface::{Interface, Mark};
 use crate::chebyshev::sector::Sector;
 
 /// A point as seen from the center of the walk: its displacement from there, as the distance
-/// functions of the six sectors see it: x, −x, y, −y, z, −z.
+/// functions of the six sectors see it: x, −x, y, −y, z, −z, and two slots of no meaning.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Sight(pub(crate) [f64; 6]);
+pub(crate) struct Sight([f64; Sector::SLOTS]);
 
 impl Sight {
     /// The point `displacement` away from the center.
     #[inline]
     pub(crate) fn new(displacement: &Vector3<f64>) -> Self {
         let [x, y, z] = [displacement.x, displacement.y, displacement.z];
-        Self([x, -x, y, -y, z, -z])
+        Self([x, -x, y, -y, z, -z, 0.0, 0.0])
     }
 
     /// The displacement from the center.
@@ -34,7 +34,7 @@ impl Sight {
     /// The coordinate along an axis.
     #[inline]
     pub(crate) fn along(&self, axis: usize) -> f64 {
-        self.0[2 * axis]
+        self.0[2 * axis % Sector::SLOTS]
     }
 
     /// The point as the end of a share in `sector`.
@@ -61,8 +61,8 @@ pub(crate) struct Corner {
 pub(crate) struct FacetView<'a> {
     /// The facet's number in its piece.
     pub(crate) number: usize,
-    /// What does not depend on the center.
-    pub(crate) constants: &'a FacetConstants,
+    /// Its piece.
+    pub(crate) piece: &'a Integrand,
     /// The point from which the facet is fanned.
     pub(crate) anchor: &'a Sight,
     /// The center's signed height below the facet's plane.
@@ -70,12 +70,18 @@ pub(crate) struct FacetView<'a> {
 }
 
 impl FacetView<'_> {
+    /// The unit normal.
+    #[inline]
+    pub(crate) fn normal(&self) -> &Vector3<f64> {
+        &self.piece.facets[self.number].normal
+    }
+
     /// Twice the signed area of the triangle (anchor, u, v).
     #[inline]
     pub(crate) fn doubled_area(&self, u: &Vector3<f64>, v: &Vector3<f64>) -> f64 {
         let anchor = self.anchor.point();
         let fan = (u - anchor).cross(&(v - anchor));
-        self.constants.normal.dot(&fan)
+        self.normal().dot(&fan)
     }
 }
 

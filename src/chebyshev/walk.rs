@@ -24,12 +24,19 @@ use crate::chebyshev::weighted::Places;
 /// The memory of a walk, to be reused from one center to the next.
 #[derive(Clone, Debug, Default)]
 pub struct WalkScratch {
-    vertices: Vec<(Sight, Sector)>,
+    vertices: Vec<VertexSight>,
     facets: Vec<FacetSight>,
     endpoints: Vec<Endpoints>,
     spare: Vec<Spare>,
     /// For pieces with a density.
     pub(crate) places: Option<Places>,
+}
+
+/// A vertex as seen from the center.
+#[derive(Clone, Copy, Debug)]
+struct VertexSight {
+    sight: Sight,
+    sector: Sector,
 }
 
 /// A facet as seen from the center.
@@ -49,20 +56,22 @@ pub(crate) fn walk(
 ) {
     prepare(piece, center, scratch);
     for edge in &piece.edges {
-        let (a, from) = &scratch.vertices[edge.from as usize];
-        let (b, to) = &scratch.vertices[edge.to as usize];
+        let a = &scratch.vertices[edge.from as usize];
+        let b = &scratch.vertices[edge.to as usize];
+        let (from, to) = (a.sector, b.sector);
         if from == to {
             // The distance is convex along the edge, so no other sector comes between.
             let sides = sides(piece, edge, &scratch.facets);
-            visitor.share(&sides, *from, 1.0, [&a.corner(*from), &b.corner(*from)]);
-        } else if let Some((end, mark)) = only_crossing((a, *from), (b, *to)) {
+            let ends = [&a.sight.corner(from), &b.sight.corner(from)];
+            visitor.share(&sides, from, 1.0, ends);
+        } else if let Some((end, mark)) = only_crossing(a, b) {
             let sides = sides(piece, edge, &scratch.facets);
-            let between = corner(Endpoint::passing(*from, *to), &mark);
-            visitor.share(&sides, *from, end, [&a.corner(*from), &between]);
-            visitor.share(&sides, *to, 1.0 - end, [&between, &b.corner(*to)]);
+            let between = corner(Endpoint::passing(from, to), &mark);
+            visitor.share(&sides, from, end, [&a.sight.corner(from), &between]);
+            visitor.share(&sides, to, 1.0 - end, [&between, &b.sight.corner(to)]);
             note(
                 edge,
-                (*from, *to),
+                (from, to),
                 mark,
                 &mut scratch.endpoints,
                 &mut scratch.spare,
@@ -84,7 +93,10 @@ fn prepare(piece: &Integrand, center: &Vector3<f64>, scratch: &mut WalkScratch) 
     scratch.vertices.clear();
     scratch.vertices.extend(piece.vertices.iter().map(|vertex| {
         let displacement = vertex - center;
-        (Sight::new(&displacement), Sector::of(&displacement))
+        VertexSight {
+            sight: Sight::new(&displacement),
+            sector: Sector::of(&displacement),
+        }
     }));
     let count = piece.facets.len();
     if scratch.endpoints.len() < count {
@@ -108,7 +120,7 @@ fn view<'a>(piece: &'a Integrand, number: usize, facets: &'a [FacetSight]) -> Fa
     let FacetSight { height, anchor } = &facets[number];
     FacetView {
         number,
-        constants: &piece.facets[number],
+        piece,
         anchor,
         height: *height,
     }
@@ -141,7 +153,9 @@ fn corner(endpoint: Endpoint, mark: &Mark) -> Corner {
 /// That is so where both distances agree and are the largest: the Chebyshev distance is convex, so
 /// a sector that has it at two points has it everywhere between them.
 #[inline]
-fn only_crossing((a, from): (&Sight, Sector), (b, to): (&Sight, Sector)) -> Option<(f64, Mark)> {
+fn only_crossing(a: &VertexSight, b: &VertexSight) -> Option<(f64, Mark)> {
+    let (from, to) = (a.sector, b.sector);
+    let (a, b) = (&a.sight, &b.sight);
     let fall = a.distance(from) - a.distance(to);
     let rise = b.distance(to) - b.distance(from);
     let end = fall / (fall + rise);
@@ -162,7 +176,7 @@ fn mark_on([a, b]: [&Sight; 2], sector: Sector, third: usize, end: f64) -> Mark 
 }
 
 /// Enters a crossing at both facets of the edge.
-#[inline]
+#[inline(always)]
 fn note(
     edge: &EdgeConstants,
     (from, to): (Sector, Sector),
@@ -193,8 +207,9 @@ fn split_edge(
     scratch: &mut WalkScratch,
     visitor: &mut impl Visit,
 ) {
-    let (a, mut sector) = scratch.vertices[edge.from as usize];
-    let (b, goal) = scratch.vertices[edge.to as usize];
+    let [a, b] = [edge.from, edge.to].map(|vertex| scratch.vertices[vertex as usize]);
+    let (mut sector, goal) = (a.sector, b.sector);
+    let (a, b) = (a.sight, b.sight);
     let sides = sides(piece, edge, &scratch.facets);
     let (mut start, mut last) = (0.0, a.corner(sector));
     while sector != goal {
@@ -228,9 +243,9 @@ fn next_sector([a, b]: [&Sight; 2], sector: Sector, goal: Sector, start: f64) ->
     for other in sector.beside() {
         let other_value = a.distance(other);
         let gain = b.distance(other) - other_value - slope;
-        let t = (value - other_value) / gain;
-        if gain > 0.0 && t < least {
-            (best, least) = (Some(other), t);
+        let lead = value - other_value;
+        if gain > 0.0 && lead < least * gain {
+            (best, least) = (Some(other), lead / gain);
         }
     }
     match best {

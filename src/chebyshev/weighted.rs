@@ -85,9 +85,9 @@ pub(crate) struct Weighted<'a> {
     density: Vec<f64>,
     table: Vec<f64>,
     value: f64,
-    first: [f64; 6],
-    second: [f64; 6],
-    interfaces: [f64; Interface::COUNT],
+    first: [f64; Sector::SLOTS],
+    second: [f64; Sector::SLOTS],
+    interfaces: [f64; Interface::SLOTS],
 }
 
 impl<'a> Weighted<'a> {
@@ -97,9 +97,9 @@ impl<'a> Weighted<'a> {
             places,
             table: Vec::new(),
             value: 0.0,
-            first: [0.0; 6],
-            second: [0.0; 6],
-            interfaces: [0.0; Interface::COUNT],
+            first: [0.0; Sector::SLOTS],
+            second: [0.0; Sector::SLOTS],
+            interfaces: [0.0; Interface::SLOTS],
         }
     }
 

@@ -83,7 +83,7 @@ pub(crate) struct WeightedSums<'a> {
     density: Vec<f64>,
     table: Vec<f64>,
     pub(crate) value: f64,
-    pub(crate) slopes: [f64; 6],
+    pub(crate) slopes: [f64; Sector::SLOTS],
     facets: &'a mut [FacetSums],
 }
 
@@ -98,7 +98,7 @@ impl<'a> WeightedSums<'a> {
             places,
             table: Vec::new(),
             value: 0.0,
-            slopes: [0.0; 6],
+            slopes: [0.0; Sector::SLOTS],
             facets,
         }
     }
