@@ -1,6 +1,6 @@
 //! What a cell is worth: energy, gradient and Hessian against independent evaluations.
 
-use chebloyd::chebyshev::energy::{SignedPiece, energy};
+use chebloyd::chebyshev::energy::{SignedPiece, energy, energy_jet};
 use chebloyd::chebyshev::fragments::{fragments, tetrahedra};
 use chebloyd::chebyshev::integrand::Integrand;
 use chebloyd::chebyshev::walk::WalkScratch;
@@ -189,6 +189,28 @@ fn the_energy_is_never_below_that_of_the_cube_of_equal_volume() {
         let Moments { volume, .. } = Moments::of(&piece);
         let least = 0.375 * volume.powf(4.0 / 3.0);
         assert!(evaluate(&piece, &Vector3::zeros(), 1).value >= least);
+    }
+}
+
+#[test]
+fn third_derivatives_agree_with_central_differences() {
+    let step = 1e-5;
+    let mut random = ChaCha8Rng::seed_from_u64(5);
+    for seed in 0..60 {
+        let piece = random_piece(seed);
+        let center = (point(&mut random).coords * 2.0).add_scalar(-1.0);
+        let scratch = &mut WalkScratch::default();
+        let third = energy_jet(&whole(&piece), &center, 1, scratch).third;
+        let third = third.expect("it is known for p = 1");
+        for axis in 0..3 {
+            let [up, down] = [step, -step].map(|step| {
+                let shifted = center + Vector3::ith(axis, step);
+                evaluate(&piece, &shifted, 1).hessian
+            });
+            let slope = (up - down) / (2.0 * step);
+            let what = format!("seed {seed}, axis {axis}");
+            assert_close((third[axis] - slope).amax(), 0.0, 1e-6, &what);
+        }
     }
 }
 

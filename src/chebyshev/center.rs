@@ -1,20 +1,20 @@
 //! The center of a cell: the minimizer of its Chebyshev energy within bounds.
 //!
 //! E is convex in the center (for pieces that sum to a set), so Newton's method with the exact
-//! Hessian finds it in two to five evaluations. L-BFGS-B, which knows gradients only, is the choice
+//! Hessian finds it in two to five evaluations, one less where the third derivative is known. L-BFGS-B, which knows gradients only, is the choice
 //! of \[BL\] section 3.5. The search is the same in the plane and in space.
 
 use std::ops::ControlFlow;
 
 use nalgebra::{SVector, Vector3};
 
-use crate::chebyshev::energy::{SignedPiece, energy};
+use crate::chebyshev::energy::{SignedPiece, energy_jet};
 use crate::chebyshev::walk::WalkScratch;
 use crate::geometry::bounds::Bounds;
 use crate::minimize::lbfgsb::lbfgsb;
 use crate::minimize::lbfgsb_options::LbfgsbOptions;
 use crate::minimize::newton::{NewtonOptions, newton};
-use crate::minimize::problem::Evaluation;
+use crate::minimize::problem::Jet;
 
 /// The projected gradient at which L-BFGS-B stops, relative to that of a step of the cell's size.
 /// The gradient falls about linearly, so centers agree with Newton's to 1e-10 of that size.
@@ -73,12 +73,15 @@ impl<const D: usize> Search<D> {
     /// Newton ends with a projected gradient of at most 1e-12 of that of a step of the cell's
     /// size, L-BFGS-B of 1e-11.
     #[must_use]
-    pub fn center(&self, mut evaluate: impl FnMut(&SVector<f64, D>) -> Evaluation<D>) -> Center<D> {
+    pub fn center<J: Into<Jet<D>>>(
+        &self,
+        mut evaluate: impl FnMut(&SVector<f64, D>) -> J,
+    ) -> Center<D> {
         let mut first = None;
         let mut noted = |center: &SVector<f64, D>| {
-            let evaluation = evaluate(center);
-            first.get_or_insert((evaluation.value, evaluation.gradient));
-            evaluation
+            let jet: Jet<D> = evaluate(center).into();
+            first.get_or_insert((jet.evaluation.value, jet.evaluation.gradient));
+            jet
         };
         let (point, energy, evaluations) = match self.minimizer {
             Minimizer::Newton => self.by_newton(&mut noted),
@@ -103,7 +106,7 @@ impl<const D: usize> Search<D> {
 
     fn by_newton(
         &self,
-        evaluate: &mut dyn FnMut(&SVector<f64, D>) -> Evaluation<D>,
+        evaluate: &mut dyn FnMut(&SVector<f64, D>) -> Jet<D>,
     ) -> (SVector<f64, D>, f64, u32) {
         let (length, scale) = self.scales();
         let found = newton(
@@ -119,11 +122,11 @@ impl<const D: usize> Search<D> {
     /// In units of the cell, since L-BFGS-B first steps by the bare gradient.
     fn by_lbfgsb(
         &self,
-        evaluate: &mut dyn FnMut(&SVector<f64, D>) -> Evaluation<D>,
+        evaluate: &mut dyn FnMut(&SVector<f64, D>) -> Jet<D>,
     ) -> (SVector<f64, D>, f64, u32) {
         let (length, scale) = self.scales();
         let mut objective = |x: &[f64], gradient: &mut [f64]| {
-            let evaluation = evaluate(&(SVector::from_column_slice(x) * length));
+            let evaluation = evaluate(&(SVector::from_column_slice(x) * length)).evaluation;
             gradient.copy_from_slice((evaluation.gradient / scale).as_slice());
             evaluation.value / (scale * length)
         };
@@ -149,7 +152,11 @@ impl<const D: usize> Search<D> {
                 (point, end.state.value() * scale * length, evaluations)
             }
             // A box without room holds nothing but the site.
-            Err(_) => (SVector::zeros(), evaluate(&SVector::zeros()).value, 1),
+            Err(_) => (
+                SVector::zeros(),
+                evaluate(&SVector::zeros()).evaluation.value,
+                1,
+            ),
         }
     }
 }
@@ -157,5 +164,5 @@ impl<const D: usize> Search<D> {
 /// The center of signed pieces in coordinates about their site.
 #[must_use]
 pub fn center(pieces: &[SignedPiece], search: &Search<3>, scratch: &mut WalkScratch) -> Center<3> {
-    search.center(|center: &Vector3<f64>| energy(pieces, center, search.order, scratch))
+    search.center(|center: &Vector3<f64>| energy_jet(pieces, center, search.order, scratch))
 }

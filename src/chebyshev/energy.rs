@@ -18,7 +18,7 @@ use crate::chebyshev::visit::{Corner, FacetView, Side, Visit};
 use crate::chebyshev::walk::{WalkScratch, walk};
 use crate::chebyshev::weighted::{Places, Weighted};
 use crate::integrals::simplex::complete_homogeneous;
-use crate::minimize::problem::Evaluation;
+use crate::minimize::problem::{Evaluation, Jet};
 
 /// A convex piece and the sign with which it counts.
 #[derive(Clone, Debug)]
@@ -38,47 +38,80 @@ pub fn energy<'a>(
     order: u32,
     scratch: &mut WalkScratch,
 ) -> Evaluation<3> {
-    let mut total = Evaluation {
-        value: 0.0,
-        gradient: Vector3::zeros(),
-        hessian: Matrix3::zeros(),
+    energy_jet(pieces, center, order, scratch).evaluation
+}
+
+/// As [`energy`], for p = 1 and no density with the third derivative (L).
+///
+/// It is not finite where the center lies in the plane of a facet.
+#[must_use]
+pub fn energy_jet<'a>(
+    pieces: impl IntoIterator<Item = &'a SignedPiece>,
+    center: &Vector3<f64>,
+    order: u32,
+    scratch: &mut WalkScratch,
+) -> Jet<3> {
+    let mut total = Jet {
+        evaluation: Evaluation {
+            value: 0.0,
+            gradient: Vector3::zeros(),
+            hessian: Matrix3::zeros(),
+        },
+        third: Some([Matrix3::zeros(); 3]),
     };
     for SignedPiece { sign, integrand } in pieces {
-        let part = if let Some(density) = &integrand.density {
-            let degree = density.degree();
-            let kept = scratch
-                .places
-                .take()
-                .filter(|places| places.serve(degree, order));
-            let places = kept.unwrap_or_else(|| Places::new(degree, order));
-            let mut sums = Weighted::new(&places, density, center);
-            walk(integrand, center, scratch, &mut sums);
-            let part = sums.evaluation();
-            scratch.places = Some(places);
-            part
-        } else if order == 1 {
-            let mut sums = Linear::default();
-            walk(integrand, center, scratch, &mut sums);
-            sums.evaluation()
-        } else {
-            let mut sums = Power::new(order);
-            walk(integrand, center, scratch, &mut sums);
-            sums.evaluation()
-        };
-        total.value += sign * part.value;
-        total.gradient += part.gradient * *sign;
-        total.hessian += part.hessian * *sign;
+        let part = energy_of_piece(integrand, center, order, scratch);
+        total.evaluation.value += sign * part.evaluation.value;
+        total.evaluation.gradient += part.evaluation.gradient * *sign;
+        total.evaluation.hessian += part.evaluation.hessian * *sign;
+        total.third = total.third.zip(part.third).map(|(mut total, part)| {
+            for (total, part) in total.iter_mut().zip(part) {
+                *total += part * *sign;
+            }
+            total
+        });
     }
     total
 }
 
+fn energy_of_piece(
+    integrand: &Integrand,
+    center: &Vector3<f64>,
+    order: u32,
+    scratch: &mut WalkScratch,
+) -> Jet<3> {
+    if let Some(density) = &integrand.density {
+        let degree = density.degree();
+        let kept = scratch
+            .places
+            .take()
+            .filter(|places| places.serve(degree, order));
+        let places = kept.unwrap_or_else(|| Places::new(degree, order));
+        let mut sums = Weighted::new(&places, density, center);
+        walk(integrand, center, scratch, &mut sums);
+        let part = sums.evaluation();
+        scratch.places = Some(places);
+        part.into()
+    } else if order == 1 {
+        let mut sums = Linear::default();
+        walk(integrand, center, scratch, &mut sums);
+        sums.jet()
+    } else {
+        let mut sums = Power::new(order);
+        walk(integrand, center, scratch, &mut sums);
+        sums.evaluation().into()
+    }
+}
+
 /// The sums for p = 1, in the units in which they come: 24 E, 6 V per sector, and per interface
-/// 4/√2 of the area.
+/// 4/√2 of the area A and 1/(2√2) of its loss by the center's motion, −∂A/∂c = Σ |v−u|/|n∥| n over
+/// its segments, n∥ the part of the facet's normal n along the interface.
 #[derive(Default)]
 struct Linear {
     value: f64,
     volumes: [f64; Sector::SLOTS],
     areas: [f64; Interface::SLOTS],
+    losses: [[f64; Interface::SLOTS]; 3],
 }
 
 impl Visit for Linear {
@@ -103,16 +136,28 @@ impl Visit for Linear {
         self.volumes[left.number()] += volume;
         self.volumes[right.number()] -= volume;
         self.areas[interface.number()] += 2.0 * determinant;
+        let loss = determinant / facet.height;
+        for (losses, along) in self.losses.iter_mut().zip(facet.normal().iter()) {
+            losses[interface.number()] += loss * along;
+        }
     }
 }
 
 impl Linear {
-    fn evaluation(&self) -> Evaluation<3> {
+    fn jet(&self) -> Jet<3> {
         let volumes = &self.volumes;
-        Evaluation {
+        let evaluation = Evaluation {
             value: self.value / 24.0,
             gradient: Vector3::from([0, 1, 2].map(|k| volumes[2 * k + 1] - volumes[2 * k])) / 6.0,
             hessian: interface_hessian(&self.areas),
+        };
+        let third = self
+            .losses
+            .each_ref()
+            .map(|losses| interface_hessian(losses) * -4.0);
+        Jet {
+            evaluation,
+            third: Some(third),
         }
     }
 }

@@ -7,6 +7,13 @@
 //! more, and only when a bound is in the way. At a minimum both hold the same variables: those at
 //! a bound whose gradient pushes outward.
 //!
+//! # Third derivatives
+//!
+//! Where the objective knows them, a step s that no bound limits becomes Chebyshev's,
+//! s − ½ H⁻¹ T s s with T the third derivative (Traub, *Iterative Methods for the Solution of
+//! Equations*, 1964, section 5.2, in several variables): it converges cubically and saves a
+//! Voronoi cell about one evaluation. Where the second term is not small, it is left away.
+//!
 //! # Conventions
 //!
 //! `scale` is what the gradient is measured by and `length` what a step is measured by: for a
@@ -23,16 +30,18 @@
 //!   once the steps before it show that what remains is below `step_tolerance`.
 
 use argmin::core::{Error, Executor, KV, Problem, Solver};
-use nalgebra::SVector;
+use nalgebra::{Cholesky, Const, SVector};
 
 use crate::minimize::backtracking::{VALUE_ROUNDING, cut, is_accepted, is_finite};
 use crate::minimize::box_quadratic::{minimize_quadratic, positive_definite};
 use crate::minimize::newton_state::NewtonState;
-use crate::minimize::problem::{Ended, Evaluation, Minimum};
+use crate::minimize::problem::{Ended, Evaluation, Jet, Minimum};
 use crate::minimize::progress::Progress;
 
 /// Up to this many times the rounding of values, a gain that does not come is put down to it.
 const SMALL_GAIN: f64 = 1e3;
+/// Up to this share of Newton's step the correction by the third derivative is trusted.
+const LARGEST_CORRECTION: f64 = 0.5;
 /// Steps below this share of the coordinates do not move the point.
 const POINT_ROUNDING: f64 = f64::EPSILON;
 /// Cuts of one step before it is given up: at 0.5 each it is then below rounding.
@@ -72,8 +81,8 @@ impl NewtonOptions {
 ///
 /// The start is moved into the box first. The function may be only piecewise twice
 /// differentiable. Where `lower > upper` the upper bound counts.
-pub fn newton<const D: usize>(
-    mut objective: impl FnMut(&SVector<f64, D>) -> Evaluation<D>,
+pub fn newton<const D: usize, J: Into<Jet<D>>>(
+    mut objective: impl FnMut(&SVector<f64, D>) -> J,
     start: &SVector<f64, D>,
     lower: &SVector<f64, D>,
     upper: &SVector<f64, D>,
@@ -85,7 +94,8 @@ pub fn newton<const D: usize>(
         upper: *upper,
         options: *options,
     };
-    match Executor::new(&mut objective, solver).ctrlc(false).run() {
+    let objective = |point: &SVector<f64, D>| objective(point).into();
+    match Executor::new(objective, solver).ctrlc(false).run() {
         Ok(result) => result.state.iterate.minimum(result.state.ended),
         Err(_) => NewtonState::default().minimum(None),
     }
@@ -102,7 +112,7 @@ struct ProjectedNewton<const D: usize> {
 
 impl<const D: usize, F> Solver<F, Progress<NewtonState<D>>> for ProjectedNewton<D>
 where
-    F: FnMut(&SVector<f64, D>) -> Evaluation<D>,
+    F: FnMut(&SVector<f64, D>) -> Jet<D>,
 {
     fn name(&self) -> &'static str {
         "projected Newton"
@@ -116,7 +126,8 @@ where
         let current = &mut state.iterate;
         current.point = self.projected(&self.start);
         if let Some(objective) = &mut problem.problem {
-            current.evaluation = objective(&current.point);
+            let jet = objective(&current.point);
+            (current.evaluation, current.third) = (jet.evaluation, jet.third);
             current.evaluations = 1;
         }
         let ended = if is_finite(&current.evaluation) {
@@ -150,7 +161,7 @@ impl<const D: usize> ProjectedNewton<D> {
     /// One Newton step with its search; a reason if it was the last.
     fn advance(
         &self,
-        objective: &mut impl FnMut(&SVector<f64, D>) -> Evaluation<D>,
+        objective: &mut impl FnMut(&SVector<f64, D>) -> Jet<D>,
         current: &mut NewtonState<D>,
     ) -> Option<Ended> {
         let Some(step) = self.step(current) else {
@@ -160,7 +171,7 @@ impl<const D: usize> ProjectedNewton<D> {
         if is_lost(&step, &current.point) || self.is_noise(current, &step) {
             return Some(Ended::AtRounding);
         }
-        if self.is_negligible(size, current.last_step) {
+        if self.is_negligible(size, current) {
             current.evaluation = current.predicted(&step);
             current.point = self.moved(&current.point, &step, 1.0);
             return Some(Ended::StepNegligible);
@@ -181,16 +192,27 @@ impl<const D: usize> ProjectedNewton<D> {
         let lower = (self.lower - current.point).sup(&-length);
         let upper = (self.upper - current.point).inf(&length);
         let (shifted, factor) = positive_definite(hessian, gradient, self.options.length)?;
-        Some(minimize_quadratic(
-            &shifted, &factor, gradient, &lower, &upper,
-        ))
+        let step = minimize_quadratic(&shifted, &factor, gradient, &lower, &upper);
+        let is_inside = |step: &SVector<f64, D>| {
+            (0..D).all(|axis| lower[axis] < step[axis] && step[axis] < upper[axis])
+        };
+        let corrected = corrected(&step, current, &factor).filter(is_inside);
+        Some(corrected.filter(|_| is_inside(&step)).unwrap_or(step))
     }
 
     /// Whether what `size` leaves is below the tolerance, if the steps go on shrinking at least
-    /// as fast as the last two did.
-    fn is_negligible(&self, size: f64, last: Option<f64>) -> bool {
+    /// as fast as the last two did; with third derivatives, if their ratio squares at least.
+    fn is_negligible(&self, size: f64, current: &NewtonState<D>) -> bool {
         let tolerance = self.options.step_tolerance * self.options.length;
-        last.is_some_and(|last| size * size <= last * tolerance)
+        current.last_step.is_some_and(|last| {
+            let ratio = size / last;
+            let shrinks_to = if current.third.is_some() {
+                ratio * ratio
+            } else {
+                ratio
+            };
+            ratio < 1.0 && size * shrinks_to <= tolerance
+        })
     }
 
     /// Whether the steps have stopped shrinking and gain nothing that rounding would leave.
@@ -206,7 +228,7 @@ impl<const D: usize> ProjectedNewton<D> {
     /// Cuts the step until it is accepted and returns the fraction taken.
     fn search(
         &self,
-        objective: &mut impl FnMut(&SVector<f64, D>) -> Evaluation<D>,
+        objective: &mut impl FnMut(&SVector<f64, D>) -> Jet<D>,
         current: &mut NewtonState<D>,
         step: &SVector<f64, D>,
     ) -> Result<f64, Ended> {
@@ -218,11 +240,14 @@ impl<const D: usize> ProjectedNewton<D> {
                 return Err(Ended::EvaluationLimit);
             }
             let point = self.moved(&current.point, step, fraction);
-            let trial = objective(&point);
+            let Jet {
+                evaluation: trial,
+                third,
+            } = objective(&point);
             current.evaluations += 1;
             if is_accepted(&start, &trial, step, fraction * slope) {
                 current.point = point;
-                current.evaluation = trial;
+                (current.evaluation, current.third) = (trial, third);
                 return Ok(fraction);
             }
             if -fraction * slope <= VALUE_ROUNDING * start.value.abs() {
@@ -281,6 +306,24 @@ impl<const D: usize> ProjectedNewton<D> {
         let at_upper = current.point[axis] >= self.upper[axis] && slope < 0.0;
         if at_lower || at_upper { 0.0 } else { slope }
     }
+}
+
+/// Chebyshev's step, if it is known and stays near Newton's `step` and as good as downhill.
+fn corrected<const D: usize>(
+    step: &SVector<f64, D>,
+    current: &NewtonState<D>,
+    factor: &Cholesky<f64, Const<D>>,
+) -> Option<SVector<f64, D>> {
+    let third = current.third.as_ref()?;
+    let mut bend = SVector::zeros();
+    for (along, share) in third.iter().zip(step.iter()) {
+        bend += along * step * *share;
+    }
+    let corrected = step - factor.solve(&bend) * 0.5;
+    let gradient = &current.evaluation.gradient;
+    let is_small = (corrected - step).amax() <= LARGEST_CORRECTION * step.amax();
+    let is_downhill = gradient.dot(&corrected) <= LARGEST_CORRECTION * gradient.dot(step);
+    (is_small && is_downhill).then_some(corrected)
 }
 
 /// Whether the step would change no coordinate.

@@ -12,6 +12,8 @@ pub(crate) struct NewtonState<const D: usize> {
     pub(crate) point: SVector<f64, D>,
     /// The function there.
     pub(crate) evaluation: Evaluation<D>,
+    /// The derivative of the Hessian there by each variable, where it is known.
+    pub(crate) third: Option<[SMatrix<f64, D, D>; D]>,
     /// Evaluations so far.
     pub(crate) evaluations: u32,
     /// The largest component of the last step, if it was a full one.
@@ -27,6 +29,7 @@ impl<const D: usize> Default for NewtonState<D> {
                 gradient: SVector::zeros(),
                 hessian: SMatrix::zeros(),
             },
+            third: None,
             evaluations: 0,
             last_step: None,
         }

@@ -19,6 +19,24 @@ pub struct Evaluation<const D: usize> {
     pub hessian: SMatrix<f64, D, D>,
 }
 
+/// A function's value and derivatives up to the third, where that is known, at one point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Jet<const D: usize> {
+    /// Value, gradient and Hessian.
+    pub evaluation: Evaluation<D>,
+    /// The derivative of the Hessian by each variable.
+    pub third: Option<[SMatrix<f64, D, D>; D]>,
+}
+
+impl<const D: usize> From<Evaluation<D>> for Jet<D> {
+    fn from(evaluation: Evaluation<D>) -> Self {
+        Self {
+            evaluation,
+            third: None,
+        }
+    }
+}
+
 /// Where a minimization in `D` variables ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Minimum<const D: usize> {
