@@ -64,14 +64,14 @@ pub struct NewtonOptions {
 }
 
 impl NewtonOptions {
-    /// Tolerances 1e-12 for the gradient and 1e-10 for an unchecked step, 100 evaluations.
+    /// Tolerances 1e-12 for the gradient and 1e-11 for an unchecked step, 100 evaluations.
     #[must_use]
     pub fn new(scale: f64, length: f64) -> Self {
         Self {
             scale,
             length,
             gradient_tolerance: 1e-12,
-            step_tolerance: 1e-10,
+            step_tolerance: 1e-11,
             max_evaluations: 100,
         }
     }
