@@ -305,7 +305,8 @@ fn one_two_and_three_sites_relax() {
     for count in 1..=3 {
         let mut sites = random_sites(count, 3);
         let records = run(&unit(), &mut sites, &options(40, LINF));
-        assert!(records.iter().all(|record| record.energy_percent >= 100.0));
+        let energies = records.iter().map(|record| record.energy_percent);
+        assert!(energies.fold(f64::INFINITY, f64::min) >= 100.0 - 1e-12);
         if count == 1 {
             assert!((sites[0] - Point3::new(0.5, 0.5, 0.5)).norm() < 1e-11);
         }

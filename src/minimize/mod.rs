@@ -5,7 +5,7 @@
 //! that respects a box, so the two here are our own, and argmin is named nowhere else:
 //!
 //! * [`newton`]: two or three variables, exact Hessian, convex; one call per Voronoi cell. It
-//!   stands where `newton_state` says, minimizes its quadratic model in the box (`box_quadratic`)
+//!   stands where `newton_state` says, steps (`newton_step`) by its quadratic model in the box (`box_quadratic`)
 //!   and tests the step (`backtracking`).
 //! * [`lbfgsb`]: any number of variables, gradients only; the paper's choice for a cell, and the
 //!   solver of the global objective. It is asked through [`lbfgsb_options`], stands where
@@ -30,6 +30,7 @@ mod compact;
 mod lbfgsb_step;
 mod line_search;
 mod newton_state;
+mod newton_step;
 mod progress;
 mod slices;
 mod subspace;

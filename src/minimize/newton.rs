@@ -1,18 +1,6 @@
 //! Newton's method in a box, for convex functions of two or three variables.
 //!
-//! Each step minimizes the quadratic model over the box *exactly* (`box_quadratic`), instead of
-//! taking the free Newton step and projecting it: Bertsekas (*Projected Newton methods*, SIAM J.
-//! Control Optim. 20, 1982) shows that projection can point uphill unless nearly active
-//! variables are held, while in three variables the exact step costs one small factorization
-//! more, and only when a bound is in the way. At a minimum both hold the same variables: those at
-//! a bound whose gradient pushes outward.
-//!
-//! # Third derivatives
-//!
-//! Where the objective knows them, a step s that no bound limits becomes Chebyshev's,
-//! s − ½ H⁻¹ T s s with T the third derivative (Traub, *Iterative Methods for the Solution of
-//! Equations*, 1964, section 5.2, in several variables): it converges cubically and saves a
-//! Voronoi cell about one evaluation. Where the second term is not small, it is left away.
+//! The steps themselves are made in `newton_step`.
 //!
 //! # Conventions
 //!
@@ -30,18 +18,16 @@
 //!   once the steps before it show that what remains is below `step_tolerance`.
 
 use argmin::core::{Error, Executor, KV, Problem, Solver};
-use nalgebra::{Cholesky, Const, SVector};
+use nalgebra::SVector;
 
 use crate::minimize::backtracking::{VALUE_ROUNDING, cut, is_accepted, is_finite};
-use crate::minimize::box_quadratic::{minimize_quadratic, positive_definite};
 use crate::minimize::newton_state::NewtonState;
-use crate::minimize::problem::{Ended, Evaluation, Jet, Minimum};
+use crate::minimize::newton_step::newton_step;
+use crate::minimize::problem::{Ended, Jet, Minimum};
 use crate::minimize::progress::Progress;
 
 /// Up to this many times the rounding of values, a gain that does not come is put down to it.
 const SMALL_GAIN: f64 = 1e3;
-/// Up to this share of Newton's step the correction by the third derivative is trusted.
-const LARGEST_CORRECTION: f64 = 0.5;
 /// Steps below this share of the coordinates do not move the point.
 const POINT_ROUNDING: f64 = f64::EPSILON;
 /// Cuts of one step before it is given up: at 0.5 each it is then below rounding.
@@ -183,21 +169,14 @@ impl<const D: usize> ProjectedNewton<D> {
         self.convergence(current)
     }
 
-    /// The minimizer of the model over the box and the largest step.
+    /// The next step within the box and the largest step.
     fn step(&self, current: &NewtonState<D>) -> Option<SVector<f64, D>> {
-        let Evaluation {
-            gradient, hessian, ..
-        } = &current.evaluation;
-        let length = SVector::repeat(self.options.length);
-        let lower = (self.lower - current.point).sup(&-length);
-        let upper = (self.upper - current.point).inf(&length);
-        let (shifted, factor) = positive_definite(hessian, gradient, self.options.length)?;
-        let step = minimize_quadratic(&shifted, &factor, gradient, &lower, &upper);
-        let is_inside = |step: &SVector<f64, D>| {
-            (0..D).all(|axis| lower[axis] < step[axis] && step[axis] < upper[axis])
-        };
-        let corrected = corrected(&step, current, &factor).filter(is_inside);
-        Some(corrected.filter(|_| is_inside(&step)).unwrap_or(step))
+        let length = self.options.length;
+        let longest = SVector::repeat(length);
+        let lower = (self.lower - current.point).sup(&-longest);
+        let upper = (self.upper - current.point).inf(&longest);
+        let (evaluation, third) = (&current.evaluation, current.third.as_ref());
+        newton_step(evaluation, third, length, &lower, &upper)
     }
 
     /// Whether what `size` leaves is below the tolerance, if the steps go on shrinking at least
@@ -306,24 +285,6 @@ impl<const D: usize> ProjectedNewton<D> {
         let at_upper = current.point[axis] >= self.upper[axis] && slope < 0.0;
         if at_lower || at_upper { 0.0 } else { slope }
     }
-}
-
-/// Chebyshev's step, if it is known and stays near Newton's `step` and as good as downhill.
-fn corrected<const D: usize>(
-    step: &SVector<f64, D>,
-    current: &NewtonState<D>,
-    factor: &Cholesky<f64, Const<D>>,
-) -> Option<SVector<f64, D>> {
-    let third = current.third.as_ref()?;
-    let mut bend = SVector::zeros();
-    for (along, share) in third.iter().zip(step.iter()) {
-        bend += along * step * *share;
-    }
-    let corrected = step - factor.solve(&bend) * 0.5;
-    let gradient = &current.evaluation.gradient;
-    let is_small = (corrected - step).amax() <= LARGEST_CORRECTION * step.amax();
-    let is_downhill = gradient.dot(&corrected) <= LARGEST_CORRECTION * gradient.dot(step);
-    (is_small && is_downhill).then_some(corrected)
 }
 
 /// Whether the step would change no coordinate.
