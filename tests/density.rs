@@ -18,6 +18,8 @@ use chebloyd::geometry::faceted::Piece;
 use chebloyd::geometry::polyhedron::Polyhedron;
 use chebloyd::integrals::polynomial::Polynomial;
 use chebloyd::mesh::shapes::boxes::{unit_cube, unit_cube_tets};
+use chebloyd::mesh::shapes::sphere::icosphere;
+use chebloyd::mesh::shapes::tubes::torus;
 use chebloyd::mesh::sound::validate_tets;
 use chebloyd::mesh::validate::validate;
 use chebloyd::minimize::problem::Evaluation;
@@ -258,4 +260,120 @@ fn a_density_that_is_not_positive_is_refused_with_its_place() {
         refused.to_string().contains("must be a positive number"),
         "{refused}"
     );
+}
+
+#[test]
+fn the_scale_of_energies_is_the_exact_mean_density() {
+    // Over the cube means are products of 1/(n + 1), over a shifted cube by the binomials.
+    let text = "1 + 3*x^2 - x*y + z^3";
+    let surface = SurfaceSolid::new(&validate(&unit_cube()).expect("closed").0).expect("a volume");
+    let sound = validate_tets(&unit_cube_tets(2)).expect("sound").0;
+    let solid = TetSolid::new(&sound).expect("it bounds a solid");
+    let domains: [Box<dyn Domain>; 3] =
+        [Box::new(Cuboid::unit()), Box::new(surface), Box::new(solid)];
+    for domain in domains {
+        let weighted = WeightedDomain::new(domain, polynomial(text)).expect("positive");
+        let expected = 1.0 + 1.0 - 0.25 + 0.25;
+        assert!((weighted.mean_density() - expected).abs() < 1e-13);
+    }
+    let torus = validate(&torus(1.0, 0.4, 24, 12)).expect("closed").0;
+    let torus = SurfaceSolid::new(&torus).expect("a volume");
+    // It is symmetric about its middle.
+    let weighted = WeightedDomain::new(Box::new(torus), polynomial("5 + x - 2*y + z"));
+    assert!((weighted.expect("positive").mean_density() - 5.0).abs() < 1e-13);
+}
+
+#[test]
+fn a_wanted_size_weighs_the_same_in_every_form_of_the_domain() {
+    let size = polynomial("0.1 + 0.2*x - 0.05*y*z");
+    let surface = SurfaceSolid::new(&validate(&unit_cube()).expect("closed").0).expect("a volume");
+    let sound = validate_tets(&unit_cube_tets(2)).expect("sound").0;
+    let solid = TetSolid::new(&sound).expect("it bounds a solid");
+    let domains: [Box<dyn Domain>; 3] =
+        [Box::new(Cuboid::unit()), Box::new(surface), Box::new(solid)];
+    let spaces = domains.map(|domain| {
+        let sized = WeightedDomain::sized(domain, &size, 1).expect("positive");
+        Space::new(Box::new(sized))
+    });
+    let mean = spaces[0].domain().mean_density();
+    for space in &spaces[1..] {
+        assert!((space.domain().mean_density() / mean - 1.0).abs() < 1e-12);
+    }
+    let sites = random_sites(30, 3);
+    let rows = domains_figures(&spaces, &sites, LINF);
+    for other in &rows[1..] {
+        for (one, other) in rows[0].iter().zip(other) {
+            assert!(
+                (one.0 / other.0 - 1.0).abs() < 1e-10,
+                "{} {}",
+                one.0,
+                other.0
+            );
+            assert!((one.2 - other.2).amax() < 1e-9);
+        }
+    }
+}
+
+#[test]
+fn cells_follow_a_wanted_size_within_a_surface() {
+    let ball = validate(&icosphere(1)).expect("closed").0;
+    let ball = SurfaceSolid::new(&ball).expect("a volume");
+    let wanted = polynomial("0.2 + 0.08*x");
+    let space = WeightedDomain::sized(Box::new(ball), &wanted, 1).expect("positive");
+    let space = Space::new(Box::new(space));
+    let places = random_sites(1000, 4)
+        .into_iter()
+        .map(|share| Point3::from(share.coords * 2.0 - Vector3::repeat(1.0)));
+    let inside = places.filter(|place| space.domain().contains(place));
+    let mut sites: Vec<_> = inside.take(120).collect();
+    let spread = |sites: &[Point3<f64>]| {
+        let cells = space.figures(sites, LINF).expect("a diagram");
+        let edges = cells
+            .iter()
+            .map(|cell| cell.volume.cbrt() / wanted.at(&cell.centroid));
+        let edges: Vec<f64> = edges.collect();
+        let mean = edges.iter().sum::<f64>() / edges.len() as f64;
+        let variance = edges.iter().map(|edge| (edge / mean - 1.0).powi(2));
+        (variance.sum::<f64>() / edges.len() as f64).sqrt()
+    };
+    let before = spread(&sites);
+    let options = LloydOptions {
+        iterations: 30,
+        tolerance: 0.0,
+        question: LINF,
+    };
+    let mut energies = Vec::new();
+    lloyd(&space, &mut sites, &options, None, &mut |record, sites| {
+        energies.push(record.energy_mean);
+        assert!(sites.iter().all(|site| space.domain().contains(site)));
+        ControlFlow::Continue(())
+    })
+    .expect("sites stay in the solid");
+    let falls = |pair: &[f64]| pair[1] <= pair[0] * (1.0 + 1e-12);
+    assert!(energies.windows(2).all(falls), "{energies:?}");
+    let after = spread(&sites);
+    assert!(after < 0.2 && after < 0.5 * before, "{before} → {after}");
+}
+
+#[test]
+fn a_density_along_a_period_is_refused_and_across_it_weighs() {
+    let bounds = Cuboid::unit().bounds();
+    let channel = || Box::new(Cuboid::new(bounds, [true, false, false]).expect("a box"));
+    let refused = WeightedDomain::new(channel(), polynomial("1 + x")).expect_err("it jumps");
+    assert!(
+        refused.to_string().contains("periodic along x"),
+        "{refused}"
+    );
+    let weighted = WeightedDomain::new(channel(), polynomial("1 + 2*y^2")).expect("it repeats");
+    assert!((weighted.mean_density() - 5.0 / 3.0).abs() < 1e-14);
+    let space = Space::new(Box::new(weighted));
+    let sites = random_sites(30, 5);
+    let moved: Vec<_> = sites
+        .iter()
+        .map(|site| space.domain().wrap(&(site + Vector3::new(0.3, 0.0, 0.0))))
+        .collect();
+    let [one, other] = [&sites, &moved].map(|sites| space.figures(sites, LINF).expect("a diagram"));
+    for (one, other) in one.iter().zip(&other) {
+        assert!((one.energy - other.energy).abs() < 1e-13);
+    }
 }

@@ -8,6 +8,7 @@ use chebloyd::chebyshev::center::Minimizer;
 use chebloyd::chebyshev::energy::{SignedPiece, energy};
 use chebloyd::chebyshev::integrand::Integrand;
 use chebloyd::chebyshev::walk::WalkScratch;
+use chebloyd::domain::beyond::Beyond;
 use chebloyd::domain::convex::ConvexPolyhedron;
 use chebloyd::domain::cuboid::Cuboid;
 use chebloyd::domain::space::{Domain, PieceScratch};
@@ -381,6 +382,83 @@ fn the_shells_of_all_cells_have_the_solids_volume_each_closed() {
             }
         }
     }
+}
+
+/// The points of a body-centered or face-centered lattice of n³ cubes that the domain holds, walls
+/// included.
+fn lattice_sites(domain: &dyn Domain, n: u32, shifts: &[[f64; 3]]) -> Vec<Point3<f64>> {
+    let bounds = domain.bounds();
+    let step = bounds.extent().max() / f64::from(n);
+    let mut sites = Vec::new();
+    for k in 0..(n + 1).pow(3) {
+        let corner = [k % (n + 1), k / (n + 1) % (n + 1), k / (n + 1) / (n + 1)];
+        for shift in shifts {
+            let share = |axis: usize| f64::from(corner[axis]) + shift[axis];
+            let share = Vector3::from([0, 1, 2].map(share));
+            let place = bounds.min + share * step;
+            if domain.contains(&place) {
+                sites.push(place);
+            }
+        }
+    }
+    sites
+}
+
+#[test]
+fn lattices_in_solids_have_shells_and_volumes() {
+    const LATTICES: [&[[f64; 3]]; 4] = [
+        &[[0.0; 3]],
+        &[[0.5; 3]],
+        &[[0.0; 3], [0.5; 3]],
+        &[[0.0; 3], [0.5, 0.5, 0.0], [0.5, 0.0, 0.5], [0.0, 0.5, 0.5]],
+    ];
+    for (name, domain) in shapes() {
+        for shifts in LATTICES {
+            for n in [2, 3, 4, 6, 8, 10] {
+                let sites = lattice_sites(&domain, n, shifts);
+                if sites.is_empty() {
+                    continue;
+                }
+                let kinds = assert_filled(&domain, &sites, name);
+                let diagram = Diagram::new(&domain, &sites).expect("a diagram");
+                let shells = diagram
+                    .map(|scratch: &mut PieceScratch, cell| shell(&domain, &cell, scratch))
+                    .expect("no duplicates");
+                let volume: f64 = shells.iter().map(Shell::volume).sum();
+                let error = volume / domain.volume() - 1.0;
+                let what = format!("{name}, {} sites, {kinds:?}", sites.len());
+                assert!(error.abs() < 1e-9, "{what}: {error:e}");
+                assert!(shells.iter().all(is_watertight), "{what}");
+                assert!(shells.iter().all(|shell| shell.facet_count() > 3), "{what}");
+                let area = wall_area(&domain, &diagram) / domain.surface().area() - 1.0;
+                assert!(area.abs() < 1e-11, "{what}: {area:e}");
+            }
+        }
+    }
+}
+
+/// The area of all cells' walls by their pieces; panics where a piece's other borders do not cancel
+/// or belong to no neighbor.
+fn wall_area(domain: &SurfaceSolid, diagram: &Diagram<'_>) -> f64 {
+    let areas = diagram.map(|scratch: &mut PieceScratch, cell| {
+        let mut walls: BTreeMap<u64, Vector3<f64>> = BTreeMap::new();
+        let (mut inner, mut all) = (Vector3::zeros(), Vector3::zeros());
+        let mut add = |sign: f64, piece: Piece<'_>| {
+            piece.visit_areas(|label, area| {
+                all += area * sign;
+                match Beyond::of(label) {
+                    Beyond::Wall(_) => *walls.entry(label).or_default() += area * sign,
+                    Beyond::Inner => inner += area * sign,
+                    Beyond::Neighbor { .. } => {}
+                }
+            });
+        };
+        domain.pieces(&cell.position, cell.polyhedron, scratch, &mut add);
+        let least = 1e-11 * cell.polyhedron.radius_squared();
+        assert!(inner.amax() < least && all.amax() < least, "{inner} {all}");
+        walls.values().map(Vector3::norm).sum::<f64>()
+    });
+    areas.expect("no duplicates").iter().sum()
 }
 
 /// Whether every edge is run along as often in one direction as in the other.

@@ -67,4 +67,43 @@ pub enum DomainError {
         /// Where.
         position: [f64; 3],
     },
+    /// A density that does not repeat itself where the domain does.
+    #[error(
+        "the domain is periodic along {axis}, but its density changes with {axis}; leave {axis} out \
+         of the density, or \"periodic\" out of the box",
+        axis = ["x", "y", "z"][*axis]
+    )]
+    DensityAlongPeriod {
+        /// 0, 1, 2 for x, y, z.
+        axis: usize,
+    },
+    /// A wanted size of cells that is not positive.
+    #[error("the size is {value} at {position:?}; it must be a positive number everywhere")]
+    Size {
+        /// Its value.
+        value: f64,
+        /// Where.
+        position: [f64; 3],
+    },
+    /// A wanted size of cells that comes too near to zero, or changes too fast.
+    #[error(
+        "the size is about {value:e} near {position:?} and changes by {change:e} beside it; let \
+         it change less, or keep it farther from zero"
+    )]
+    SizeTooSteep {
+        /// About its value.
+        value: f64,
+        /// By how much it changes in the smallest box.
+        change: f64,
+        /// Where.
+        position: [f64; 3],
+    },
+    /// A wanted size of cells of too high a degree.
+    #[error("the size has degree {degree}; {highest} is the highest")]
+    SizeDegree {
+        /// Its degree.
+        degree: u32,
+        /// The highest that is known.
+        highest: u32,
+    },
 }

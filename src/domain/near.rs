@@ -4,6 +4,7 @@ use nalgebra::{Point3, Vector3};
 
 use crate::geometry::bounds::Bounds;
 use crate::geometry::box_tree::BoxTree;
+use crate::geometry::half_space::HalfSpace;
 use crate::geometry::polyhedron::Polyhedron;
 
 /// Rounding to be allowed for when boxes and planes are compared, relative to the numbers.
@@ -21,18 +22,47 @@ pub(crate) fn visit_near(
     let slack = Vector3::repeat(ROUNDING * (site.coords.amax() + around.extent().max()));
     around.min += site.coords - slack;
     around.max += site.coords + slack;
-    let planes: Vec<_> = cell.facets().map(|facet| facet.half_space()).collect();
+    let planes: Vec<Fence> = cell.facets().map(|f| Fence::of(&f.half_space())).collect();
+    let far = site.coords.amax();
     let meets = |bounds: &Bounds<3>| {
-        bounds.overlaps(&around)
-            && planes.iter().all(|plane| {
-                // The corner of the box deepest in the half-space.
-                let deepest = Vector3::from([0, 1, 2].map(|axis| {
-                    let upward = plane.normal[axis] > 0.0;
-                    (if upward { bounds.min } else { bounds.max })[axis] - site[axis]
-                }));
-                let size = 3.0 * plane.normal.amax() * (deepest.amax() + site.coords.amax());
-                plane.normal.dot(&deepest) - plane.offset <= ROUNDING * size
-            })
+        if !bounds.overlaps(&around) {
+            return false;
+        }
+        let middle = bounds.center() - site;
+        let half = bounds.extent() * 0.5;
+        let size = middle.amax() + half.amax() + far;
+        !planes
+            .iter()
+            .any(|plane| plane.holds_off(&middle, &half, size))
     };
     tree.visit(meets, found);
+}
+
+/// A plane of the cell, ready to be compared with many boxes.
+struct Fence {
+    normal: Vector3<f64>,
+    /// Its normal's components without signs.
+    reach: Vector3<f64>,
+    offset: f64,
+    /// The rounding per length.
+    slack: f64,
+}
+
+impl Fence {
+    fn of(plane: &HalfSpace) -> Self {
+        Self {
+            normal: plane.normal,
+            reach: plane.normal.abs(),
+            offset: plane.offset,
+            slack: 3.0 * ROUNDING * plane.normal.amax(),
+        }
+    }
+
+    /// Whether the box about `middle` that reaches `half` to either side lies beyond the plane.
+    /// `size` bounds the coordinates involved.
+    fn holds_off(&self, middle: &Vector3<f64>, half: &Vector3<f64>, size: f64) -> bool {
+        // The corner of the box deepest in the half-space.
+        let deepest = self.normal.dot(middle) - self.reach.dot(half);
+        deepest - self.offset > self.slack * size
+    }
 }

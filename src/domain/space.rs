@@ -81,6 +81,17 @@ pub trait Domain: Debug + Send + Sync {
         visit(1.0, Piece::Convex(cell));
     }
 
+    /// As [`Domain::pieces`] for a convex part of a cell, which need not hold the site.
+    fn pieces_within(
+        &self,
+        site: &Point3<f64>,
+        part: &Polyhedron,
+        scratch: &mut PieceScratch,
+        visit: &mut dyn FnMut(f64, Piece<'_>),
+    ) {
+        self.pieces(site, part, scratch, visit);
+    }
+
     /// As [`Domain::pieces`], each piece with its density as a polynomial in the same coordinates;
     /// none is density 1.
     fn weighted_pieces(
@@ -127,6 +138,8 @@ pub trait Domain: Debug + Send + Sync {
 /// The memory of [`Domain::pieces`], to be reused from one cell to the next.
 #[derive(Clone, Debug, Default)]
 pub struct PieceScratch {
+    /// A part of a cell, to be cut into pieces.
+    pub part: Polyhedron,
     /// The convex piece under construction.
     pub piece: Polyhedron,
     /// The memory of its clips.

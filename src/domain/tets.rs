@@ -55,9 +55,16 @@ impl TetSolid {
     /// When the boundary bounds no solid, as where tetrahedra overlap.
     pub fn new(tets: &SoundTets) -> Result<Self, DomainError> {
         let mesh = tets.mesh().clone();
-        let (surface, _) = validate(&mesh.boundary()).map_err(|refusal| DomainError::Boundary {
-            reason: refusal.to_string(),
-        })?;
+        let refused = |reason: String| DomainError::Boundary { reason };
+        let validated = validate(&mesh.boundary());
+        let (surface, report) = validated.map_err(|refusal| refused(refusal.to_string()))?;
+        let crossings = report.crossings.map_or(0, |tally| tally.count);
+        if crossings > 0 {
+            let mend = "tetrahedra overlap there, remove the overlapping ones";
+            return Err(refused(format!(
+                "crosses itself in {crossings} pairs of triangles: {mend}"
+            )));
+        }
         let boundary = SurfaceSolid::new(&surface)?;
         Ok(Self {
             labels: labels(&mesh, &boundary),
@@ -219,6 +226,18 @@ impl Domain for TetSolid {
                 visit(1.0, Piece::Convex(part))
             });
         }
+    }
+
+    fn pieces_within(
+        &self,
+        site: &Point3<f64>,
+        part: &Polyhedron,
+        scratch: &mut PieceScratch,
+        visit: &mut dyn FnMut(f64, Piece<'_>),
+    ) {
+        self.visit_parts(site, part, scratch, |_, part| {
+            visit(1.0, Piece::Convex(part))
+        });
     }
 
     fn weighted_pieces(

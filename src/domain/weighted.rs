@@ -1,55 +1,83 @@
-//! A domain with a density that is a polynomial in x, y and z.
+//! A domain with a density that is a polynomial in x, y and z, or follows from one.
 
 use nalgebra::{Point3, Vector3};
 
 use crate::domain::error::DomainError;
+use crate::domain::graded::{Region, regions};
+use crate::domain::positive::check_positive;
 use crate::domain::space::{Domain, PieceScratch};
+use crate::domain::within::{clip_to_box, mass_within, start_of_all};
 use crate::geometry::bounds::Bounds;
 use crate::geometry::faceted::Piece;
 use crate::geometry::polyhedron::Polyhedron;
 use crate::integrals::polynomial::Polynomial;
 
-/// A domain whose pieces all have the same polynomial as density. Its cells are the domain's.
+/// A domain with a density that is a polynomial everywhere, or in each of many boxes. Its cells are
+/// the domain's.
 #[derive(Debug)]
 pub struct WeightedDomain {
     domain: Box<dyn Domain>,
-    /// In the domain's coordinates.
-    density: Polynomial,
+    /// Boxes that fill space, with densities in the domain's coordinates.
+    regions: Vec<Region>,
     mean: f64,
 }
-
-/// The density's sign is looked at in so many places along each axis.
-const PLACES: u32 = 24;
 
 impl WeightedDomain {
     /// `domain` with `density`, a polynomial in its coordinates.
     ///
     /// # Errors
-    /// When the density is not positive in one of a grid of places.
+    /// When the density is not positive somewhere, or changes along a periodic axis.
     pub fn new(domain: Box<dyn Domain>, density: Polynomial) -> Result<Self, DomainError> {
-        let bounds = domain.bounds();
-        let middle = |k: u32| (f64::from(k) + 0.5) / f64::from(PLACES);
-        let (mut sum, mut count) = (0.0, 0.0);
-        for k in 0..PLACES.pow(3) {
-            let share = [k % PLACES, k / PLACES % PLACES, k / PLACES / PLACES].map(middle);
-            let place = bounds.min + bounds.extent().component_mul(&Vector3::from(share));
-            if !domain.contains(&place) {
-                continue;
-            }
-            let value = density.at(&place);
-            if !(value.is_finite() && value > 0.0) {
-                let position = place.into();
-                return Err(DomainError::Density { value, position });
-            }
-            sum += value;
-            count += 1.0;
+        refuse_periodic(domain.as_ref(), &density)?;
+        check_positive(domain.as_ref(), &density)?;
+        Self::of(domain, vec![Region::everywhere(density)])
+    }
+
+    /// `domain` with the density h^−(3+p) that cells of the edge h = `size` want for energies of
+    /// order p = `order`, within half a percent.
+    ///
+    /// # Errors
+    /// When the size is not positive somewhere, changes along a periodic axis or too fast.
+    pub fn sized(
+        domain: Box<dyn Domain>,
+        size: &Polynomial,
+        order: u32,
+    ) -> Result<Self, DomainError> {
+        refuse_periodic(domain.as_ref(), size)?;
+        let regions = regions(domain.as_ref(), size, order)?;
+        Self::of(domain, regions)
+    }
+
+    fn of(domain: Box<dyn Domain>, regions: Vec<Region>) -> Result<Self, DomainError> {
+        let start = start_of_all(domain.as_ref());
+        let masses = regions.iter().map(|Region { bounds, density }| {
+            mass_within(domain.as_ref(), &start, bounds, density)
+        });
+        let mean = masses.sum::<f64>() / domain.volume();
+        if !(mean.is_normal() && mean > 0.0) {
+            return Err(DomainError::Density {
+                value: mean,
+                position: domain.bounds().center().into(),
+            });
         }
-        let mean = if count > 0.0 { sum / count } else { 1.0 };
         Ok(Self {
             domain,
-            density,
+            regions,
             mean,
         })
+    }
+}
+
+/// Refuses a polynomial that does not repeat itself where the domain does.
+fn refuse_periodic(domain: &dyn Domain, polynomial: &Polynomial) -> Result<(), DomainError> {
+    let periods = domain.periods();
+    let changes = |axis: &usize| {
+        let mut terms = polynomial.terms();
+        terms.any(|(powers, value)| powers[*axis] > 0 && value.abs() > 0.0)
+    };
+    match (0..3).filter(|&axis| periods[axis].is_some()).find(changes) {
+        Some(axis) => Err(DomainError::DensityAlongPeriod { axis }),
+        None => Ok(()),
     }
 }
 
@@ -97,6 +125,16 @@ impl Domain for WeightedDomain {
         self.domain.pieces(site, cell, scratch, visit);
     }
 
+    fn pieces_within(
+        &self,
+        site: &Point3<f64>,
+        part: &Polyhedron,
+        scratch: &mut PieceScratch,
+        visit: &mut dyn FnMut(f64, Piece<'_>),
+    ) {
+        self.domain.pieces_within(site, part, scratch, visit);
+    }
+
     fn weighted_pieces(
         &self,
         site: &Point3<f64>,
@@ -104,16 +142,29 @@ impl Domain for WeightedDomain {
         scratch: &mut PieceScratch,
         visit: &mut dyn FnMut(f64, Piece<'_>, Option<&Polynomial>),
     ) {
-        let density = self.density.seen_from(site);
-        let mut weigh = |sign: f64, piece: Piece<'_>| visit(sign, piece, Some(&density));
-        self.domain.pieces(site, cell, scratch, &mut weigh);
+        let mut around = cell.bounds();
+        around.min += site.coords;
+        around.max += site.coords;
+        let near = |region: &&Region| region.bounds.overlaps(&around);
+        for Region { bounds, density } in self.regions.iter().filter(near) {
+            let density = density.seen_from(site);
+            let mut weigh = |sign: f64, piece: Piece<'_>| visit(sign, piece, Some(&density));
+            if bounds.contains(&around.min) && bounds.contains(&around.max) {
+                return self.domain.pieces(site, cell, scratch, &mut weigh);
+            }
+            let mut part = std::mem::take(&mut scratch.part);
+            part.assign_translated(cell, &Vector3::zeros());
+            if clip_to_box(&mut part, site, bounds, &mut scratch.clip) {
+                self.domain.pieces_within(site, &part, scratch, &mut weigh);
+            }
+            scratch.part = part;
+        }
     }
 
     fn has_density(&self) -> bool {
         true
     }
 
-    /// From the same grid of places as the check of the sign: good to a percent or so.
     fn mean_density(&self) -> f64 {
         self.mean
     }

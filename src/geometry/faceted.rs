@@ -37,6 +37,17 @@ pub enum Piece<'a> {
     Faceted(&'a Faceted),
 }
 
+/// How much there is of a solid, and how far its boundary is from closed.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Extent {
+    /// The area of all facets (L²).
+    pub area: f64,
+    /// The sum of all facets' areas times outward normals (L²): zero for a closed boundary.
+    pub gap: Vector3<f64>,
+    /// The volume (L³).
+    pub volume: f64,
+}
+
 impl Faceted {
     /// Becomes the empty set, keeping its memory.
     pub fn clear(&mut self) {
@@ -86,6 +97,24 @@ impl Faceted {
             areas[facet as usize] += (a - anchor).cross(&(b - anchor)) * 0.5;
         }
         areas
+    }
+
+    /// Area, gap and volume in one walk.
+    #[must_use]
+    pub fn extent(&self) -> Extent {
+        let mut facets = vec![(Vector3::zeros(), Vector3::zeros()); self.facets.len()];
+        for (facet, anchor, [a, b]) in self.fans() {
+            let (base, doubled) = &mut facets[facet as usize];
+            *base = anchor;
+            *doubled += (a - anchor).cross(&(b - anchor));
+        }
+        let mut extent = Extent::default();
+        for (base, doubled) in facets {
+            extent.gap += doubled * 0.5;
+            extent.area += doubled.norm() * 0.5;
+            extent.volume += base.dot(&doubled) / 6.0;
+        }
+        extent
     }
 
     /// Volume and moments about the origin of its coordinates.

@@ -11,7 +11,7 @@
 //!                    series                  all monomials up to a degree, on any simplex
 //!        ┌──────────────┼──────────────┐
 //!    structure       polygon       polynomial ← polynomial_text
-//!    [CP]            loops, holes      │
+//!    [CP]            loops, holes      │      └─── bernstein     bounds in a box
 //!                                 polynomial_density
 //!    mirtich [M]     tetrahedra [BL]   surface           the ten moments of a body
 //!        └──────────────┴──────┬───────┴── moments
@@ -24,6 +24,7 @@
 //! body, so that coordinates far from zero cost no digits, and transfers the result with
 //! [`moments::Moments::moved`].
 
+pub mod bernstein;
 pub mod lanes;
 pub mod mirtich;
 pub mod moments;

@@ -2,14 +2,15 @@
 //!
 //! Candidates come from a uniform grid over the bounding box; a pair is tested in the one grid
 //! box that holds the least corner of its two boxes' intersection. Two triangles cross if an
-//! edge of one passes properly through the inside of the other, by exact orientation
-//! predicates (Shewchuk 1997, crate `robust`). Mere touching is no crossing, nor is an overlap
-//! in a common plane.
+//! edge of one passes properly through the inside of the other, or through a side of it and of
+//! its neighbor there in the same sense, by exact orientation predicates (Shewchuk 1997, crate
+//! `robust`). Mere touching is no crossing, nor is an overlap in a common plane.
 
 use nalgebra::Point3;
 use robust::Coord3D;
 
 use crate::geometry::bounds::Bounds;
+use crate::mesh::edges::{EdgeTable, NO_PARTNER};
 use crate::mesh::report::Tally;
 use crate::mesh::surface::SurfaceMesh;
 
@@ -26,9 +27,10 @@ pub fn crossings(mesh: &SurfaceMesh) -> Option<Tally<[u32; 2]>> {
         return None;
     }
     let grid = Grid::over(mesh);
+    let partners = EdgeTable::of(&mesh.triangles, mesh.vertices.len()).partners();
     let mut pairs: Vec<[u32; 2]> = (0..grid.boxes.len())
         .flat_map(|at| grid.pairs_in(at))
-        .filter(|&pair| cross(mesh, pair))
+        .filter(|&pair| cross(mesh, &partners, pair))
         .collect();
     pairs.sort_unstable();
     Some(pairs.into_iter().collect())
@@ -105,31 +107,67 @@ impl Grid {
 }
 
 /// Whether an edge of one triangle passes through the other. Edges at a common vertex cannot.
-fn cross(mesh: &SurfaceMesh, [one, other]: [u32; 2]) -> bool {
-    pierces(mesh, one, other) || pierces(mesh, other, one)
+fn cross(mesh: &SurfaceMesh, partners: &[u32], [one, other]: [u32; 2]) -> bool {
+    pierces(mesh, partners, one, other) || pierces(mesh, partners, other, one)
 }
 
-fn pierces(mesh: &SurfaceMesh, needle: u32, sheet: u32) -> bool {
+fn pierces(mesh: &SurfaceMesh, partners: &[u32], needle: u32, sheet: u32) -> bool {
     let ends = mesh.triangles[needle as usize];
-    let sheet = mesh.triangles[sheet as usize];
+    let vertices = mesh.triangles[sheet as usize];
     let point = |vertex: u32| exact(&mesh.vertices[vertex as usize]);
-    let corners = sheet.map(point);
+    let corners = vertices.map(point);
     (0..3).any(|k| {
         let (from, to) = (ends[k], ends[(k + 1) % 3]);
-        let apart = !sheet.contains(&from) && !sheet.contains(&to);
-        apart && passes_through(point(from), point(to), corners)
+        if vertices.contains(&from) || vertices.contains(&to) {
+            return false;
+        }
+        let needle = [from, to].map(point);
+        match passage(needle, corners) {
+            Passage::None => false,
+            Passage::Inside => true,
+            Passage::Side(side) => {
+                let beyond = partners[3 * sheet as usize + side];
+                beyond != NO_PARTNER && {
+                    let beyond = mesh.triangles[beyond as usize / 3].map(point);
+                    let [one, other] = [corners, beyond].map(|corners| sense(needle, corners));
+                    one * other > 0.0
+                }
+            }
+        }
     })
 }
 
-/// Whether the segment from `p` to `q` passes properly through the inside of a triangle.
-fn passes_through(p: Coord3D<f64>, q: Coord3D<f64>, [a, b, c]: [Coord3D<f64>; 3]) -> bool {
-    let side = |p, q, r, s| robust::orient3d(p, q, r, s);
-    let (below, above) = (side(a, b, c, p), side(a, b, c, q));
-    if below == 0.0 || above == 0.0 || (below > 0.0) == (above > 0.0) {
-        return false;
+/// Where a segment passes properly through a triangle's plane.
+enum Passage {
+    None,
+    /// Through the inside of the triangle.
+    Inside,
+    /// Through the inside of the side from this corner.
+    Side(usize),
+}
+
+fn passage(needle @ [p, q]: [Coord3D<f64>; 2], corners @ [a, b, c]: [Coord3D<f64>; 3]) -> Passage {
+    if sense(needle, corners) == 0.0 {
+        return Passage::None;
     }
-    let turns = [side(p, q, a, b), side(p, q, b, c), side(p, q, c, a)];
-    turns.iter().all(|&turn| turn > 0.0) || turns.iter().all(|&turn| turn < 0.0)
+    let turns = [(a, b), (b, c), (c, a)].map(|(a, b)| robust::orient3d(p, q, a, b));
+    let sides = turns.iter().filter(|&&turn| turn == 0.0).count();
+    let is_one_way = turns.iter().all(|&turn| turn >= 0.0) || turns.iter().all(|&turn| turn <= 0.0);
+    match (is_one_way, sides) {
+        (true, 0) => Passage::Inside,
+        (true, 1) => turns
+            .iter()
+            .position(|&turn| turn == 0.0)
+            .map_or(Passage::None, Passage::Side),
+        _ => Passage::None,
+    }
+}
+
+/// ±1 where the segment passes properly through the triangle's plane, 0 where it does not.
+fn sense([p, q]: [Coord3D<f64>; 2], [a, b, c]: [Coord3D<f64>; 3]) -> f64 {
+    let [below, above] = [p, q].map(|end| robust::orient3d(a, b, c, end));
+    let is_proper = below != 0.0 && above != 0.0 && (below > 0.0) != (above > 0.0);
+    if is_proper { below.signum() } else { 0.0 }
 }
 
 fn exact(point: &Point3<f64>) -> Coord3D<f64> {

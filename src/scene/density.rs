@@ -1,7 +1,7 @@
 //! The scene's `density`: how much every place of the domain weighs.
 //!
-//! A polynomial holds for any domain. Values at tetrahedron vertices, or a size field, make a
-//! density that is linear on every tetrahedron.
+//! A polynomial holds for any domain, and so does a size that is one. Values at tetrahedron
+//! vertices, be they densities or sizes, make a density that is linear on every tetrahedron.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -21,21 +21,21 @@ use crate::scene::error::Error;
                  keys `polynomial`, `data`, `size`"
 )]
 pub enum Density {
-    /// The name of the mesh's vertex data, else a polynomial.
+    /// The name of the vertex data of tetrahedra, else a polynomial.
     Text(String),
     /// A polynomial in x, y and z.
     Polynomial {
         /// For example `1 + 2*x^2 - y*z`.
         polynomial: String,
     },
-    /// The mesh's vertex data.
+    /// Vertex data of tetrahedra.
     Data {
         /// The field's name in the file.
         data: String,
     },
     /// The wanted edge length h of the cells: density h^−(3+p).
     Size {
-        /// The name of the mesh's vertex data, else a polynomial, evaluated at the vertices.
+        /// The name of the vertex data of tetrahedra, else a polynomial.
         size: String,
     },
 }
@@ -48,10 +48,6 @@ impl Density {
         domain: &Domain,
         order: u32,
     ) -> Result<(Box<dyn space::Domain>, Vec<String>), Error> {
-        if matches!(domain, Domain::Box(cuboid) if cuboid.periodic.contains(&true)) {
-            let message = "a periodic box cannot have a density, which does not repeat itself";
-            return Err(Error::value("density", message));
-        }
         match (self, domain) {
             (Self::Text(text), Domain::Tets(mesh)) => {
                 let (tets, notes) = mesh.tet_solid()?;
@@ -70,16 +66,20 @@ impl Density {
             }
             (Self::Size { size }, Domain::Tets(mesh)) => {
                 let (tets, notes) = mesh.tet_solid()?;
+                if tets.mesh().data(size).is_none() {
+                    return Ok((Box::new(sized(Box::new(tets), size, order)?), notes));
+                }
                 let density = |h: f64| h.powi(-3 - order as i32);
-                let tets = match tets.mesh().data(size) {
-                    Some(_) => by_data(tets, size, density)?,
-                    None => by_polynomial(tets, size, density)?,
-                };
-                Ok((Box::new(tets), notes))
+                Ok((Box::new(by_data(tets, size, density)?), notes))
             }
-            (Self::Data { .. } | Self::Size { .. }, _) => {
-                let message = "values at vertices need a domain of tetrahedra, {\"tets\": …}; \
-                               for other domains give a polynomial";
+            (Self::Size { size }, _) => {
+                let (domain, notes) = domain.solid()?;
+                Ok((Box::new(sized(domain, size, order)?), notes))
+            }
+            (Self::Data { .. }, _) => {
+                let message = "values at vertices tell of a solid's interior only where \
+                               tetrahedra fill it, {\"tets\": …}; for other domains give a \
+                               polynomial, or {\"size\": polynomial}";
                 Err(Error::value("density", message))
             }
         }
@@ -89,6 +89,11 @@ impl Density {
 /// The domain with the density that the text says.
 fn weighted(domain: Box<dyn space::Domain>, text: &str) -> Result<WeightedDomain, Error> {
     Ok(WeightedDomain::new(domain, polynomial(text)?)?)
+}
+
+/// The domain with the density for cells of the size that the text says.
+fn sized(domain: Box<dyn space::Domain>, text: &str, order: u32) -> Result<WeightedDomain, Error> {
+    Ok(WeightedDomain::sized(domain, &polynomial(text)?, order)?)
 }
 
 /// The tetrahedra with a function of their data as density.
@@ -107,18 +112,6 @@ fn by_data(tets: TetSolid, name: &str, density: impl Fn(f64) -> f64) -> Result<T
         return Err(Error::value("density", message));
     };
     let values: Vec<f64> = values.iter().map(|&value| density(value)).collect();
-    Ok(tets.with_density(&values)?)
-}
-
-/// The tetrahedra with a function of a polynomial's values at their vertices as density.
-fn by_polynomial(
-    tets: TetSolid,
-    text: &str,
-    density: impl Fn(f64) -> f64,
-) -> Result<TetSolid, Error> {
-    let size = polynomial(text)?;
-    let vertices = tets.mesh().vertices.iter();
-    let values: Vec<f64> = vertices.map(|vertex| density(size.at(vertex))).collect();
     Ok(tets.with_density(&values)?)
 }
 

@@ -10,6 +10,7 @@ use crate::domain::surface::solid::SurfaceSolid;
 use crate::domain::tets::TetSolid;
 use crate::geometry::bounds::Bounds;
 use crate::mesh::load::{Solid, load};
+use crate::mesh::report::SurfaceReport;
 use crate::mesh::similarity::Similarity;
 use crate::mesh::validate::validate;
 use crate::scene::error::Error;
@@ -28,7 +29,11 @@ pub struct MeshDomain {
 /// A box into which a solid is fitted: scaled alike along all axes to the largest size that fits,
 /// and centered.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(untagged)]
+#[serde(
+    untagged,
+    expecting = "`scale_to` is \"unit_cube\", a cube's side such as 2.5, or a box \
+                 {\"min\": [x, y, z], \"max\": [x, y, z]}"
+)]
 pub enum ScaleTo {
     /// The unit cube.
     Named(Named),
@@ -76,12 +81,16 @@ impl MeshDomain {
         self.scale(&mut solid);
         let notes = solid.notes();
         let surface = match solid {
-            Solid::Surface(surface, _) => surface,
+            Solid::Surface(surface, report) => {
+                self.refuse_crossings(&report)?;
+                surface
+            }
             Solid::Tets(tets, _) => {
                 let boundary = validate(&tets.mesh().boundary());
+                let (boundary, report) =
+                    boundary.map_err(|refusal| self.refused(refusal.to_string()))?;
+                self.refuse_crossings(&report)?;
                 boundary
-                    .map_err(|refusal| self.refused(refusal.to_string()))?
-                    .0
             }
         };
         Ok((Box::new(SurfaceSolid::new(&surface)?), notes))
@@ -105,6 +114,18 @@ impl MeshDomain {
                 Err(self.refused(reason.to_owned()))
             }
         }
+    }
+
+    /// Refuses a surface that crosses itself: what it encloses twice would be a domain twice.
+    fn refuse_crossings(&self, report: &SurfaceReport) -> Result<(), Error> {
+        let first = report.crossings.and_then(|tally| tally.first);
+        first.map_or(Ok(()), |[one, other]| {
+            let count = report.crossings.map_or(0, |tally| tally.count);
+            Err(self.refused(format!(
+                "the surface crosses itself: {count} pairs of triangles, the first {one} and \
+                 {other}; unite its parts with a Boolean union, in Blender or MeshLab"
+            )))
+        })
     }
 
     fn scale(&self, solid: &mut Solid) {
@@ -162,7 +183,11 @@ impl ScaleTo {
         {
             Ok(())
         } else {
-            Err(Error::value(KEY, "the box has no volume"))
+            let message = match self {
+                Self::Cube(side) => format!("the side {side} is not a positive number"),
+                _ => "the box has no volume; max must be greater than min".to_owned(),
+            };
+            Err(Error::value(KEY, message))
         }
     }
 }

@@ -356,6 +356,23 @@ fn crossing_parts_are_told_touching_ones_not() {
     assert_eq!(pairs([2.0, 0.3, 0.1]), 0);
     assert_eq!(pairs([5.0, 0.0, 0.0]), 0);
     assert!(pairs([0.7, 0.3, 0.1]) > 0);
+    // Edges pass through the diagonals of sides only.
+    assert!(pairs([1.0, 1.0, 1.0]) > 0);
+    // A ridge on a ridge.
+    let turned = |mut mesh: SurfaceMesh, turn: fn([f64; 3]) -> [f64; 3]| {
+        for vertex in &mut mesh.vertices {
+            *vertex = Point3::from(turn((*vertex).into()));
+        }
+        mesh
+    };
+    let lower = turned(cube([0.0; 3], 2.0), |[x, y, z]| {
+        [x - z, 4.0 * y, x + z - 2.0]
+    });
+    let upper = turned(cube([0.0; 3], 2.0), |[x, y, z]| {
+        [4.0 * y, z - x, x + z + 2.0]
+    });
+    let ridges = validate(&together(&[lower, upper])).unwrap().1;
+    assert_eq!(ridges.crossings.unwrap().count, 0);
     assert_eq!(
         validate(&tubes::trefoil(0.4, 120, 12))
             .unwrap()

@@ -12,17 +12,15 @@
 //! Every step is combinatorial, and every one is checked. A coincidence, or rounding, that breaks
 //! the pattern is told as [`Meeting::Tangled`]: then the result is not to be used.
 
-use std::collections::HashMap;
-
-use nalgebra::{Point3, Vector3};
+use nalgebra::Point3;
 
 use crate::domain::surface::cell_edges::{CellEdges, Crossing};
+use crate::domain::surface::corner_numbers::CornerNumbers;
 use crate::domain::surface::solid::SurfaceSolid;
-use crate::domain::surface::triangle::{Border, Corner, Origin, Plane, TriangleClip};
-use crate::geometry::faceted::{Edge, Faceted};
+use crate::domain::surface::triangle::{Border, Corner, Plane, TriangleClip};
+use crate::geometry::faceted::{Edge, Extent, Faceted};
 use crate::geometry::half_space::HalfSpace;
-use crate::geometry::moments::Moments;
-use crate::geometry::polyhedron::Polyhedron;
+use crate::geometry::polyhedron::{Facet, Polyhedron};
 
 /// How far the boundary may be from closed, and the volume beyond its bounds, relative to area
 /// and volume. What the checks before have missed is wrong by far more.
@@ -47,8 +45,7 @@ pub struct ClippedCell {
     near: Vec<u32>,
     planes: Vec<Plane>,
     clip: TriangleClip,
-    /// The numbers of the vertices that triangles share.
-    shared: HashMap<Origin, u32>,
+    shared: CornerNumbers,
     /// (edge of the surface, forward, polygon, from, to).
     sides: Vec<(u32, bool, u32, [u32; 2])>,
     crossings: Vec<Crossing>,
@@ -83,10 +80,9 @@ impl ClippedCell {
         let facets = cell.planes.iter().copied().zip(cell.labels.iter().copied());
         self.part.facets.extend(facets);
         self.planes.clear();
-        self.planes.extend(cell.facets().map(|facet| Plane {
-            number: facet.number as u32,
-            half_space: facet.half_space(),
-        }));
+        let planes = cell.facets();
+        self.planes
+            .extend(planes.map(|facet| Plane::new(facet.number as u32, facet.half_space())));
         self.shared.clear();
         self.sides.clear();
         self.crossings.clear();
@@ -150,14 +146,10 @@ impl ClippedCell {
 
     fn number(&mut self, corner: &Corner) -> u32 {
         let vertices = &mut self.part.vertices;
-        let mut push = || {
+        self.shared.of(corner.origin, || {
             vertices.push(corner.position);
             vertices.len() as u32 - 1
-        };
-        match corner.origin {
-            Origin::Within => push(),
-            origin => *self.shared.entry(origin).or_insert_with(push),
-        }
+        })
     }
 
     /// Joins the sides that run along one edge of the surface in opposite directions.
@@ -201,13 +193,16 @@ impl ClippedCell {
 
     /// Whether the boundary is closed and its volume between nothing and the cell's.
     fn is_sound(&self, cell: &Polyhedron) -> bool {
-        let (mut sum, mut total) = (Vector3::zeros(), 0.0);
-        for area in self.part.area_vectors() {
-            sum += area;
-            total += area.norm();
-        }
-        let whole = Moments::of(cell).volume;
-        let volume = self.part.moments().volume;
-        sum.norm() <= CLOSED * total && (-CLOSED * whole..=whole * (1.0 + CLOSED)).contains(&volume)
+        let Extent { area, gap, volume } = self.part.extent();
+        let whole = volume_of(cell);
+        gap.norm() <= CLOSED * area && (-CLOSED * whole..=whole * (1.0 + CLOSED)).contains(&volume)
     }
+}
+
+fn volume_of(cell: &Polyhedron) -> f64 {
+    let cone = |facet: Facet<'_>| {
+        let base = facet.corners().next();
+        base.map_or(0.0, |base| facet.area_vector().dot(&base.coords))
+    };
+    cell.facets().map(cone).sum::<f64>() / 3.0
 }

@@ -4,11 +4,13 @@
 //! piece. Of any other, [`triangle`] clips the near triangles to the cell and [`clipped`] closes
 //! them with the inner parts of the cell's facets, found edge by edge, to one solid, whatever its shape. Where rounding
 //! or a coincidence spoils that, [`shadow`] gives the same set as a signed sum of convex pieces
-//! that needs no case analysis. [`winding`] tells inside from outside, exactly; [`way`] tells how
+//! that needs no case analysis, and `outline` undoes the coincidence for files and pictures. [`winding`] tells inside from outside, exactly; [`way`] tells how
 //! far one may go before leaving.
 
 pub(crate) mod cell_edges;
 pub mod clipped;
+pub(crate) mod corner_numbers;
+pub(crate) mod outline;
 pub mod shadow;
 pub mod solid;
 pub mod triangle;

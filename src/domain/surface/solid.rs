@@ -6,7 +6,8 @@ use crate::domain::beyond::Beyond;
 use crate::domain::error::DomainError;
 use crate::domain::near::visit_near;
 use crate::domain::space::{Domain, PieceScratch};
-use crate::domain::surface::clipped::{ClippedCell, Meeting};
+use crate::domain::surface::clipped::Meeting;
+use crate::domain::surface::outline::outline;
 use crate::domain::surface::shadow::shadows;
 use crate::domain::surface::triangle::{Border, Corner, Origin};
 use crate::domain::surface::walls::walls;
@@ -14,7 +15,6 @@ use crate::domain::surface::way::first_exit;
 use crate::domain::surface::winding::winding;
 use crate::geometry::bounds::Bounds;
 use crate::geometry::box_tree::BoxTree;
-use crate::geometry::clip::{ClipScratch, clip};
 use crate::geometry::faceted::Piece;
 use crate::geometry::label::Label;
 use crate::geometry::polyhedron::Polyhedron;
@@ -25,17 +25,6 @@ use crate::mesh::validate::ClosedSurface;
 /// By which share of its longest extent the box from which cells are cut stands off the solid, so
 /// that no side of it lies on a wall.
 const MARGIN: f64 = 1.0 / 16.0;
-
-/// How far the solid is moved, in shares of the cell's size, to undo a tangle: above rounding, below
-/// what a file of cells should show.
-const NUDGES: [f64; 5] = [0.0, 1e-13, 1e-12, 1e-11, 1e-10];
-
-/// Facets below this share of the cell's size squared are slivers: leaving them out moves the border
-/// by less than files of cells should show.
-const SLIVER: f64 = 1e-11;
-
-/// In which direction: across anything that a person would build.
-const NUDGE: [f64; 3] = [0.412, -0.731, 0.544];
 
 /// The solid within a closed surface: of any shape and genus, of one or more parts, with or without
 /// cavities.
@@ -134,37 +123,40 @@ impl SurfaceSolid {
 }
 
 impl SurfaceSolid {
-    /// Visits what the cell and the solid have in common, unless that is tangled.
-    fn shape_as_it_is(
+    /// Whether a convex part of space that no triangle touches lies in the solid.
+    pub(crate) fn holds(&self, site: &Point3<f64>, part: &Polyhedron) -> bool {
+        let sum: Vector3<f64> = part.vertices().map(|vertex| vertex.coords).sum();
+        !part.is_empty() && self.contains(&(site + sum / part.vertex_count() as f64))
+    }
+
+    /// Visits the pieces of the cell, which has just been met.
+    fn visit_met(
         &self,
+        meeting: Meeting,
         site: &Point3<f64>,
         cell: &Polyhedron,
-        clipped: &mut ClippedCell,
-        visit: &mut dyn FnMut(Piece<'_>),
-    ) -> bool {
-        match clipped.meet(self, site, cell) {
-            Meeting::Apart => visit(Piece::Convex(cell)),
-            Meeting::Clipped => visit(Piece::Faceted(&clipped.part)),
-            Meeting::Tangled => return false,
+        scratch: &mut PieceScratch,
+        visit: &mut dyn FnMut(f64, Piece<'_>),
+    ) {
+        match meeting {
+            Meeting::Apart => visit(1.0, Piece::Convex(cell)),
+            Meeting::Clipped => visit(1.0, Piece::Faceted(&scratch.clipped.part)),
+            Meeting::Tangled => {
+                let memory = (&mut scratch.piece, &mut scratch.clip);
+                let label = |triangle| self.label(triangle);
+                shadows(
+                    &self.surface,
+                    &self.tree,
+                    label,
+                    site,
+                    cell,
+                    memory,
+                    |sign, part| {
+                        visit(sign, Piece::Convex(part));
+                    },
+                );
+            }
         }
-        true
-    }
-}
-
-/// Makes `into` the cell without facets of no area. Those stand, as strips along edges, in the cells
-/// of exact lattices, where rounding decides which triangles they cut.
-fn drop_slivers(cell: &Polyhedron, into: &mut Polyhedron, scratch: &mut ClipScratch) {
-    let mut around = cell.bounds();
-    let margin = around.extent();
-    around.min -= margin;
-    around.max += margin;
-    let least = SLIVER * cell.radius_squared();
-    into.assign_cuboid(&around, [Beyond::Inner.label(); 6]);
-    for facet in cell
-        .facets()
-        .filter(|facet| facet.area_vector().norm() > least)
-    {
-        clip(into, &facet.half_space(), facet.label(), scratch);
     }
 }
 
@@ -218,24 +210,20 @@ impl Domain for SurfaceSolid {
         scratch: &mut PieceScratch,
         visit: &mut dyn FnMut(f64, Piece<'_>),
     ) {
-        match scratch.clipped.meet(self, site, cell) {
-            Meeting::Apart => visit(1.0, Piece::Convex(cell)),
-            Meeting::Clipped => visit(1.0, Piece::Faceted(&scratch.clipped.part)),
-            Meeting::Tangled => {
-                let memory = (&mut scratch.piece, &mut scratch.clip);
-                let label = |triangle| self.label(triangle);
-                shadows(
-                    &self.surface,
-                    &self.tree,
-                    label,
-                    site,
-                    cell,
-                    memory,
-                    |sign, part| {
-                        visit(sign, Piece::Convex(part));
-                    },
-                );
-            }
+        let meeting = scratch.clipped.meet(self, site, cell);
+        self.visit_met(meeting, site, cell, scratch, visit);
+    }
+
+    fn pieces_within(
+        &self,
+        site: &Point3<f64>,
+        part: &Polyhedron,
+        scratch: &mut PieceScratch,
+        visit: &mut dyn FnMut(f64, Piece<'_>),
+    ) {
+        let meeting = scratch.clipped.meet(self, site, part);
+        if meeting != Meeting::Apart || self.holds(site, part) {
+            self.visit_met(meeting, site, part, scratch, visit);
         }
     }
 
@@ -246,24 +234,7 @@ impl Domain for SurfaceSolid {
         scratch: &mut PieceScratch,
         visit: &mut dyn FnMut(Piece<'_>),
     ) {
-        if self.shape_as_it_is(site, cell, &mut scratch.clipped, visit) {
-            return;
-        }
-        let PieceScratch {
-            piece,
-            clip,
-            clipped,
-            ..
-        } = scratch;
-        drop_slivers(cell, piece, clip);
-        // What is still tangled is a coincidence: it comes undone when the solid moves a little.
-        let size = cell.radius_squared().sqrt();
-        for share in NUDGES {
-            let nudged = site + Vector3::from(NUDGE) * (share * size);
-            if self.shape_as_it_is(&nudged, piece, clipped, visit) {
-                return;
-            }
-        }
+        outline(self, site, cell, scratch, visit);
     }
 
     fn first_exit(&self, site: &Point3<f64>, step: &Vector3<f64>) -> f64 {

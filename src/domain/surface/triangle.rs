@@ -46,6 +46,19 @@ pub(crate) struct Corner {
 pub(crate) struct Plane {
     pub(crate) number: u32,
     pub(crate) half_space: HalfSpace,
+    /// Bounds how fast the excess grows with the largest coordinate.
+    steepness: f64,
+}
+
+impl Plane {
+    pub(crate) fn new(number: u32, half_space: HalfSpace) -> Self {
+        let steepness = 3.0 * half_space.normal.amax();
+        Self {
+            number,
+            half_space,
+            steepness,
+        }
+    }
 }
 
 /// The memory of [`TriangleClip::clip`].
@@ -53,29 +66,34 @@ pub(crate) struct Plane {
 pub(crate) struct TriangleClip {
     corners: Vec<Corner>,
     spare: Vec<Corner>,
+    /// The planes that may cut the triangle.
+    cutting: Vec<u32>,
 }
 
 impl TriangleClip {
     /// The part of a triangle within all `planes`, as a convex polygon; empty if there is none.
     pub(crate) fn clip(&mut self, triangle: &[Corner; 3], planes: &[Plane]) -> &[Corner] {
         self.corners.clear();
-        if planes
+        self.cutting.clear();
+        let size = triangle
             .iter()
-            .any(|plane| side(triangle, plane) == Some(Side::Beyond))
-        {
-            return &[];
+            .fold(0.0, |size: f64, corner| size.max(corner.position.amax()));
+        for (place, plane) in planes.iter().enumerate() {
+            match side(triangle, size, plane) {
+                Some(Side::Beyond) => return &[],
+                Some(Side::Within) => {}
+                None => self.cutting.push(place as u32),
+            }
         }
         self.corners.extend(triangle);
-        for plane in planes {
-            if side(triangle, plane).is_none() {
-                self.cut(plane);
-            }
+        for place in 0..self.cutting.len() {
+            self.cut(&planes[self.cutting[place] as usize]);
         }
         &self.corners
     }
 
     fn cut(&mut self, plane: &Plane) {
-        let Self { corners, spare } = self;
+        let Self { corners, spare, .. } = self;
         spare.clear();
         for (place, corner) in corners.iter().enumerate() {
             let following = &corners[(place + 1) % corners.len()];
@@ -120,19 +138,16 @@ enum Side {
     Beyond,
 }
 
-/// On which side of the plane the whole triangle lies, if that is clear.
-fn side(triangle: &[Corner; 3], plane: &Plane) -> Option<Side> {
-    let HalfSpace { normal, offset } = plane.half_space;
-    let excesses = triangle
+/// On which side of the plane the whole triangle lies, if that is clear. `size` is its largest
+/// coordinate.
+fn side(triangle: &[Corner; 3], size: f64, plane: &Plane) -> Option<Side> {
+    let [a, b, c] = triangle
         .each_ref()
         .map(|corner| excess(&plane.half_space, &corner.position));
-    let size = triangle
-        .iter()
-        .fold(0.0, |size: f64, corner| size.max(corner.position.amax()));
-    let clear = CLEAR * (3.0 * normal.amax() * size + offset.abs());
-    if excesses.iter().all(|&excess| excess > clear) {
+    let clear = CLEAR * (plane.steepness * size + plane.half_space.offset.abs());
+    if a > clear && b > clear && c > clear {
         Some(Side::Beyond)
-    } else if excesses.iter().all(|&excess| excess < -clear) {
+    } else if a < -clear && b < -clear && c < -clear {
         Some(Side::Within)
     } else {
         None

@@ -1,0 +1,352 @@
+//! Solids on the command line: what users bring, and what they are told.
+
+#[path = "common/desk.rs"]
+mod desk;
+
+use std::path::Path;
+
+use desk::{Desk, assert_all_in};
+use serde_json::Value;
+
+const CORNERS: [[f64; 3]; 8] = [
+    [0.0, 0.0, 0.0],
+    [1.0, 0.0, 0.0],
+    [1.0, 1.0, 0.0],
+    [0.0, 1.0, 0.0],
+    [0.0, 0.0, 1.0],
+    [1.0, 0.0, 1.0],
+    [1.0, 1.0, 1.0],
+    [0.0, 1.0, 1.0],
+];
+
+const TRIANGLES: [[usize; 3]; 12] = [
+    [0, 3, 2],
+    [0, 2, 1],
+    [4, 5, 6],
+    [4, 6, 7],
+    [0, 1, 5],
+    [0, 5, 4],
+    [1, 2, 6],
+    [1, 6, 5],
+    [2, 3, 7],
+    [2, 7, 6],
+    [3, 0, 4],
+    [3, 4, 7],
+];
+
+type Triangles = [[usize; 3]];
+
+fn off(corners: &[[f64; 3]], triangles: &Triangles) -> String {
+    let mut text = format!("OFF\n{} {} 0\n", corners.len(), triangles.len());
+    for [x, y, z] in corners {
+        text += &format!("{x} {y} {z}\n");
+    }
+    for [a, b, c] in triangles {
+        text += &format!("3 {a} {b} {c}\n");
+    }
+    text
+}
+
+fn cube() -> String {
+    off(&CORNERS, &TRIANGLES)
+}
+
+/// A desk with a mesh file and a scene of a few sites within it.
+fn desk_with(name: &str, mesh: impl AsRef<[u8]>) -> Desk {
+    let desk = Desk::new();
+    desk.write(name, mesh);
+    scene(&desk, &format!(r#"{{"surface": "{name}"}}"#), "");
+    desk
+}
+
+fn scene(desk: &Desk, domain: &str, more: &str) {
+    let text = format!(
+        r#"{{"domain": {domain}, "sites": {{"random": {{"count": 20, "seed": 1}}}},
+            "method": {{"lloyd": {{"iterations": 3}}}},
+            "output": {{"cells": false, "plot": false}}{more}}}"#
+    );
+    desk.write("scene.json", text);
+}
+
+/// The error of both commands that read a solid.
+fn refusal(desk: &Desk) -> String {
+    let told = desk.refusal(&["relax", "scene.json", "--out", "run"]);
+    assert_eq!(told, desk.refusal(&["measure", "scene.json"]));
+    assert!(told.lines().count() <= 2 && told.len() < 400, "{told}");
+    told
+}
+
+/// Σ volumes over the domain's volume after a run, which must have lowered the energy.
+fn filled(desk: &Desk) -> f64 {
+    let output = desk.run(&["relax", "scene.json", "--out", "run", "-q"]);
+    let told = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(0), "{told}");
+    let records = desk.records("run");
+    let energy = |k: usize| records[k]["energy_mean"].as_f64().expect("a number");
+    assert!(energy(records.len() - 1) < energy(0));
+    let last = desk.json("run/run.json")["final"].clone();
+    let number = |key: &str| last[key].as_f64().expect("a number");
+    number("volume_sum") / number("domain_volume")
+}
+
+#[test]
+fn open_surfaces_are_refused_with_their_edges_counted() {
+    let desk = desk_with("open.off", off(&CORNERS, &TRIANGLES[..11]));
+    let told = refusal(&desk);
+    assert_all_in(
+        &told,
+        &["open.off", "3 boundary edges", "triangle 10", "close it"],
+    );
+    let shark = ["../shared/models", "../../shared/models"]
+        .map(|folder| Path::new(env!("CARGO_MANIFEST_DIR")).join(folder))
+        .map(|folder| folder.join("open-shark.off"));
+    let Some(shark) = shark.iter().find(|path| path.exists()) else {
+        eprintln!("skipped: there is no {}", shark[0].display());
+        return;
+    };
+    scene(&desk, &format!(r#"{{"surface": {shark:?}}}"#), "");
+    assert_all_in(
+        &refusal(&desk),
+        &["open-shark.off", "304 boundary edges", "close it"],
+    );
+}
+
+#[test]
+fn damaged_files_are_refused_with_the_line_and_the_mend() {
+    let nan = cube().replacen("1 1 0", "nan 1 0", 1);
+    let cut = cube()[..40].to_owned();
+    let stranger = cube().replace("3 3 4 7", "3 3 4 70");
+    let flat = CORNERS.map(|[x, y, _]| [x, y, 0.0]);
+    let cases: [(&str, String, &[&str]); 5] = [
+        ("nan.off", nan, &["nan.off:5", "`nan`", "must be finite"]),
+        (
+            "empty.off",
+            String::new(),
+            &["empty.off", "the file is empty", "export"],
+        ),
+        (
+            "cut.off",
+            cut,
+            &["cut.off:7", "truncated", "export it again"],
+        ),
+        (
+            "stranger.off",
+            stranger,
+            &["stranger.off:22", "vertex 70", "numbered from 0"],
+        ),
+        (
+            "flat.off",
+            off(&flat, &TRIANGLES),
+            &["flat.off", "no volume", "thickness"],
+        ),
+    ];
+    for (name, mesh, words) in cases {
+        assert_all_in(&refusal(&desk_with(name, mesh)), words);
+    }
+    let desk = Desk::new();
+    scene(&desk, r#"{"surface": "nowhere.off"}"#, "");
+    assert_all_in(&refusal(&desk), &["nowhere.off", "check the path"]);
+}
+
+#[test]
+fn what_needs_no_guess_is_repaired_and_told() {
+    let mut flipped = TRIANGLES;
+    flipped[3].swap(1, 2);
+    let mut doubled = TRIANGLES.to_vec();
+    doubled.push(TRIANGLES[0]);
+    let inverted = TRIANGLES.map(|[a, b, c]| [a, c, b]);
+    let cases: [(&str, &Triangles, &[&str]); 3] = [
+        (
+            "flipped.off",
+            &flipped,
+            &["note", "1 triangle", "turned", "element 3"],
+        ),
+        (
+            "doubled.off",
+            &doubled,
+            &["note", "1 duplicate", "dropped", "element 12"],
+        ),
+        (
+            "inverted.off",
+            &inverted,
+            &["note", "1 component", "turned inside out"],
+        ),
+    ];
+    for (name, triangles, words) in cases {
+        let desk = desk_with(name, off(&CORNERS, triangles));
+        let output = desk.run(&["relax", "scene.json", "--out", "run"]);
+        let told = String::from_utf8(output.stderr).expect("text");
+        assert_eq!(output.status.code(), Some(0), "{told}");
+        assert_all_in(&told, words);
+        let run = desk.json("run/run.json");
+        assert_eq!(run["domain_volume"], 1.0, "{name}");
+    }
+}
+
+#[test]
+fn surfaces_that_cross_themselves_are_refused() {
+    for shift in [[0.5, 0.5, 0.5], [0.3, 0.2, 0.1]] {
+        let mut corners = CORNERS.to_vec();
+        corners.extend(CORNERS.map(|corner| [0, 1, 2].map(|axis| corner[axis] + shift[axis])));
+        let mut triangles = TRIANGLES.to_vec();
+        triangles.extend(TRIANGLES.map(|triangle| triangle.map(|vertex| vertex + 8)));
+        let desk = desk_with("two.off", off(&corners, &triangles));
+        assert_all_in(
+            &refusal(&desk),
+            &["two.off", "crosses itself", "Boolean union"],
+        );
+    }
+}
+
+#[test]
+fn thin_solids_and_single_tetrahedra_are_relaxed() {
+    let thin = CORNERS.map(|[x, y, z]| [x, y, 1e-3 * z]);
+    let desk = desk_with("thin.off", off(&thin, &TRIANGLES));
+    assert!((filled(&desk) - 1.0).abs() < 1e-11);
+    let single = "MeshVersionFormatted 2\nDimension 3\nVertices\n4\n0 0 0 0\n1 0 0 0\n0 1 0 0\n\
+                  0 0 1 0\nTetrahedra\n1\n1 2 3 4 0\nEnd\n";
+    for form in ["tets", "surface"] {
+        let desk = desk_with("single.mesh", single);
+        scene(&desk, &format!(r#"{{"{form}": "single.mesh"}}"#), "");
+        assert!((filled(&desk) - 1.0).abs() < 1e-11);
+    }
+    let desk = desk_with("cube.off", cube());
+    scene(&desk, r#"{"tets": "cube.off"}"#, "");
+    assert_all_in(&refusal(&desk), &["cube.off", "no tetrahedra", "surface"]);
+}
+
+#[test]
+fn solids_are_scaled_into_boxes() {
+    let desk = desk_with("cube.off", cube());
+    for (target, volume) in [
+        (r#""unit_cube""#, 1.0),
+        ("2.5", 15.625),
+        (r#"{"min": [0, 0, 0], "max": [4, 2, 3]}"#, 8.0),
+    ] {
+        scene(
+            &desk,
+            &format!(r#"{{"surface": "cube.off", "scale_to": {target}}}"#),
+            "",
+        );
+        let text = desk.stdout(&["measure", "scene.json"]);
+        let measured: Value = serde_json::from_str(&text).expect("JSON");
+        let found = measured["domain_volume"].as_f64().expect("a number");
+        assert!((found / volume - 1.0).abs() < 1e-12, "{target}: {found}");
+    }
+    let cases: [(&str, &[&str]); 5] = [
+        ("0", &["scale_to", "side 0", "positive"]),
+        ("-1", &["scale_to", "side -1", "positive"]),
+        (r#""big""#, &["scale_to", "unit_cube"]),
+        (
+            r#"{"min": [0, 0, 0], "max": [1, 2]}"#,
+            &["scale_to.max", "3 are needed"],
+        ),
+        (
+            r#"{"min": [0, 0, 0], "max": [1, 0, 1]}"#,
+            &["scale_to", "no volume"],
+        ),
+    ];
+    for (target, words) in cases {
+        scene(
+            &desk,
+            &format!(r#"{{"surface": "cube.off", "scale_to": {target}}}"#),
+            "",
+        );
+        assert_all_in(&refusal(&desk), words);
+    }
+}
+
+#[test]
+fn sites_outside_a_solid_are_named_or_dropped() {
+    let desk = desk_with("cube.off", cube());
+    let text = r#"{"domain": {"surface": "cube.off"}, "sites": {"file": "p.csv"}}"#;
+    desk.write("scene.json", text);
+    desk.write("p.csv", "0.5,0.5,0.5\n2,2,2\n0,0.5,0.5\n3,3,3\n");
+    assert_all_in(
+        &refusal(&desk),
+        &["site 1 (2.0, 2.0, 2.0)", "1 more", "--drop-outside"],
+    );
+    let text = desk.stdout(&["measure", "scene.json", "--drop-outside"]);
+    let measured: Value = serde_json::from_str(&text).expect("JSON");
+    assert_eq!(measured["sites"], 2);
+    assert_eq!(measured["volume_sum"], 1.0);
+    desk.write("p.csv", "2,2,2\n");
+    let told = desk.refusal(&["measure", "scene.json", "--drop-outside"]);
+    assert_all_in(&told, &["all sites lie outside the domain"]);
+}
+
+#[test]
+fn grids_are_cropped_to_the_solid() {
+    let desk = Desk::new();
+    let here = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/bracket.off");
+    for jitter in [0.0, 0.5, 1.0] {
+        let text = format!(
+            r#"{{"domain": {{"surface": {here:?}}},
+                "sites": {{"grid": {{"counts": [8, 8, 8], "jitter": {jitter}, "seed": 1}}}},
+                "method": {{"lloyd": {{"iterations": 3}}}}}}"#
+        );
+        desk.write("scene.json", text);
+        let output = desk.run(&["relax", "scene.json", "--out", "run", "--force", "-q"]);
+        assert_eq!(output.status.code(), Some(0));
+        let last = desk.json("run/run.json")["final"].clone();
+        let count = last["sites"].as_u64().expect("a number");
+        assert!((150..350).contains(&count), "{count} of 512");
+        let number = |key: &str| last[key].as_f64().expect("a number");
+        assert!((number("volume_sum") / number("domain_volume") - 1.0).abs() < 1e-11);
+    }
+}
+
+#[test]
+fn densities_of_solids_are_accepted_or_refused_clearly() {
+    let desk = desk_with("cube.off", cube());
+    let surface = r#"{"surface": "cube.off"}"#;
+    for density in [r#""1 + x""#, r#"{"size": "0.1 + 0.1*x"}"#] {
+        scene(&desk, surface, &format!(r#", "density": {density}"#));
+        desk.stdout(&["measure", "scene.json"]);
+    }
+    let cases: [(&str, &[&str]); 5] = [
+        (r#"{"data": "heat"}"#, &["density", "tets", "size"]),
+        (r#""x - 0.5""#, &["density", "-0.5", "positive"]),
+        (r#"{"size": "x"}"#, &["size", "0", "positive"]),
+        (r#"{"size": "(x - 0.3)^2"}"#, &["size", "farther from zero"]),
+        (r#"{"size": "1 + x^9"}"#, &["degree 9", "8 is the highest"]),
+    ];
+    for (density, words) in cases {
+        scene(&desk, surface, &format!(r#", "density": {density}"#));
+        assert_all_in(&refusal(&desk), words);
+    }
+}
+
+#[test]
+fn every_method_keeps_sites_in_solids_with_holes_and_bends() {
+    for name in ["bracket", "torus", "trefoil"] {
+        let desk = Desk::new();
+        let file = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("scenes/{name}.off"));
+        let domain = format!(r#"{{"surface": {file:?}}}"#);
+        for (method, falls) in [
+            (["--method", "lloyd"], true),
+            (["--method", "quasi-newton"], true),
+            (["--method", "anneal"], false),
+            (["--goal", "cubes"], false),
+        ] {
+            scene(&desk, &domain, "");
+            let mut arguments = vec!["relax", "scene.json", "--out", "run", "--force", "-q"];
+            arguments.extend(["--count", "40", "--iterations", "30"]);
+            arguments.extend(method);
+            desk.stdout(&arguments);
+            let records = desk.records("run");
+            let energy = |k: usize| records[k]["energy_mean"].as_f64().expect("a number");
+            let last = records.len() - 1;
+            assert!(energy(last) < energy(0), "{name} {method:?}");
+            let rises = (1..=last).filter(|&k| energy(k) > energy(k - 1) * (1.0 + 1e-12));
+            assert!(!falls || rises.count() == 0, "{name} {method:?}");
+            // Sites outside would be refused.
+            let text = format!(r#"{{"domain": {domain}, "sites": {{"file": "run/sites.csv"}}}}"#);
+            desk.write("end.json", text);
+            let measured = desk.stdout(&["measure", "end.json"]);
+            let measured: Value = serde_json::from_str(&measured).expect("JSON");
+            let number = |key: &str| measured[key].as_f64().expect("a number");
+            assert!((number("volume_sum") / number("domain_volume") - 1.0).abs() < 1e-11);
+        }
+    }
+}
