@@ -2,6 +2,8 @@
 
 use chebloyd::geometry::bounds::Bounds;
 use chebloyd::geometry::clip::{Clip, ClipScratch, clip};
+use chebloyd::geometry::compact::Compact;
+use chebloyd::geometry::compact_clip::{CompactScratch, Full};
 use chebloyd::geometry::half_space::HalfSpace;
 use chebloyd::geometry::moments::Moments;
 use chebloyd::geometry::polyhedron::Polyhedron;
@@ -95,7 +97,50 @@ fn clipped(planes: &[HalfSpace]) -> Polyhedron {
     polyhedron
 }
 
+/// As [`clipped`], in slots, as far as these suffice.
+fn clipped_in_slots(planes: &[HalfSpace]) -> Result<Polyhedron, Full> {
+    let mut compact = Compact::default();
+    let mut scratch = CompactScratch::default();
+    // What the memory has held before must not matter.
+    for planes in [&planes[planes.len() / 2..], planes] {
+        assert!(compact.assign(&cube()));
+        for (label, plane) in planes.iter().enumerate() {
+            if compact.clip(plane, label as u64, &mut scratch)? == Clip::Emptied {
+                break;
+            }
+        }
+    }
+    let mut polyhedron = Polyhedron::default();
+    compact.write(&mut polyhedron);
+    Ok(polyhedron)
+}
+
+fn labels(polyhedron: &Polyhedron) -> Vec<u64> {
+    polyhedron.facets().map(|facet| facet.label()).collect()
+}
+
 proptest! {
+    #[test]
+    fn slots_hold_the_same_polyhedra(
+        planes in prop::collection::vec(half_space(), 0..30)
+    ) {
+        let (any_size, in_slots) = (clipped(&planes), clipped_in_slots(&planes));
+        let in_slots = in_slots.expect("thirty planes need fewer slots");
+        prop_assert_eq!(check(&in_slots), Ok(()));
+        prop_assert_eq!(labels(&in_slots), labels(&any_size));
+        prop_assert!((volume(&in_slots) - volume(&any_size)).abs() <= 1e-14);
+    }
+
+    #[test]
+    fn slots_hold_planes_through_common_points_too(
+        planes in prop::collection::vec(lattice_half_space(), 0..30)
+    ) {
+        if let Ok(in_slots) = clipped_in_slots(&planes) {
+            prop_assert_eq!(check(&in_slots), Ok(()));
+            prop_assert!((volume(&in_slots) - volume(&clipped(&planes))).abs() <= 1e-13);
+        }
+    }
+
     #[test]
     fn clips_leave_a_closed_simple_polytope(planes in prop::collection::vec(half_space(), 0..30)) {
         prop_assert_eq!(check(&clipped(&planes)), Ok(()));
@@ -162,6 +207,30 @@ fn a_clip_says_what_it_did() {
     );
     assert!(polyhedron.is_empty());
     assert!(volume(&polyhedron).abs() < f64::MIN_POSITIVE);
+}
+
+#[test]
+fn what_does_not_fit_in_slots_stays_as_it_was() {
+    let mut compact = Compact::default();
+    let mut scratch = CompactScratch::default();
+    assert!(compact.assign(&cube()));
+    // A dome of ever more facets.
+    let plane = |k: u32| {
+        let (sine, cosine) = (f64::from(k) * 2.4).sin_cos();
+        let height = 1.0 - f64::from(k) / 60.0;
+        let width = (1.0 - height * height).sqrt();
+        HalfSpace {
+            normal: Vector3::new(width * cosine, width * sine, height),
+            offset: 0.9,
+        }
+    };
+    let refused = (0..120).find(|&k| compact.clip(&plane(k), 0, &mut scratch).is_err());
+    let fitting: Vec<_> = (0..refused.expect("64 slots")).map(plane).collect();
+    let mut polyhedron = Polyhedron::default();
+    compact.write(&mut polyhedron);
+    assert_eq!(check(&polyhedron), Ok(()));
+    assert!((volume(&polyhedron) - volume(&clipped(&fitting))).abs() < 1e-13);
+    assert!(!compact.assign(&clipped(&(0..120).map(plane).collect::<Vec<_>>())));
 }
 
 #[test]

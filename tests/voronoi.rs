@@ -196,12 +196,11 @@ fn sites_next_to_each_other_have_cells() {
     );
 }
 
-#[test]
-fn cells_agree_with_brute_force() {
-    let sites = Uniform::new(11).points(150);
+/// Compares all cells in the unit cube with those cut by every other site in turn.
+fn assert_brute_force_agrees(sites: &[Point3<f64>], what: &str) {
     let domain = Cuboid::unit();
     let mut scratch = ClipScratch::default();
-    for (site, (volume, neighbors)) in cells(&domain, &sites, 1e-12).iter().enumerate() {
+    for (site, (volume, neighbors)) in cells(&domain, sites, 1e-12).iter().enumerate() {
         let mut cell = Polyhedron::default();
         domain.start(&sites[site], site as u32, &mut cell);
         for (other, position) in sites.iter().enumerate().filter(|(other, _)| *other != site) {
@@ -212,12 +211,47 @@ fn cells_agree_with_brute_force() {
             };
             clip(&mut cell, &bisector, neighbor.label(), &mut scratch);
         }
-        assert!((Moments::of(&cell).volume - volume).abs() < 1e-14);
+        assert!((Moments::of(&cell).volume - volume).abs() < 1e-14, "{what}");
         let large = cell
             .facets()
             .filter(|facet| facet.area_vector().norm() > 1e-12);
         let expected: BTreeSet<_> = large.map(|facet| Beyond::of(facet.label())).collect();
-        assert_eq!(&expected, neighbors, "site {site}");
+        assert_eq!(&expected, neighbors, "{what}, site {site}");
+    }
+}
+
+#[test]
+fn cells_agree_with_brute_force() {
+    assert_brute_force_agrees(&Uniform::new(11).points(150), "uniform");
+}
+
+#[test]
+fn crowded_and_lopsided_cells_agree_with_brute_force() {
+    let mut random = Uniform::new(15);
+    let mut of = |place: fn(Point3<f64>) -> Point3<f64>| -> Vec<Point3<f64>> {
+        random.points(400).into_iter().map(place).collect()
+    };
+    let crowd = of(|p| Point3::from((p.coords * 0.1).add_scalar(0.4)));
+    let with_others = [crowd.clone(), of(|p| p)[..20].to_vec()].concat();
+    let rod = of(|p| Point3::new(p.x, 0.5 + 1e-3 * p.y, 0.5 + 1e-3 * p.z));
+    let layer = of(|p| Point3::new(p.x, p.y, 0.5 + 1e-4 * p.z));
+    let graded = of(|p| Point3::from(p.coords.map(|x| x.powi(5))));
+    // About the middle, a cell of several hundred facets.
+    let toward = |p: Point3<f64>| p.coords.add_scalar(-0.5).normalize();
+    let sphere = of(|p| p).into_iter().map(toward);
+    let mut sphere: Vec<_> = sphere
+        .map(|way| Point3::from((way * 0.4).add_scalar(0.5)))
+        .collect();
+    sphere.push(Point3::new(0.5, 0.5, 0.5));
+    for (what, sites) in [
+        ("crowd", crowd),
+        ("crowd among few", with_others),
+        ("rod", rod),
+        ("layer", layer),
+        ("graded", graded),
+        ("sphere", sphere),
+    ] {
+        assert_brute_force_agrees(&sites, what);
     }
 }
 

@@ -58,17 +58,6 @@ pub trait Domain: Debug + Send + Sync {
         true
     }
 
-    /// The greatest squared distance of a point of `cell` ∩ Ω from the site, or an upper bound
-    /// (L²). `cell`, in coordinates relative to `site`, holds the site.
-    fn radius_squared(
-        &self,
-        _site: &Point3<f64>,
-        cell: &Polyhedron,
-        _scratch: &mut PieceScratch,
-    ) -> f64 {
-        cell.radius_squared()
-    }
-
     /// Visits the signed pieces of `cell` ∩ Ω. Cell and pieces are in coordinates relative to
     /// `site`, which both the cell and Ω hold.
     fn pieces(

@@ -203,15 +203,6 @@ impl Domain for TetSolid {
         false
     }
 
-    fn radius_squared(
-        &self,
-        site: &Point3<f64>,
-        cell: &Polyhedron,
-        scratch: &mut PieceScratch,
-    ) -> f64 {
-        self.boundary.radius_squared(site, cell, scratch)
-    }
-
     fn pieces(
         &self,
         site: &Point3<f64>,

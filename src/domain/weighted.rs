@@ -106,15 +106,6 @@ impl Domain for WeightedDomain {
         self.domain.is_convex()
     }
 
-    fn radius_squared(
-        &self,
-        site: &Point3<f64>,
-        cell: &Polyhedron,
-        scratch: &mut PieceScratch,
-    ) -> f64 {
-        self.domain.radius_squared(site, cell, scratch)
-    }
-
     fn pieces(
         &self,
         site: &Point3<f64>,

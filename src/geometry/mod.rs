@@ -3,6 +3,8 @@
 pub mod bounds;
 pub mod box_tree;
 pub mod clip;
+pub mod compact;
+pub mod compact_clip;
 pub mod faceted;
 pub mod half_plane;
 pub mod half_space;

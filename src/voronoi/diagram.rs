@@ -5,8 +5,9 @@ use rayon::prelude::*;
 use thiserror::Error;
 
 use crate::domain::space::Domain;
-use crate::voronoi::cell::{Cell, CellBuilder, Duplicate};
+use crate::voronoi::cell::{Cell, CellBuilder};
 use crate::voronoi::index::SiteIndex;
+use crate::voronoi::search::Duplicate;
 
 /// How many cells a thread takes at least: enough to pay for its memory, few enough to balance.
 const CELLS_PER_TASK: usize = 64;
@@ -95,13 +96,8 @@ impl<'a> Diagram<'a> {
         if let Some(error) = sites.par_iter().enumerate().find_map_first(check) {
             return Err(error);
         }
-        let periods = domain.periods();
-        let index = if periods.iter().any(Option::is_some) {
-            let wrapped: Vec<_> = sites.iter().map(|site| domain.wrap(site)).collect();
-            SiteIndex::new(&wrapped, &domain.bounds(), periods)
-        } else {
-            SiteIndex::new(sites, &domain.bounds(), periods)
-        };
+        let wrapped = sites.par_iter().map(|site| domain.wrap(site));
+        let index = SiteIndex::new(wrapped, domain.periods());
         Ok(Self { domain, index })
     }
 

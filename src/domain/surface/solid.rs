@@ -185,24 +185,6 @@ impl Domain for SurfaceSolid {
         false
     }
 
-    fn radius_squared(
-        &self,
-        site: &Point3<f64>,
-        cell: &Polyhedron,
-        scratch: &mut PieceScratch,
-    ) -> f64 {
-        match scratch.clipped.meet(self, site, cell) {
-            Meeting::Clipped => scratch
-                .clipped
-                .part
-                .vertices()
-                .fold(0.0, |far: f64, vertex| {
-                    far.max(vertex.coords.norm_squared())
-                }),
-            Meeting::Apart | Meeting::Tangled => cell.radius_squared(),
-        }
-    }
-
     fn pieces(
         &self,
         site: &Point3<f64>,

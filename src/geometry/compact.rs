@@ -1,0 +1,195 @@
+//! Small convex polyhedra in fixed slots, for the many cuts that make a cell.
+//!
+//! A cell has some 16 facets and 27 vertices and sees twice as many on its way. So its vertices live
+//! in 64 slots, a bit each: sets of vertices are masks, nothing moves when others go, and an empty
+//! slot lies at the origin, where its numbers do no harm to sums over whole blocks. What does not fit
+//! is left to [`Polyhedron`].
+//!
+//! # Convention
+//!
+//! As in a polyhedron, edge k of a vertex has facet k on its left and facet k + 2 on its right. Edge
+//! k of slot s, as it leaves s, is the byte 4 s + k. `twins` holds the same edge as it leaves its
+//! other end. `facets` holds facet k in byte 4 s + k + 1 and facet 2 once more in byte 4 s, so that
+//! the facet right of edge e is `facets[e]` and the left one `facets[e + 1]`.
+
+use wide::f64x4;
+
+use crate::geometry::half_space::HalfSpace;
+use crate::geometry::label::Label;
+use crate::geometry::polyhedron::Polyhedron;
+
+/// Vertices at most: a mask has as many bits.
+pub(crate) const SLOTS: usize = 64;
+
+/// Bytes that number edges, one in four unused.
+pub(crate) const EDGES: usize = 4 * SLOTS;
+
+/// Planes at most, those that bound nothing any more included: their numbers are bytes.
+pub(crate) const PLANES: usize = 256;
+
+/// Slots handled together.
+pub(crate) const BLOCK: usize = 4;
+
+/// A convex polyhedron of at most 64 vertices.
+#[derive(Clone, Debug)]
+pub struct Compact {
+    pub(crate) x: [f64; SLOTS],
+    pub(crate) y: [f64; SLOTS],
+    pub(crate) z: [f64; SLOTS],
+    /// Squared distances from the origin.
+    pub(crate) square: [f64; SLOTS],
+    pub(crate) facets: [u8; EDGES],
+    pub(crate) twins: [u8; EDGES],
+    /// The slots in use.
+    pub(crate) alive: u64,
+    pub(crate) planes: Vec<HalfSpace>,
+    pub(crate) labels: Vec<Label>,
+}
+
+impl Default for Compact {
+    fn default() -> Self {
+        Self {
+            x: [0.0; SLOTS],
+            y: [0.0; SLOTS],
+            z: [0.0; SLOTS],
+            square: [0.0; SLOTS],
+            facets: [0; EDGES],
+            twins: [0; EDGES],
+            alive: 0,
+            planes: Vec::new(),
+            labels: Vec::new(),
+        }
+    }
+}
+
+impl Compact {
+    /// Becomes a copy of `other`; returns whether it fits. If it does not, this is empty.
+    #[must_use]
+    pub fn assign(&mut self, other: &Polyhedron) -> bool {
+        self.clear();
+        let count = other.vertex_count();
+        if count == 0 || count > SLOTS || other.planes.len() > PLANES {
+            return false;
+        }
+        for slot in 0..count {
+            let [x, y, z] = [other.x[slot], other.y[slot], other.z[slot]];
+            (self.x[slot], self.y[slot], self.z[slot]) = (x, y, z);
+            self.square[slot] = x * x + y * y + z * z;
+            let [a, b, c] = other.facets[slot].map(|facet| facet as u8);
+            self.facets[4 * slot..][..4].copy_from_slice(&[c, a, b, c]);
+            for edge in 0..3 {
+                let end = other.next[slot][edge] as usize;
+                // The facet on the right of the edge is on the left of its twin.
+                let back = other.slot(end, other.facets[slot][(edge + 2) % 3]);
+                self.twins[4 * slot + edge] = (4 * end + back) as u8;
+            }
+        }
+        self.alive = u64::MAX >> (SLOTS - count);
+        self.planes.extend_from_slice(&other.planes);
+        self.labels.extend_from_slice(&other.labels);
+        true
+    }
+
+    /// Makes `other` a copy of this, with the facets that have vertices.
+    pub fn write(&self, other: &mut Polyhedron) {
+        other.clear();
+        let mut numbers = [u32::MAX; PLANES];
+        let mut vertices = [0; SLOTS];
+        for (vertex, slot) in slots(self.alive).enumerate() {
+            vertices[slot] = vertex as u32;
+            for facet in &self.facets[4 * slot..][1..4] {
+                numbers[usize::from(*facet)] = 0;
+            }
+        }
+        for ((plane, label), number) in self.planes.iter().zip(&self.labels).zip(&mut numbers) {
+            if *number == 0 {
+                *number = other.planes.len() as u32;
+                other.planes.push(*plane);
+                other.labels.push(*label);
+            }
+        }
+        let count = self.alive.count_ones() as usize;
+        for (coordinates, all) in [
+            (&mut other.x, &self.x),
+            (&mut other.y, &self.y),
+            (&mut other.z, &self.z),
+        ] {
+            coordinates.resize(count, 0.0);
+            for (coordinate, slot) in coordinates.iter_mut().zip(slots(self.alive)) {
+                *coordinate = all[slot];
+            }
+        }
+        other.facets.resize(count, [0; 3]);
+        other.next.resize(count, [0; 3]);
+        let rows = other.facets.iter_mut().zip(&mut other.next);
+        for ((facets, next), slot) in rows.zip(slots(self.alive)) {
+            let first = 4 * slot;
+            for edge in 0..3 {
+                facets[edge] = numbers[usize::from(self.facets[first + edge + 1])];
+                next[edge] = vertices[usize::from(self.twins[first + edge] / 4)];
+            }
+        }
+    }
+
+    /// The greatest squared distance of a vertex from the origin (L²).
+    #[must_use]
+    pub fn radius_squared(&self) -> f64 {
+        let blocks = self.square.as_chunks::<BLOCK>().0;
+        let far = blocks[..self.block_count()]
+            .iter()
+            .fold(f64x4::ZERO, |far, block| far.fast_max(f64x4::new(*block)));
+        let [a, b, c, d] = far.to_array();
+        a.max(b).max(c.max(d))
+    }
+
+    /// The slots in use whose vertices lie farther from the origin than the root of `square`.
+    pub(crate) fn beyond(&self, square: f64) -> impl Iterator<Item = usize> + '_ {
+        slots(self.alive).filter(move |&slot| self.square[slot] > square)
+    }
+
+    /// How many blocks hold all slots in use.
+    pub(crate) fn block_count(&self) -> usize {
+        (SLOTS - self.alive.leading_zeros() as usize).div_ceil(BLOCK)
+    }
+
+    /// Empties the slots of a mask.
+    pub(crate) fn free(&mut self, mask: u64) {
+        for slot in slots(mask) {
+            (self.x[slot], self.y[slot], self.z[slot]) = (0.0, 0.0, 0.0);
+            self.square[slot] = 0.0;
+        }
+        self.alive &= !mask;
+    }
+
+    fn clear(&mut self) {
+        self.free(self.alive);
+        self.planes.clear();
+        self.labels.clear();
+    }
+}
+
+/// The slots of a mask, in ascending order.
+#[inline]
+pub(crate) fn slots(mask: u64) -> Slots {
+    Slots { mask }
+}
+
+/// See [`slots`].
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Slots {
+    mask: u64,
+}
+
+impl Iterator for Slots {
+    type Item = usize;
+
+    #[inline(always)]
+    fn next(&mut self) -> Option<usize> {
+        if self.mask == 0 {
+            return None;
+        }
+        let slot = self.mask.trailing_zeros() as usize % SLOTS;
+        self.mask &= self.mask - 1;
+        Some(slot)
+    }
+}

@@ -1,0 +1,213 @@
+//! The sites that shape a cell: bisectors of ever farther sites until the security radius.
+//!
+//! A site farther from x than twice the farthest vertex of the cell so far cannot cut it any more
+//! (\[RSL\] section 3). The nearest few dozen sites come sorted and shape the cell; of what lies
+//! beyond, only that is looked at which the far vertices of the cell can feel. So a cell
+//! that reaches far out of a crowd, or a crowd that lies uneven, costs little more than others.
+
+use nalgebra::Point3;
+
+use crate::domain::beyond::Beyond;
+use crate::geometry::clip::Clip;
+use crate::geometry::compact_clip::Full;
+use crate::geometry::half_space::HalfSpace;
+use crate::voronoi::far::FarVertices;
+use crate::voronoi::index::SiteIndex;
+use crate::voronoi::shape::Shape;
+use crate::voronoi::surroundings::{Candidate, Subtree, Surroundings};
+
+/// Two sites in one place.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Duplicate {
+    /// The smaller index.
+    pub first: u32,
+    /// The greater index.
+    pub second: u32,
+}
+
+/// Why a cell could not be finished.
+pub(crate) enum Halt {
+    Full,
+    Duplicate(Duplicate),
+}
+
+/// The search for the sites that shape a cell.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Search {
+    surroundings: Surroundings,
+    far: FarVertices,
+    stack: Vec<Subtree>,
+}
+
+/// Where a search is.
+struct Task<'a, S> {
+    index: &'a SiteIndex,
+    place: usize,
+    site: Point3<f64>,
+    shape: &'a mut S,
+    /// The squared distance from which on no site cuts.
+    needed: f64,
+    /// The squared distance within which all sites have been tried.
+    seen: f64,
+}
+
+impl Search {
+    /// Cuts a shape by all bisectors of the site in `place`.
+    pub(crate) fn shape(
+        &mut self,
+        index: &SiteIndex,
+        place: usize,
+        shape: &mut impl Shape,
+    ) -> Result<(), Halt> {
+        let needed = 4.0 * shape.radius_squared();
+        let look = index.first_look_squared(place).min(needed);
+        let seen = self.surroundings.look(index, place, look);
+        let mut task = Task {
+            index,
+            place,
+            site: index.position(place),
+            shape,
+            needed,
+            seen,
+        };
+        for candidate in self.surroundings.near() {
+            if candidate.distance_squared >= task.needed {
+                break;
+            }
+            task.try_cut(candidate, &self.surroundings)?;
+        }
+        if task.needed > seen {
+            self.look_beyond(&mut task)?;
+        }
+        Ok(())
+    }
+
+    /// Tries what is farther than the first look and within the flower.
+    fn look_beyond(&mut self, task: &mut Task<'_, impl Shape>) -> Result<(), Halt> {
+        let Self {
+            surroundings,
+            far,
+            stack,
+        } = self;
+        task.shape.list_beyond(0.25 * task.seen, far);
+        for candidate in &surroundings.candidates {
+            if candidate.distance_squared > task.seen {
+                task.try_far(candidate, far, surroundings)?;
+            }
+        }
+        let needed = task.needed;
+        surroundings
+            .beyond
+            .retain(|subtree| subtree.gap_squared < needed);
+        surroundings.beyond.sort_unstable_by(|a, b| {
+            a.gap_squared
+                .total_cmp(&b.gap_squared)
+                .then(a.node.cmp(&b.node))
+        });
+        for subtree in &surroundings.beyond {
+            if subtree.gap_squared >= task.needed {
+                break;
+            }
+            stack.push(*subtree);
+            task.descend(stack, far, surroundings)?;
+        }
+        Ok(())
+    }
+}
+
+impl<S: Shape> Task<'_, S> {
+    /// Looks through the subtrees on the stack.
+    fn descend(
+        &mut self,
+        stack: &mut Vec<Subtree>,
+        far: &mut FarVertices,
+        surroundings: &Surroundings,
+    ) -> Result<(), Halt> {
+        while let Some(subtree) = stack.pop() {
+            if subtree.gap_squared >= self.needed {
+                continue;
+            }
+            let by = self.index.shifts()[subtree.shift as usize].by;
+            let here = self.site - by;
+            if !far.meet(&self.index.bounds(subtree.node), &here) {
+                continue;
+            }
+            if self.index.is_leaf(subtree.node) {
+                for place in self.index.places(subtree.node) {
+                    if place != self.place {
+                        let at = (place, subtree.shift);
+                        let candidate = Candidate::new(self.index, &self.site, at, &by);
+                        self.try_far(&candidate, far, surroundings)?;
+                    }
+                }
+            } else {
+                let [near, other] = subtree.children(self.index, &here);
+                stack.push(other);
+                stack.push(near);
+            }
+        }
+        Ok(())
+    }
+
+    /// Cuts by a candidate that is farther than the first look, if it cuts at all.
+    #[inline]
+    fn try_far(
+        &mut self,
+        candidate: &Candidate,
+        far: &mut FarVertices,
+        surroundings: &Surroundings,
+    ) -> Result<(), Halt> {
+        if candidate.distance_squared >= self.needed || !far.exceed(&candidate.bisector()) {
+            return Ok(());
+        }
+        self.try_cut(candidate, surroundings)?;
+        self.shape.list_beyond(0.25 * self.seen, far);
+        Ok(())
+    }
+
+    #[inline]
+    fn try_cut(&mut self, candidate: &Candidate, surroundings: &Surroundings) -> Result<(), Halt> {
+        if candidate.distance_squared <= 0.0 {
+            return Err(Halt::Duplicate(self.duplicate(candidate, surroundings)));
+        }
+        let beyond = Beyond::Neighbor {
+            site: self.index.site(candidate.place as usize),
+            image: self.index.shifts()[candidate.shift as usize].image,
+        };
+        match self.shape.cut(&candidate.bisector(), beyond.label()) {
+            Ok(Clip::Unchanged) => {}
+            Ok(_) => self.needed = 4.0 * self.shape.radius_squared(),
+            Err(Full) => return Err(Halt::Full),
+        }
+        Ok(())
+    }
+
+    /// The site and the first of those in its place.
+    #[cold]
+    fn duplicate(&self, candidate: &Candidate, surroundings: &Surroundings) -> Duplicate {
+        let same = |other: &&Candidate| other.distance_squared <= 0.0;
+        let others = surroundings
+            .candidates
+            .iter()
+            .filter(same)
+            .chain([candidate]);
+        let other = others
+            .map(|other| self.index.site(other.place as usize))
+            .min();
+        let (site, other) = (self.index.site(self.place), other.unwrap_or_default());
+        Duplicate {
+            first: site.min(other),
+            second: site.max(other),
+        }
+    }
+}
+
+impl Candidate {
+    #[inline]
+    fn bisector(&self) -> HalfSpace {
+        HalfSpace {
+            normal: self.displacement,
+            offset: 0.5 * self.distance_squared,
+        }
+    }
+}
