@@ -136,7 +136,7 @@ impl Visit for Linear {
         self.volumes[left.number()] += volume;
         self.volumes[right.number()] -= volume;
         self.areas[interface.number()] += 2.0 * determinant;
-        let loss = determinant / facet.height;
+        let loss = determinant * facet.per_height;
         for (losses, along) in self.losses.iter_mut().zip(facet.normal().iter()) {
             losses[interface.number()] += loss * along;
         }

@@ -9,6 +9,7 @@
 
 use nalgebra::{Point3, Rotation3, Vector3};
 
+use crate::chebyshev::sight::Sight;
 use crate::geometry::faceted::{Faceted, Piece};
 use crate::geometry::half_space::HalfSpace;
 use crate::geometry::label::Label;
@@ -21,6 +22,8 @@ use crate::integrals::polynomial::Polynomial;
 pub(crate) struct FacetConstants {
     pub(crate) normal: Vector3<f64>,
     pub(crate) offset: f64,
+    /// The foot of the perpendicular from the origin.
+    pub(crate) foot: Sight,
 }
 
 impl FacetConstants {
@@ -28,16 +31,12 @@ impl FacetConstants {
         let HalfSpace { normal, offset } = plane;
         let length = normal.norm();
         let scale = if length > 0.0 { 1.0 / length } else { 1.0 };
+        let (normal, offset) = (normal * scale, offset * scale);
         Self {
-            normal: normal * scale,
-            offset: offset * scale,
+            normal,
+            offset,
+            foot: Sight::of(&(normal * offset)),
         }
-    }
-
-    /// The foot of the perpendicular from the origin.
-    #[inline]
-    pub(crate) fn foot(&self) -> Vector3<f64> {
-        self.normal * self.offset
     }
 }
 
@@ -55,19 +54,14 @@ pub(crate) struct EdgeConstants {
 /// A piece prepared for integrals about any center, in the piece's coordinates.
 #[derive(Clone, Debug, Default)]
 pub struct Integrand {
-    pub(crate) vertices: Vec<Vector3<f64>>,
+    pub(crate) vertices: Vec<Sight>,
     pub(crate) facets: Vec<FacetConstants>,
     pub(crate) edges: Vec<EdgeConstants>,
     pub(crate) labels: Vec<Label>,
     /// In the piece's coordinates; none is density 1.
     pub(crate) density: Option<Polynomial>,
     volume: f64,
-    /// Per plane of a convex piece, the facet that it bears.
-    numbers: Vec<u32>,
 }
-
-/// The number of a plane that bears no facet, as far as is known.
-const NONE: u32 = u32::MAX;
 
 impl Integrand {
     /// Prepares `piece`.
@@ -103,11 +97,11 @@ impl Integrand {
     pub fn moments(&self) -> Moments {
         let mut moments = Moments::default();
         for edge in &self.edges {
-            let [a, b] = [edge.from, edge.to].map(|vertex| self.vertices[vertex as usize]);
+            let [a, b] = [edge.from, edge.to].map(|vertex| self.vertices[vertex as usize].point());
             let (sum, squares) = (a + b, a.norm_squared() + b.norm_squared());
             for (facet, area) in [(edge.left, edge.left_area), (edge.right, edge.right_area)] {
                 let facet = &self.facets[facet as usize];
-                let foot = facet.foot();
+                let foot = facet.foot.point();
                 let (all, volume) = (sum + foot, area * facet.offset / 6.0);
                 moments.volume += volume;
                 moments.first += all * (volume / 4.0);
@@ -122,71 +116,71 @@ impl Integrand {
     /// not.
     pub fn rotate(&mut self, rotation: &Rotation3<f64>) {
         for vertex in &mut self.vertices {
-            *vertex = rotation * *vertex;
+            *vertex = Sight::of(&(rotation * vertex.point()));
         }
         for facet in &mut self.facets {
             facet.normal = rotation * facet.normal;
+            facet.foot = Sight::of(&(rotation * facet.foot.point()));
         }
     }
 
     /// The positions of the vertices.
     pub fn vertices(&self) -> impl Iterator<Item = Point3<f64>> + '_ {
-        self.vertices.iter().map(|vertex| Point3::from(*vertex))
+        self.vertices
+            .iter()
+            .map(|vertex| Point3::from(vertex.point()))
     }
 
     fn assign_convex(&mut self, piece: &Polyhedron) {
         self.vertices.clear();
-        self.vertices.extend(piece.vertices().map(|v| v.coords));
-        self.facets.clear();
-        self.labels.clear();
-        self.numbers.clear();
-        self.numbers.resize(piece.planes.len(), NONE);
-        for &plane in piece.facets.iter().flatten() {
-            let plane = plane as usize;
-            if self.numbers[plane] == NONE {
-                self.numbers[plane] = self.facets.len() as u32;
-                self.facets.push(FacetConstants::new(&piece.planes[plane]));
-                self.labels.push(piece.labels[plane]);
-            }
-        }
-        self.edges.clear();
-        self.volume = 0.0;
+        let coordinates = piece.x.iter().zip(&piece.y).zip(&piece.z);
+        let vertices = coordinates.map(|((x, y), z)| Sight::new(*x, *y, *z));
+        self.vertices.extend(vertices);
+        self.assign_facets(piece.planes.iter().zip(&piece.labels));
+        self.edges.reserve(piece.facets.len() * 3 / 2);
         for (from, (facets, next)) in piece.facets.iter().zip(&piece.next).enumerate() {
+            let from = from as u32;
             for slot in 0..3 {
                 let to = next[slot];
-                if (from as u32) < to {
-                    let [left, right] = [facets[slot], facets[(slot + 2) % 3]]
-                        .map(|plane| self.numbers[plane as usize]);
-                    self.push_edge([from as u32, to], [left, right]);
+                if from < to {
+                    self.push_edge([from, to], [facets[slot], facets[(slot + 2) % 3]]);
                 }
             }
         }
+        self.volume /= 6.0;
     }
 
     /// A facet that is not convex or not connected is the signed sum of the triangles on its edges
     /// no less than a convex one, and the walk takes it for what it is.
     fn assign_faceted(&mut self, piece: &Faceted) {
         self.vertices.clear();
-        self.vertices.extend_from_slice(&piece.vertices);
-        self.facets.clear();
-        let planes = piece.facets.iter().map(|(plane, _)| plane);
-        self.facets.extend(planes.map(FacetConstants::new));
-        self.labels.clear();
-        self.labels
-            .extend(piece.facets.iter().map(|(_, label)| label));
-        self.edges.clear();
-        self.volume = 0.0;
+        self.vertices.extend(piece.vertices.iter().map(Sight::of));
+        self.assign_facets(piece.facets.iter().map(|(plane, label)| (plane, label)));
         for edge in &piece.edges {
             self.push_edge([edge.from, edge.to], [edge.left, edge.right]);
         }
+        self.volume /= 6.0;
     }
 
+    fn assign_facets<'a>(&mut self, planes: impl Iterator<Item = (&'a HalfSpace, &'a Label)>) {
+        self.facets.clear();
+        self.labels.clear();
+        for (plane, label) in planes {
+            self.facets.push(FacetConstants::new(plane));
+            self.labels.push(*label);
+        }
+        self.edges.clear();
+        self.volume = 0.0;
+    }
+
+    /// Adds an edge, and to `volume` six times that of the tetrahedra on it.
     #[inline]
     fn push_edge(&mut self, [from, to]: [u32; 2], [left, right]: [u32; 2]) {
-        let fan = self.vertices[from as usize].cross(&self.vertices[to as usize]);
+        let [a, b] = [from, to].map(|vertex| self.vertices[vertex as usize].point());
+        let fan = a.cross(&b);
         let [on_left, on_right] = [left, right].map(|facet| &self.facets[facet as usize]);
         let (left_area, right_area) = (on_left.normal.dot(&fan), -on_right.normal.dot(&fan));
-        self.volume += (left_area * on_left.offset + right_area * on_right.offset) / 6.0;
+        self.volume += left_area * on_left.offset + right_area * on_right.offset;
         self.edges.push(EdgeConstants {
             from,
             to,

@@ -19,4 +19,5 @@ pub(crate) mod weighted;
 pub(crate) mod weighted_borders;
 
 mod segments;
+mod sight;
 mod visit;

@@ -5,47 +5,7 @@ use nalgebra::Vector3;
 use crate::chebyshev::integrand::Integrand;
 use crate::chebyshev::interface::{Interface, Mark};
 use crate::chebyshev::sector::Sector;
-
-/// A point as seen from the center of the walk: its displacement from there, as the distance
-/// functions of the six sectors see it: x, −x, y, −y, z, −z, and two slots of no meaning.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Sight([f64; Sector::SLOTS]);
-
-impl Sight {
-    /// The point `displacement` away from the center.
-    #[inline]
-    pub(crate) fn new(displacement: &Vector3<f64>) -> Self {
-        let [x, y, z] = [displacement.x, displacement.y, displacement.z];
-        Self([x, -x, y, -y, z, -z, 0.0, 0.0])
-    }
-
-    /// The displacement from the center.
-    #[inline]
-    pub(crate) fn point(&self) -> Vector3<f64> {
-        Vector3::new(self.0[0], self.0[2], self.0[4])
-    }
-
-    /// What the sector's distance function is here.
-    #[inline]
-    pub(crate) fn distance(&self, sector: Sector) -> f64 {
-        self.0[sector.number()]
-    }
-
-    /// The coordinate along an axis.
-    #[inline]
-    pub(crate) fn along(&self, axis: usize) -> f64 {
-        self.0[2 * axis % Sector::SLOTS]
-    }
-
-    /// The point as the end of a share in `sector`.
-    #[inline]
-    pub(crate) fn corner(&self, sector: Sector) -> Corner {
-        Corner {
-            distance: self.distance(sector),
-            point: self.point(),
-        }
-    }
-}
+use crate::chebyshev::sight::Sight;
 
 /// An end of a share.
 #[derive(Clone, Copy, Debug)]
@@ -54,6 +14,17 @@ pub(crate) struct Corner {
     pub(crate) distance: f64,
     /// Its displacement from the center.
     pub(crate) point: Vector3<f64>,
+}
+
+impl Corner {
+    /// A point of `sector`.
+    #[inline]
+    pub(crate) fn new(sight: &Sight, sector: Sector) -> Self {
+        Self {
+            distance: sight.distance(sector),
+            point: sight.point(),
+        }
+    }
 }
 
 /// A facet as seen from the center of the walk.
@@ -67,6 +38,8 @@ pub(crate) struct FacetView<'a> {
     pub(crate) anchor: &'a Sight,
     /// The center's signed height below the facet's plane.
     pub(crate) height: f64,
+    /// One over it, infinite in the plane.
+    pub(crate) per_height: f64,
 }
 
 impl FacetView<'_> {

@@ -18,7 +18,8 @@ use crate::chebyshev::integrand::{EdgeConstants, Integrand};
 use crate::chebyshev::interface::{Endpoint, Mark};
 use crate::chebyshev::sector::Sector;
 use crate::chebyshev::segments::{Endpoints, Spare, report_segments};
-use crate::chebyshev::visit::{Corner, FacetView, Side, Sight, Visit};
+use crate::chebyshev::sight::Sight;
+use crate::chebyshev::visit::{Corner, FacetView, Side, Visit};
 use crate::chebyshev::weighted::Places;
 
 /// The memory of a walk, to be reused from one center to the next.
@@ -54,7 +55,7 @@ pub(crate) fn walk(
     scratch: &mut WalkScratch,
     visitor: &mut impl Visit,
 ) {
-    prepare(piece, center, scratch);
+    prepare(piece, center, &Sight::of(center), scratch);
     for edge in &piece.edges {
         let a = &scratch.vertices[edge.from as usize];
         let b = &scratch.vertices[edge.to as usize];
@@ -62,13 +63,18 @@ pub(crate) fn walk(
         if from == to {
             // The distance is convex along the edge, so no other sector comes between.
             let sides = sides(piece, edge, &scratch.facets);
-            let ends = [&a.sight.corner(from), &b.sight.corner(from)];
+            let ends = [&Corner::new(&a.sight, from), &Corner::new(&b.sight, from)];
             visitor.share(&sides, from, 1.0, ends);
         } else if let Some((end, mark)) = only_crossing(a, b) {
             let sides = sides(piece, edge, &scratch.facets);
             let between = corner(Endpoint::passing(from, to), &mark);
-            visitor.share(&sides, from, end, [&a.sight.corner(from), &between]);
-            visitor.share(&sides, to, 1.0 - end, [&between, &b.sight.corner(to)]);
+            visitor.share(&sides, from, end, [&Corner::new(&a.sight, from), &between]);
+            visitor.share(
+                &sides,
+                to,
+                1.0 - end,
+                [&between, &Corner::new(&b.sight, to)],
+            );
             note(
                 edge,
                 (from, to),
@@ -89,14 +95,15 @@ pub(crate) fn walk(
     }
 }
 
-fn prepare(piece: &Integrand, center: &Vector3<f64>, scratch: &mut WalkScratch) {
+/// Looks at the piece from the center. Out of line, lest the compiler finds out how the lanes of
+/// `from` hang together and takes them one by one.
+#[inline(never)]
+fn prepare(piece: &Integrand, center: &Vector3<f64>, from: &Sight, scratch: &mut WalkScratch) {
     scratch.vertices.clear();
     scratch.vertices.extend(piece.vertices.iter().map(|vertex| {
-        let displacement = vertex - center;
-        VertexSight {
-            sight: Sight::new(&displacement),
-            sector: Sector::of(&displacement),
-        }
+        let sight = vertex.from(from);
+        let sector = sight.sector();
+        VertexSight { sight, sector }
     }));
     let count = piece.facets.len();
     if scratch.endpoints.len() < count {
@@ -110,7 +117,7 @@ fn prepare(piece: &Integrand, center: &Vector3<f64>, scratch: &mut WalkScratch) 
         .facets
         .extend(piece.facets.iter().map(|facet| FacetSight {
             height: facet.offset - facet.normal.dot(center),
-            anchor: Sight::new(&(facet.foot() - center)),
+            anchor: facet.foot.from(from),
         }));
     scratch.spare.clear();
 }
@@ -123,6 +130,7 @@ fn view<'a>(piece: &'a Integrand, number: usize, facets: &'a [FacetSight]) -> Fa
         piece,
         anchor,
         height: *height,
+        per_height: 1.0 / height,
     }
 }
 
@@ -211,7 +219,7 @@ fn split_edge(
     let (mut sector, goal) = (a.sector, b.sector);
     let (a, b) = (a.sight, b.sight);
     let sides = sides(piece, edge, &scratch.facets);
-    let (mut start, mut last) = (0.0, a.corner(sector));
+    let (mut start, mut last) = (0.0, Corner::new(&a, sector));
     while sector != goal {
         let (end, following) = next_sector([&a, &b], sector, goal, start);
         let endpoint = Endpoint::passing(sector, following);
@@ -227,7 +235,12 @@ fn split_edge(
         );
         (start, last, sector) = (end, next, following);
     }
-    visitor.share(&sides, sector, 1.0 - start, [&last, &b.corner(sector)]);
+    visitor.share(
+        &sides,
+        sector,
+        1.0 - start,
+        [&last, &Corner::new(&b, sector)],
+    );
 }
 
 /// Where along the edge from `a` to `b`, not before `start`, `sector` ends, and which sector
