@@ -236,6 +236,7 @@ fn cells_follow_the_wanted_size() {
         iterations: 40,
         tolerance: 0.0,
         question: LINF,
+        is_accelerated: false,
     };
     lloyd(&space, &mut sites, &options, None, &mut |record, _| {
         energies.push(record.energy_mean);
@@ -341,6 +342,7 @@ fn cells_follow_a_wanted_size_within_a_surface() {
         iterations: 30,
         tolerance: 0.0,
         question: LINF,
+        is_accelerated: false,
     };
     let mut energies = Vec::new();
     lloyd(&space, &mut sites, &options, None, &mut |record, sites| {

@@ -55,6 +55,7 @@ fn options(iterations: u64, question: Question) -> LloydOptions {
         iterations,
         tolerance: 0.0,
         question,
+        is_accelerated: false,
     }
 }
 
@@ -289,6 +290,7 @@ fn a_tolerance_ends_the_run() {
         iterations: 500,
         tolerance: 1e-3,
         question: LINF,
+        is_accelerated: false,
     };
     let mut last = None;
     let ended = lloyd(&unit(), &mut sites, &options, None, &mut |record, _| {

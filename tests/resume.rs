@@ -184,6 +184,16 @@ fn quasi_newton_and_annealing_go_on_where_they_ended() {
     for method in [
         &["--method", "quasi-newton"][..],
         &["--method", "anneal"],
+        &["--method", "lloyd", "--accelerate"],
+        &["--method", "lloyd", "--accelerate", "--coarse-to-fine", "1"],
+        &[
+            "--method",
+            "quasi-newton",
+            "--warm-up",
+            "3",
+            "--memory",
+            "4",
+        ],
         &["--method", "lloyd", "--coarse-to-fine", "1"],
         &["--goal", "cubes", "--coarse-to-fine", "1"],
     ] {
@@ -203,4 +213,59 @@ fn quasi_newton_and_annealing_go_on_where_they_ended() {
         assert_eq!(desk.read("whole/sites.csv"), desk.read("parts/sites.csv"));
         assert_eq!(desk.records("whole"), desk.records("parts"));
     }
+}
+
+/// Where the method allows, going on to N moves is the same as asking for N at once.
+#[test]
+fn longer_runs_begin_like_shorter_ones() {
+    for method in [
+        &["--method", "quasi-newton"][..],
+        &["--method", "lloyd", "--accelerate"],
+    ] {
+        let desk = Desk::new();
+        let relax = |out: &str, rest: &[&str]| {
+            let mut arguments = vec!["relax", "--out", out];
+            arguments.extend(rest);
+            desk.stdout(&arguments);
+        };
+        let start = |out: &str, iterations: &str| {
+            let mut rest = vec!["--count", "60", "--iterations", iterations];
+            rest.extend(method);
+            relax(out, &rest);
+        };
+        start("whole", "20");
+        start("parts", "8");
+        relax("parts", &["--resume", "--iterations", "20"]);
+        assert_eq!(desk.read("whole/sites.csv"), desk.read("parts/sites.csv"));
+        assert_eq!(desk.records("whole"), desk.records("parts"));
+    }
+}
+
+/// Rounds that were cut short for the return to the best sites go on where there is room for more.
+#[test]
+fn an_annealing_that_was_cut_short_goes_on_with_its_rounds() {
+    let desk = Desk::new();
+    let round = || {
+        let records = desk.records("r");
+        records[records.len() - 1]["round"]
+            .as_u64()
+            .expect("a round")
+    };
+    desk.stdout(&[
+        "relax",
+        "--out",
+        "r",
+        "--count",
+        "60",
+        "--method",
+        "anneal",
+        "--iterations",
+        "190",
+    ]);
+    let before = round();
+    let best = |run: &Value| run["final"]["energy_mean"].as_f64().expect("a number");
+    let energy = best(&desk.json("r/run.json"));
+    desk.stdout(&["relax", "--resume", "--out", "r", "--iterations", "260"]);
+    assert!(round() > before, "{before}");
+    assert!(best(&desk.json("r/run.json")) <= energy * (1.0 + 1e-12));
 }

@@ -352,6 +352,7 @@ fn relax(
         iterations,
         tolerance: 0.0,
         question: Question { norm, ..LINF },
+        is_accelerated: false,
     };
     lloyd(space, &mut sites, &options, None, &mut |record, sites| {
         energies.push(record.energy_percent);

@@ -167,6 +167,7 @@ impl<'a, const D: usize, G: Ground<D>> Job<'a, D, G> {
                     iterations,
                     tolerance: scene.method.tolerance(),
                     question: question(scene),
+                    is_accelerated: scene.method.is_accelerated(),
                 },
                 resumed.as_ref(),
                 &mut |record, sites| observe(record, sites, None),

@@ -14,6 +14,7 @@ use crate::cli::arguments::Common;
 use crate::cli::failure::Failure;
 use crate::cli::ground::{Ground, plane, space};
 use crate::cli::job::{Description, Job};
+use crate::cli::method_options::MethodOptions;
 use crate::cli::scene_options::SceneOptions;
 
 /// Relax sites until their cells are near-cubic
@@ -31,7 +32,8 @@ pub(crate) struct Options {
     #[arg(long)]
     force: bool,
     /// Go on with the run that DIR holds
-    #[arg(long, conflicts_with_all = ["force", "scene", "sites", "count", "seed", "norm", "method", "goal", "coarse_to_fine"])]
+    #[arg(long, conflicts_with_all = ["force", "scene", "sites", "count", "seed", "norm", "method", "goal", "coarse_to_fine", "order"])]
+    #[arg(conflicts_with_all = MethodOptions::NAMES)]
     resume: bool,
     /// How many moves, those before a resumption counted
     #[arg(long, value_name = "K")]
@@ -48,6 +50,8 @@ pub(crate) struct Options {
     /// Relax one site in 8^L first, then split each into eight, L times
     #[arg(long, value_name = "L")]
     coarse_to_fine: Option<u32>,
+    #[command(flatten)]
+    of_method: MethodOptions,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -119,6 +123,7 @@ impl Options {
             }),
             is_for_cubes: self.goal.is_some(),
             coarse_to_fine: self.coarse_to_fine,
+            of_method: self.of_method.overrides(),
             ..Overrides::default()
         }
     }

@@ -32,6 +32,9 @@ pub(crate) struct SceneOptions {
     /// The distance to integrate and to minimize
     #[arg(long, value_name = "NORM")]
     norm: Option<NormName>,
+    /// The order p of the Chebyshev energy, the integral of the distance to the power p [default: 1]
+    #[arg(long, value_name = "P")]
+    order: Option<u32>,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -58,6 +61,7 @@ impl SceneOptions {
                 NormName::Linf => Norm::Linf,
                 NormName::L2 => Norm::L2,
             }),
+            order: self.order,
             ..others
         };
         overrides.apply(&mut scene).map_err(Failure::input)?;

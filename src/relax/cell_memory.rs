@@ -132,6 +132,14 @@ impl CellMemory {
         }
     }
 
+    /// The loaded cell's energy about its site.
+    pub(crate) fn energy_at_site(&mut self, asked: Question) -> f64 {
+        match asked.norm {
+            Norm::Linf => self.evaluate(&Vector3::zeros(), asked.order).value,
+            Norm::L2 => self.masses().second,
+        }
+    }
+
     /// A vector of the cell's frame as it points in space.
     pub(crate) fn in_space(&self, vector: Vector3<f64>) -> Vector3<f64> {
         self.frame.map_or(vector, |frame| frame * vector)

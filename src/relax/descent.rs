@@ -16,7 +16,7 @@ use crate::minimize::problem::Ended;
 use crate::relax::objective::Global;
 use crate::relax::record::optimal_side;
 use crate::relax::space::Space;
-use crate::relax::tessellation::Tessellation;
+use crate::relax::tessellation::{Assessment, Tessellation};
 
 /// The first model of the curvature is this share of that of a cube about its center, which is what
 /// a site feels whose cell stands still: cells follow their sites about half of the way. From random
@@ -59,6 +59,14 @@ pub(crate) struct Totals {
 }
 
 impl Totals {
+    pub(crate) fn of_cells(cells: &[Assessment<3>]) -> Self {
+        Self {
+            energy: cells.iter().map(|cell| cell.energy).sum(),
+            chebyshev: cells.iter().map(|cell| cell.chebyshev).sum(),
+            energy_max: cells.iter().map(|cell| cell.energy).fold(0.0, f64::max),
+        }
+    }
+
     pub(crate) fn of(global: &Global) -> Self {
         Self {
             energy: global.energy,

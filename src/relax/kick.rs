@@ -4,7 +4,7 @@ use nalgebra::Point3;
 
 use crate::relax::exchange::{Room, exchange, rooms};
 use crate::relax::noise::{Random, shake};
-use crate::relax::plan::{KickStyle, Kicks};
+use crate::relax::plan::{KickStyle, Kicks, Plan};
 use crate::relax::record::{optimal_energy, optimal_side};
 use crate::relax::space::Space;
 use crate::relax::stand::Stand;
@@ -31,6 +31,15 @@ pub(crate) fn is_perfect(space: &Space, energy: f64, count: usize, order: u32) -
     !space.domain().has_density() && energy <= least * (1.0 + PERFECT)
 }
 
+/// Whether the present level may be kicked again: rounds are left, and its best sites do not yet have
+/// cubes for cells.
+pub(crate) fn has_kicks_left(space: &Space, plan: &Plan, stand: &Stand) -> bool {
+    let (Some(kicks), Some((energy, best))) = (plan.kicks, &stand.best) else {
+        return false;
+    };
+    stand.round < kicks.rounds && !is_perfect(space, *energy, best.len(), plan.question.order)
+}
+
 /// Disturbs `sites`, given whether the last round was the best, and returns how many evaluations
 /// of a cell that took.
 pub(crate) fn kick(
@@ -40,7 +49,7 @@ pub(crate) fn kick(
     sites: &mut [Point3<f64>],
     stand: &mut Stand,
 ) -> Result<f64, DiagramError> {
-    let share = 1.0 - stand.round as f64 / kicks.rounds as f64;
+    let left = 1.0 - stand.round as f64 / kicks.rounds as f64;
     stand.round += 1;
     stand.kicked += 1;
     let mut random = Random::new(kicks.seed, stand.kicked);
@@ -50,7 +59,7 @@ pub(crate) fn kick(
             shake(
                 space,
                 sites,
-                kicks.noise * share * side,
+                kicks.noise * left.powf(kicks.fall) * side,
                 &mut random,
                 |_| true,
             );

@@ -8,6 +8,7 @@ use std::time::Instant;
 
 use nalgebra::Point;
 
+use crate::relax::over_relaxation::{advance, look};
 use crate::relax::record::{Movement, Record};
 use crate::relax::tessellation::{Question, Tessellation};
 
@@ -20,6 +21,9 @@ pub struct LloydOptions {
     pub tolerance: f64,
     /// What is asked of every cell.
     pub question: Question,
+    /// Whether moves are lengthened where that ends lower
+    /// ([`over_relaxation`](crate::relax::over_relaxation)).
+    pub is_accelerated: bool,
 }
 
 /// Why a run ended.
@@ -58,18 +62,19 @@ pub fn lloyd<const D: usize, Space: Tessellation<D>>(
     let mut evaluations = last.map_or(0.0, |record| (record.evaluations * count).round());
     let mut known = last.cloned();
     let mut iteration = last.map_or(0, |record| record.iteration);
+    if let Some(ended) = known.as_ref().and_then(|record| ended(record, options)) {
+        return Ok(ended);
+    }
     let mut movement = Movement::default();
+    let mut now = look(space, sites.to_vec(), options.question)?;
     loop {
-        if let Some(ended) = known.as_ref().and_then(|record| ended(record, options)) {
-            return Ok(ended);
-        }
-        let cells = space.assess(sites, options.question)?;
         let record = match known.take() {
             Some(record) => record,
             None => {
-                let spent: u64 = cells.iter().map(|cell| u64::from(cell.evaluations)).sum();
-                evaluations += spent as f64;
-                let mut record = Record::new(iteration, space.volume(), &cells, movement);
+                evaluations += now.evaluations as f64;
+                let mut record = Record::new(iteration, space.volume(), &now.cells, movement);
+                let is_moved = options.is_accelerated && iteration > 0;
+                record.stage.lengthened = is_moved.then_some(now.is_lengthened);
                 record.evaluations = evaluations / count;
                 record.seconds = earlier + began.elapsed().as_secs_f64();
                 if observer(&record, sites).is_break() {
@@ -81,10 +86,10 @@ pub fn lloyd<const D: usize, Space: Tessellation<D>>(
         if let Some(ended) = ended(&record, options) {
             return Ok(ended);
         }
-        movement = Movement::between(space, sites, cells.iter().map(|cell| &cell.target));
-        for (site, cell) in sites.iter_mut().zip(&cells) {
-            *site = cell.target;
-        }
+        let (question, is_accelerated) = (options.question, options.is_accelerated);
+        now = advance(space, sites, &now.cells, question, is_accelerated)?;
+        movement = Movement::between(space, sites, now.sites.iter());
+        sites.clone_from_slice(&now.sites);
         iteration += 1;
     }
 }

@@ -1,7 +1,8 @@
 //! The loops that move sites, and the records they leave.
 //!
-//! A loop ([`lloyd`]) works on any [`tessellation`]: [`space`] is the one of solids, [`plane`] that
-//! of planar domains. It shows an observer one [`record`] per move.
+//! A loop ([`lloyd`], its moves perhaps made longer by [`over_relaxation`]) works on any
+//! [`tessellation`]: [`space`] is the one of solids, [`plane`] that of planar domains. It shows an
+//! observer one [`record`] per move.
 //!
 //! In space there is more than one loop. [`objective`] is the energy of all cells as a function of
 //! all sites; [`travel`] carries out a [`plan`]: it descends along that objective ([`descent`]) or
@@ -17,6 +18,7 @@ pub mod levels;
 pub mod lloyd;
 pub mod objective;
 pub mod outline;
+pub mod over_relaxation;
 pub mod plan;
 pub mod plane;
 pub mod record;

@@ -24,6 +24,8 @@ pub struct Plan {
     pub tolerance: f64,
     /// Lloyd's moves at the beginning of every level.
     pub warm_up: u64,
+    /// Whether Lloyd's moves are lengthened where that ends lower.
+    pub is_accelerated: bool,
     /// How to descend; `None` for Lloyd's moves alone.
     pub descent: Option<DescentOptions>,
     /// The most moves of a level's first and last descent.
@@ -46,6 +48,7 @@ impl Plan {
             iterations,
             tolerance: 0.0,
             warm_up: 0,
+            is_accelerated: false,
             descent: Some(DescentOptions {
                 order,
                 ..DescentOptions::default()
@@ -87,6 +90,7 @@ impl Kicks {
             rounds,
             steps,
             noise,
+            fall: 1.0,
             style,
             seed: 1,
         }
@@ -102,6 +106,8 @@ pub struct Kicks {
     pub steps: u64,
     /// Standard deviation of the noise along every axis, in sides of the mean cell.
     pub noise: f64,
+    /// The power of 1 − round/rounds with which [`KickStyle::Anneal`]'s noise falls; 1 is linear.
+    pub fall: f64,
     /// What the noise falls on.
     pub style: KickStyle,
     /// From which the noise comes.
@@ -111,7 +117,7 @@ pub struct Kicks {
 /// What a kick does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum KickStyle {
-    /// Noise on all sites as the last round left them, falling linearly to zero over the rounds.
+    /// Noise on all sites as the last round left them, falling to zero over the rounds.
     Anneal,
     /// From the best sites so far: sites from crowded cells go to holes, many at first, fewer when
     /// that does not help; when nothing helps, noise of random size on the cells that are no cubes.

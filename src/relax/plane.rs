@@ -32,6 +32,24 @@ impl Tessellation<2> for Plane {
         self.domain.bounds()
     }
 
+    fn beyond(&self, site: &Point2<f64>, target: &Point2<f64>, factor: f64) -> Point2<f64> {
+        let far = site + (target - site) * factor;
+        if self.domain.contains(&far) {
+            far
+        } else {
+            *target
+        }
+    }
+
+    fn energy(&self, sites: &[Point2<f64>], question: Question) -> Result<f64, PlaneDiagramError> {
+        let diagram = PlaneDiagram::new(&self.domain, sites)?;
+        let energies = diagram.cells.iter().map(|cell| match question.norm {
+            Norm::Linf => energy_at_site(&cell.polygon, question.order),
+            Norm::L2 => cell.polygon.second_moment(&Point2::origin()),
+        });
+        Ok(energies.sum())
+    }
+
     fn assess(
         &self,
         sites: &[Point2<f64>],

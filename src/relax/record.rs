@@ -47,6 +47,9 @@ pub struct Stage {
     /// How many sites this level has, in coarse-to-fine runs.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sites: Option<usize>,
+    /// Whether the move that led here was a lengthened one, in accelerated runs of Lloyd's.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lengthened: Option<bool>,
 }
 
 /// How far sites travelled in one move (L).

@@ -7,6 +7,7 @@ use crate::geometry::bounds::Bounds;
 use crate::relax::cell_memory::CellMemory;
 use crate::relax::figures::CellFigures;
 use crate::relax::frames::Frames;
+use crate::relax::noise::displaced;
 use crate::relax::tessellation::{Assessment, Question, Tessellation};
 use crate::voronoi::diagram::{Diagram, DiagramError};
 
@@ -74,6 +75,20 @@ impl Tessellation<3> for Space {
 
     fn displacement(&self, from: &Point3<f64>, to: &Point3<f64>) -> Vector3<f64> {
         displacement(&self.domain.periods(), from, to)
+    }
+
+    fn beyond(&self, site: &Point3<f64>, target: &Point3<f64>, factor: f64) -> Point3<f64> {
+        let moved = displaced(self, site, self.displacement(site, target) * factor);
+        if moved == *site { *target } else { moved }
+    }
+
+    fn energy(&self, sites: &[Point3<f64>], question: Question) -> Result<f64, DiagramError> {
+        let diagram = Diagram::new(self.domain(), sites)?;
+        let energies = diagram.map(|memory: &mut CellMemory, cell| {
+            memory.load_in_frame(self.domain(), &cell, self.frames.of(cell.site));
+            memory.energy_at_site(question)
+        })?;
+        Ok(energies.iter().sum())
     }
 
     fn assess(

@@ -55,6 +55,16 @@ pub trait Tessellation<const D: usize>: Sync {
         to - from
     }
 
+    /// The place `factor` times as far from `site` as `target`, or as much of that way as keeps the
+    /// site in the domain.
+    fn beyond(&self, site: &Point<f64, D>, target: &Point<f64, D>, factor: f64) -> Point<f64, D>;
+
+    /// The total energy of the cells of `sites`, in the asked norm and order.
+    ///
+    /// # Errors
+    /// When the sites have no diagram.
+    fn energy(&self, sites: &[Point<f64, D>], question: Question) -> Result<f64, Self::Error>;
+
     /// Assesses the cells of all `sites`, in site order.
     ///
     /// # Errors

@@ -13,9 +13,10 @@ use thiserror::Error;
 
 use crate::minimize::lbfgsb_options::LbfgsbError;
 use crate::relax::descent::{Step, Totals, begin, sites_of, step};
-use crate::relax::kick::{is_perfect, kick};
+use crate::relax::kick::{has_kicks_left, is_perfect, kick};
 use crate::relax::levels::{coarsened, refined, sites_of_level};
 use crate::relax::lloyd::Ended;
+use crate::relax::over_relaxation::{Moved, advance, look};
 use crate::relax::plan::Plan;
 use crate::relax::record::{Movement, Record, Stage};
 use crate::relax::space::Space;
@@ -62,6 +63,7 @@ pub fn travel(
         stand,
         sites,
         cells: None,
+        lengthened: None,
         iteration: last.map_or(0, |record| record.iteration),
         movement_percent: last.map_or(f64::INFINITY, |record| record.movement_percent),
     };
@@ -69,6 +71,11 @@ pub fn travel(
         None => Some(traveler.enter()?),
         Some(_) => None,
     };
+    if traveler.stand.is_last && has_kicks_left(space, plan, traveler.stand) {
+        // The rounds were cut short to return to the best sites. With more moves they go on.
+        traveler.stand.is_last = false;
+        traveler.stand.is_last = traveler.is_hurried();
+    }
     let mut movement = Movement::default();
     loop {
         if let Some(totals) = totals {
@@ -83,6 +90,7 @@ pub fn travel(
             return Ok(Ended::Iterations);
         }
         let before = traveler.sites.clone();
+        traveler.lengthened = None;
         totals = traveler.advance()?;
         if totals.is_none() {
             return Ok(Ended::Tolerance);
@@ -103,6 +111,8 @@ struct Traveler<'a> {
     sites: &'a mut Vec<Point3<f64>>,
     /// The answers of the cells of `sites`, if they have been asked.
     cells: Option<Vec<Assessment<3>>>,
+    /// Whether the last move was a lengthened one, if it was one of Lloyd's.
+    lengthened: Option<bool>,
     iteration: u64,
     movement_percent: f64,
 }
@@ -178,43 +188,36 @@ impl Traveler<'_> {
         let has_kicks = u64::from(self.plan.kicks.is_some());
         let to_return = has_kicks * u64::from(!self.stand.is_last);
         let needed = to_return + u64::from(self.stand.level) * (1 + has_kicks);
-        self.plan.iterations - self.iteration <= needed
+        self.plan.iterations.saturating_sub(self.iteration) <= needed
     }
 
     fn lloyd_move(&mut self) -> Result<Totals, TravelError> {
+        let (space, question) = (self.space, self.plan.question);
         let cells = match self.cells.take() {
             Some(cells) => cells,
-            None => self.assess()?,
+            None => space.assess(self.sites, question)?,
         };
-        for (site, cell) in self.sites.iter_mut().zip(&cells) {
-            *site = cell.target;
-        }
+        let is_accelerated = self.plan.is_accelerated;
+        let moved = advance(space, self.sites, &cells, question, is_accelerated)?;
         self.stand.descent = None;
-        self.look()
+        self.lengthened = is_accelerated.then_some(moved.is_lengthened);
+        Ok(self.settle(moved))
     }
 
-    /// The cells as Lloyd's next move needs them.
-    fn look(&mut self) -> Result<Totals, TravelError> {
-        let cells = self.assess()?;
-        let mut totals = Totals::default();
-        for cell in &cells {
-            totals.energy += cell.energy;
-            totals.chebyshev += cell.chebyshev;
-            totals.energy_max = totals.energy_max.max(cell.energy);
-            self.stand.evaluations += f64::from(cell.evaluations);
-        }
-        self.cells = Some(cells);
-        Ok(totals)
-    }
-
-    fn assess(&self) -> Result<Vec<Assessment<3>>, DiagramError> {
-        self.space.assess(self.sites, self.plan.question)
+    /// Takes over sites whose cells are ready for Lloyd's next move.
+    fn settle(&mut self, moved: Moved<3>) -> Totals {
+        let totals = Totals::of_cells(&moved.cells);
+        self.stand.evaluations += moved.evaluations as f64;
+        *self.sites = moved.sites;
+        self.cells = Some(moved.cells);
+        totals
     }
 
     /// Evaluates new sites, from which the next descent begins.
     fn enter(&mut self) -> Result<Totals, TravelError> {
         if self.plan.descent.is_none() {
-            return self.look();
+            let seen = look(self.space, self.sites.clone(), self.plan.question)?;
+            return Ok(self.settle(seen));
         }
         let global = self.space.global(self.sites, self.plan.question.order)?;
         self.stand.evaluations += self.sites.len() as f64;
@@ -229,12 +232,7 @@ impl Traveler<'_> {
     fn turn(&mut self) -> Result<Option<Option<Totals>>, TravelError> {
         if let Some(kicks) = self.plan.kicks.filter(|_| !self.stand.is_last) {
             let is_better = self.keep_best();
-            let Some((energy, best)) = &self.stand.best else {
-                return Ok(Some(None));
-            };
-            let order = self.plan.question.order;
-            let is_perfect = is_perfect(self.space, *energy, best.len(), order);
-            if !is_perfect && self.stand.round < kicks.rounds && !self.is_hurried() {
+            if has_kicks_left(self.space, self.plan, self.stand) && !self.is_hurried() {
                 self.stand.moves = 0;
                 let spent = kick(self.space, &kicks, is_better, self.sites, self.stand)?;
                 self.stand.evaluations += spent;
@@ -242,11 +240,11 @@ impl Traveler<'_> {
             }
             self.stand.is_last = true;
             self.stand.moves = 0;
-            let best = best.clone();
-            if *self.sites == best {
-                return Ok(None);
+            let best = self.stand.best.as_ref().map(|(_, best)| best.clone());
+            match best {
+                Some(best) if *self.sites != best => *self.sites = best,
+                _ => return Ok(None),
             }
-            *self.sites = best;
             return self.enter().map(|totals| Some(Some(totals)));
         }
         if self.stand.level == 0 {
@@ -293,6 +291,7 @@ impl Traveler<'_> {
             level: (self.plan.levels > 0).then_some(self.stand.level),
             round: self.plan.kicks.map(|_| self.stand.round),
             sites: (self.plan.levels > 0).then_some(self.sites.len()),
+            lengthened: self.lengthened,
         };
         record
     }

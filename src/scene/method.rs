@@ -3,11 +3,10 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::relax::descent::DescentOptions;
-use crate::relax::plan::{KickStyle, Kicks, NO_LIMIT};
-use crate::relax::tessellation;
+use crate::relax::plan::{KickStyle, NO_LIMIT};
 use crate::scene::description::Scene;
 use crate::scene::error::Error;
+use crate::scene::method_keys::{Anneal, Lloyd, Minimizer, QuasiNewton};
 use crate::scene::norm::Norm;
 
 /// 8^20 sites are more than any machine holds.
@@ -36,124 +35,9 @@ pub enum MethodName {
     Anneal,
 }
 
-/// What Lloyd's iteration is told.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct Lloyd {
-    /// How many moves at most.
-    pub iterations: u64,
-    /// Stop when `movement_percent` falls below this; 0 never stops early.
-    pub tolerance: f64,
-    /// Which algorithm finds a cell's center.
-    pub minimizer: Minimizer,
-}
-
-/// Which algorithm finds a cell's center; both find the same one.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Minimizer {
-    /// Projected Newton with exact Hessians.
-    #[default]
-    Newton,
-    /// Limited-memory BFGS with bounds, the paper's choice.
-    Lbfgsb,
-}
-
-/// What the quasi-Newton descent is told.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct QuasiNewton {
-    /// How many steps at most, those of the warm-up counted.
-    pub iterations: u64,
-    /// Stop when `movement_percent` falls below this; 0 never stops early.
-    pub tolerance: f64,
-    /// Stop when no component of the projected gradient is larger than this share of s^(2+p), s the
-    /// side of the mean cell, times the mean density.
-    pub gradient_tolerance: f64,
-    /// How many steps the model of the curvature remembers.
-    pub memory: usize,
-    /// How many of Lloyd's moves come first.
-    pub warm_up: u64,
-}
-
-/// What annealing is told.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct Anneal {
-    /// How many moves at most, over all rounds and levels; none if left out.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub iterations: Option<u64>,
-    /// A descent ends when `movement_percent` falls below this.
-    pub tolerance: f64,
-    /// How many rounds on every level; fewer if all cells become cubes.
-    pub rounds: u64,
-    /// Steps of the descent that follows a disturbance.
-    pub steps: u64,
-    /// The greatest standard deviation of the noise, in sides of the mean cell.
-    pub noise: f64,
-    /// From which the noise comes.
-    pub seed: u64,
-    /// Whether sites from crowded cells go to holes, with noise only where that does not help,
-    /// instead of noise everywhere that falls from round to round.
-    pub exchange: bool,
-}
-
 impl Default for Method {
     fn default() -> Self {
         Self::Lloyd(Lloyd::default())
-    }
-}
-
-impl Default for Lloyd {
-    fn default() -> Self {
-        Self {
-            iterations: 50,
-            tolerance: 0.0,
-            minimizer: Minimizer::default(),
-        }
-    }
-}
-
-impl Default for QuasiNewton {
-    fn default() -> Self {
-        let descent = DescentOptions::default();
-        Self {
-            iterations: 200,
-            tolerance: 0.0,
-            gradient_tolerance: descent.gradient_tolerance,
-            memory: descent.memory,
-            warm_up: 0,
-        }
-    }
-}
-
-impl Default for Anneal {
-    fn default() -> Self {
-        Self::of_style(KickStyle::Anneal)
-    }
-}
-
-impl Anneal {
-    fn of_style(style: KickStyle) -> Self {
-        let kicks = Kicks::default_of(style);
-        Self {
-            iterations: None,
-            tolerance: 0.0,
-            rounds: kicks.rounds,
-            steps: kicks.steps,
-            noise: kicks.noise,
-            seed: kicks.seed,
-            exchange: style == KickStyle::Exchange,
-        }
-    }
-}
-
-impl From<Minimizer> for tessellation::Minimizer {
-    fn from(minimizer: Minimizer) -> Self {
-        match minimizer {
-            Minimizer::Newton => Self::Newton,
-            Minimizer::Lbfgsb => Self::Lbfgsb,
-        }
     }
 }
 
@@ -232,6 +116,12 @@ impl Method {
         }
     }
 
+    /// Whether Lloyd's moves are lengthened where that ends lower.
+    #[must_use]
+    pub fn is_accelerated(&self) -> bool {
+        matches!(self, Self::Lloyd(lloyd) if lloyd.accelerate)
+    }
+
     pub(crate) fn validate(&self, scene: &Scene) -> Result<(), Error> {
         let is_plain = matches!(self, Self::Lloyd(_)) && scene.coarse_to_fine.unwrap_or(0) == 0;
         if scene.dimension == 2 && !is_plain {
@@ -260,6 +150,11 @@ impl Method {
             Self::Anneal(anneal) => {
                 not_negative("method.anneal.tolerance", anneal.tolerance)?;
                 not_negative("method.anneal.noise", anneal.noise)?;
+                not_negative("method.anneal.fall", anneal.fall)?;
+                let key = "method.anneal.gradient_tolerance";
+                not_negative(key, anneal.gradient_tolerance)?;
+                at_least_one("method.anneal.memory", anneal.memory as u64)?;
+                at_least_one("method.anneal.first_steps", anneal.first_steps)?;
                 at_least_one("method.anneal.rounds", anneal.rounds)?;
                 at_least_one("method.anneal.steps", anneal.steps)
             }

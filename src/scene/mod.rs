@@ -20,6 +20,8 @@ pub mod frames;
 pub mod grid;
 pub mod mesh_domain;
 pub mod method;
+pub mod method_keys;
+pub mod method_overrides;
 pub mod norm;
 pub mod output;
 pub mod overrides;

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use crate::scene::description::Scene;
 use crate::scene::error::Error;
 use crate::scene::method::{Method, MethodName};
+use crate::scene::method_overrides::MethodOverrides;
 use crate::scene::norm::Norm;
 use crate::scene::sites::Sites;
 
@@ -31,13 +32,18 @@ pub struct Overrides {
     pub coarse_to_fine: Option<u32>,
     /// The movement in percent below which to stop.
     pub tolerance: Option<f64>,
+    /// The order p of the Chebyshev energy.
+    pub order: Option<u32>,
+    /// What replaces the method's own keys.
+    pub of_method: MethodOverrides,
 }
 
 impl Overrides {
     /// Changes `scene` as told.
     ///
     /// # Errors
-    /// [`Error::Override`] for `count` or `seed` on sites that have none, [`Error::Read`] for a
+    /// [`Error::Override`] for `count` or `seed` on sites that have none and for keys that the method
+    /// does not have, [`Error::Read`] for a
     /// site file that is not there.
     pub fn apply(&self, scene: &mut Scene) -> Result<(), Error> {
         self.apply_to_sites(&mut scene.sites)?;
@@ -60,7 +66,10 @@ impl Overrides {
         if let Some(tolerance) = self.tolerance {
             scene.method.set_tolerance(tolerance);
         }
-        Ok(())
+        if let Some(order) = self.order {
+            scene.order = order;
+        }
+        self.of_method.apply(&mut scene.method)
     }
 
     fn apply_to_sites(&self, sites: &mut Sites) -> Result<(), Error> {

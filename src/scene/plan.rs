@@ -2,10 +2,11 @@
 
 use crate::relax::descent::DescentOptions;
 use crate::relax::levels::levels_for_cubes;
-use crate::relax::plan::{FIRST_DESCENT, KickStyle, Kicks, Plan};
+use crate::relax::plan::{KickStyle, Kicks, Plan};
 use crate::relax::tessellation::Question;
 use crate::scene::description::Scene;
-use crate::scene::method::{Anneal, Method};
+use crate::scene::method::Method;
+use crate::scene::method_keys::Anneal;
 
 /// The plan of a scene with `count` sites; `None` where plain Lloyd is all of it.
 #[must_use]
@@ -25,7 +26,8 @@ pub fn plan(scene: &Scene, count: usize) -> Option<Plan> {
     };
     match &scene.method {
         Method::Lloyd(_) if levels == 0 => None,
-        Method::Lloyd(_) => Some(Plan {
+        Method::Lloyd(lloyd) => Some(Plan {
+            is_accelerated: lloyd.accelerate,
             descent: None,
             ..whole
         }),
@@ -39,7 +41,13 @@ pub fn plan(scene: &Scene, count: usize) -> Option<Plan> {
             ..whole
         }),
         Method::Anneal(anneal) => Some(Plan {
-            steps: FIRST_DESCENT,
+            warm_up: anneal.warm_up,
+            descent: Some(DescentOptions {
+                order: scene.order,
+                memory: anneal.memory,
+                gradient_tolerance: anneal.gradient_tolerance,
+            }),
+            steps: anneal.first_steps,
             kicks: Some(kicks(anneal)),
             ..whole
         }),
@@ -59,6 +67,7 @@ fn kicks(anneal: &Anneal) -> Kicks {
         rounds: anneal.rounds,
         steps: anneal.steps,
         noise: anneal.noise,
+        fall: anneal.fall,
         style: if anneal.exchange {
             KickStyle::Exchange
         } else {
