@@ -7,12 +7,14 @@
 //! after the other stays in one corner of the memory.
 
 use std::ops::Range;
+use std::sync::atomic::{AtomicU64, Ordering};
 
-use nalgebra::{Point3, Vector3};
+use nalgebra::Point3;
 use rayon::prelude::*;
 use wide::f64x2;
 
 use crate::geometry::bounds::Bounds;
+use crate::voronoi::shifts::{Shift, shifts};
 
 /// Sites a leaf at most. Fewer cost more steps through the tree, more are looked at in vain.
 const LEAF: usize = 12;
@@ -20,11 +22,17 @@ const LEAF: usize = 12;
 /// Halves larger than this are sorted by two threads.
 const WORTH_SHARING: usize = 1 << 12;
 
+/// How many levels above the leaves surroundings are gathered.
+const NEIGHBORHOOD: u32 = 2;
+
 /// The first look around a site goes to where about so many sites should be.
 const FIRST_LOOK: f64 = 36.0;
 
 /// A box of this many sites or more tells how densely they lie.
 const CROWD: usize = 32;
+
+/// The next index's stamp, by which memories tell whether they know an index.
+static STAMPS: AtomicU64 = AtomicU64::new(1);
 
 /// A k-d tree over sites.
 #[derive(Clone, Debug)]
@@ -36,17 +44,9 @@ pub struct SiteIndex {
     sites: Vec<u32>,
     positions: Vec<Point3<f64>>,
     shifts: Vec<Shift>,
+    stamp: u64,
     /// Squared first look per squared diagonal of a crowd's box.
     look: f64,
-}
-
-/// A periodic image: by how many periods, and how far (L).
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Shift {
-    /// How many periods along each axis.
-    pub image: [i8; 3],
-    /// The displacement.
-    pub by: Vector3<f64>,
 }
 
 /// The boxes of two siblings, by component.
@@ -87,6 +87,7 @@ impl SiteIndex {
             sites: entries.par_iter().map(|entry| entry.site).collect(),
             positions: entries.par_iter().map(|entry| entry.position).collect(),
             shifts: shifts(periods),
+            stamp: STAMPS.fetch_add(1, Ordering::Relaxed),
             look: 0.0,
         };
         drop(entries);
@@ -118,6 +119,26 @@ impl SiteIndex {
     #[must_use]
     pub fn position(&self, place: usize) -> Point3<f64> {
         self.positions[place]
+    }
+
+    /// A number that no other index has, and is not zero.
+    #[must_use]
+    pub fn stamp(&self) -> u64 {
+        self.stamp
+    }
+
+    /// The leaf that covers a place.
+    #[must_use]
+    pub fn leaf(&self, place: usize) -> u32 {
+        // The last leaf that begins at or before the place.
+        let number = (((place as u64 + 1) << self.depth) - 1) / self.len() as u64;
+        (1 << self.depth) + number as u32
+    }
+
+    /// The node whose sites, the one in `place` among them, look at the same surroundings.
+    #[must_use]
+    pub fn neighborhood(&self, place: usize) -> u32 {
+        self.leaf(place) >> self.depth.min(NEIGHBORHOOD)
     }
 
     /// The images in which sites are looked for; the first is the site itself.
@@ -172,10 +193,7 @@ impl SiteIndex {
     /// The squared distance within which the site in `place` looks around first (L²).
     #[must_use]
     pub fn first_look_squared(&self, place: usize) -> f64 {
-        // The last leaf that begins at or before the place.
-        let leaf = (((place as u64 + 1) << self.depth) - 1) / self.len() as u64;
-        let level = self.crowd_level();
-        let node = (1 << level) + (leaf >> (self.depth - level)) as u32;
+        let node = self.leaf(place) >> (self.depth - self.crowd_level());
         self.look * self.bounds(node).extent().norm_squared()
     }
 
@@ -255,29 +273,4 @@ fn sort(entries: &mut [Entry], total: usize, (number, level): (u64, u32), depth:
         low();
         high();
     }
-}
-
-/// The image itself first, then its periodic copies.
-fn shifts(periods: [Option<f64>; 3]) -> Vec<Shift> {
-    let copies = periods.map(|period| {
-        if period.is_some() {
-            &[0, 1, -1][..]
-        } else {
-            &[0]
-        }
-    });
-    let mut shifts = Vec::new();
-    for &z in copies[2] {
-        for &y in copies[1] {
-            for &x in copies[0] {
-                let image = [x, y, z];
-                let by = |axis: usize| f64::from(image[axis]) * periods[axis].unwrap_or(0.0);
-                shifts.push(Shift {
-                    image,
-                    by: Vector3::new(by(0), by(1), by(2)),
-                });
-            }
-        }
-    }
-    shifts
 }

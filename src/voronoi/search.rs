@@ -11,10 +11,11 @@ use crate::domain::beyond::Beyond;
 use crate::geometry::clip::Clip;
 use crate::geometry::compact_clip::Full;
 use crate::geometry::half_space::HalfSpace;
+use crate::voronoi::candidate::{Candidate, Subtree};
 use crate::voronoi::far::FarVertices;
 use crate::voronoi::index::SiteIndex;
 use crate::voronoi::shape::Shape;
-use crate::voronoi::surroundings::{Candidate, Subtree, Surroundings};
+use crate::voronoi::surroundings::Surroundings;
 
 /// Two sites in one place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -60,8 +61,9 @@ impl Search {
         shape: &mut impl Shape,
     ) -> Result<(), Halt> {
         let needed = 4.0 * shape.radius_squared();
-        let look = index.first_look_squared(place).min(needed);
-        let seen = self.surroundings.look(index, place, look);
+        let usual = index.first_look_squared(place);
+        let looks = (usual.min(needed), usual);
+        let seen = self.surroundings.look(index, place, looks);
         let mut task = Task {
             index,
             place,
@@ -70,11 +72,16 @@ impl Search {
             needed,
             seen,
         };
+        let near = self.surroundings.near();
+        let twins = near.take_while(|candidate| candidate.distance_squared <= 0.0);
+        if let Some(twin) = twins.min_by_key(|twin| index.site(twin.place as usize)) {
+            return Err(Halt::Duplicate(task.duplicate(twin)));
+        }
         for candidate in self.surroundings.near() {
             if candidate.distance_squared >= task.needed {
                 break;
             }
-            task.try_cut(candidate, &self.surroundings)?;
+            task.try_cut(candidate)?;
         }
         if task.needed > seen {
             self.look_beyond(&mut task)?;
@@ -90,26 +97,16 @@ impl Search {
             stack,
         } = self;
         task.shape.list_beyond(0.25 * task.seen, far);
-        for candidate in &surroundings.candidates {
-            if candidate.distance_squared > task.seen {
-                task.try_far(candidate, far, surroundings)?;
-            }
+        let range = (task.seen, task.needed);
+        for candidate in surroundings.gathered(task.index, task.place, range) {
+            task.try_far(candidate, far)?;
         }
-        let needed = task.needed;
-        surroundings
-            .beyond
-            .retain(|subtree| subtree.gap_squared < needed);
-        surroundings.beyond.sort_unstable_by(|a, b| {
-            a.gap_squared
-                .total_cmp(&b.gap_squared)
-                .then(a.node.cmp(&b.node))
-        });
-        for subtree in &surroundings.beyond {
+        for subtree in surroundings.beyond() {
             if subtree.gap_squared >= task.needed {
                 break;
             }
             stack.push(*subtree);
-            task.descend(stack, far, surroundings)?;
+            task.descend(stack, far)?;
         }
         Ok(())
     }
@@ -117,12 +114,7 @@ impl Search {
 
 impl<S: Shape> Task<'_, S> {
     /// Looks through the subtrees on the stack.
-    fn descend(
-        &mut self,
-        stack: &mut Vec<Subtree>,
-        far: &mut FarVertices,
-        surroundings: &Surroundings,
-    ) -> Result<(), Halt> {
+    fn descend(&mut self, stack: &mut Vec<Subtree>, far: &mut FarVertices) -> Result<(), Halt> {
         while let Some(subtree) = stack.pop() {
             if subtree.gap_squared >= self.needed {
                 continue;
@@ -137,7 +129,7 @@ impl<S: Shape> Task<'_, S> {
                     if place != self.place {
                         let at = (place, subtree.shift);
                         let candidate = Candidate::new(self.index, &self.site, at, &by);
-                        self.try_far(&candidate, far, surroundings)?;
+                        self.try_far(&candidate, far)?;
                     }
                 }
             } else {
@@ -151,24 +143,19 @@ impl<S: Shape> Task<'_, S> {
 
     /// Cuts by a candidate that is farther than the first look, if it cuts at all.
     #[inline]
-    fn try_far(
-        &mut self,
-        candidate: &Candidate,
-        far: &mut FarVertices,
-        surroundings: &Surroundings,
-    ) -> Result<(), Halt> {
+    fn try_far(&mut self, candidate: &Candidate, far: &mut FarVertices) -> Result<(), Halt> {
         if candidate.distance_squared >= self.needed || !far.exceed(&candidate.bisector()) {
             return Ok(());
         }
-        self.try_cut(candidate, surroundings)?;
+        self.try_cut(candidate)?;
         self.shape.list_beyond(0.25 * self.seen, far);
         Ok(())
     }
 
     #[inline]
-    fn try_cut(&mut self, candidate: &Candidate, surroundings: &Surroundings) -> Result<(), Halt> {
+    fn try_cut(&mut self, candidate: &Candidate) -> Result<(), Halt> {
         if candidate.distance_squared <= 0.0 {
-            return Err(Halt::Duplicate(self.duplicate(candidate, surroundings)));
+            return Err(Halt::Duplicate(self.duplicate(candidate)));
         }
         let beyond = Beyond::Neighbor {
             site: self.index.site(candidate.place as usize),
@@ -182,19 +169,11 @@ impl<S: Shape> Task<'_, S> {
         Ok(())
     }
 
-    /// The site and the first of those in its place.
+    /// The site and another in its place.
     #[cold]
-    fn duplicate(&self, candidate: &Candidate, surroundings: &Surroundings) -> Duplicate {
-        let same = |other: &&Candidate| other.distance_squared <= 0.0;
-        let others = surroundings
-            .candidates
-            .iter()
-            .filter(same)
-            .chain([candidate]);
-        let other = others
-            .map(|other| self.index.site(other.place as usize))
-            .min();
-        let (site, other) = (self.index.site(self.place), other.unwrap_or_default());
+    fn duplicate(&self, candidate: &Candidate) -> Duplicate {
+        let site = self.index.site(self.place);
+        let other = self.index.site(candidate.place as usize);
         Duplicate {
             first: site.min(other),
             second: site.max(other),

@@ -1,8 +1,10 @@
 //! What lies around a site: the near sites in order, and where to look for the others.
 
-use nalgebra::{Point3, Vector3};
+use nalgebra::Point3;
 
-use crate::voronoi::index::{Shift, SiteIndex};
+use crate::voronoi::candidate::{Candidate, Subtree};
+use crate::voronoi::crowd::Crowd;
+use crate::voronoi::index::SiteIndex;
 
 /// Near sites at most. More would take longer to sort than they are worth: the look is then too far.
 const MOST: usize = 256;
@@ -13,61 +15,44 @@ const NUMBER: u64 = (1 << 12) - 1;
 /// How often the first look is drawn in, each time to a quarter of its square, before it is given up.
 const DRAWN_IN: usize = 40;
 
-/// A site, or a periodic image of one, near another.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Candidate {
-    /// The way to it (L).
-    pub(crate) displacement: Vector3<f64>,
-    /// The squared distance (L²).
-    pub(crate) distance_squared: f64,
-    /// Its place in the index.
-    pub(crate) place: u32,
-    /// The number of its image among the index's shifts.
-    pub(crate) shift: u32,
-}
-
-/// A subtree that has not been looked through.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Subtree {
-    /// The squared distance of its box (L²).
-    pub(crate) gap_squared: f64,
-    /// Its node.
-    pub(crate) node: u32,
-    /// The number of its image among the index's shifts.
-    pub(crate) shift: u32,
-}
+/// How much farther than a first look surroundings are gathered, squared: most cells find
+/// all that they need there.
+const GATHERED: f64 = 1.7;
 
 /// What has been found around a site.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Surroundings {
-    /// All sites of the leaves looked through.
-    pub(crate) candidates: Vec<Candidate>,
-    /// Those within the first look, nearest first, as sorting keys.
+    crowd: Crowd,
+    /// The sites within the first look.
+    candidates: Vec<Candidate>,
+    /// Those, nearest first, as sorting keys.
     keys: Vec<u64>,
-    /// Subtrees beyond the first look, in the order in which they were met.
-    pub(crate) beyond: Vec<Subtree>,
-    stack: Vec<Subtree>,
-}
-
-/// From where one looks.
-struct View<'a> {
-    index: &'a SiteIndex,
-    place: usize,
-    site: Point3<f64>,
+    /// Sites beyond the first look.
+    others: Vec<Candidate>,
 }
 
 impl Surroundings {
     /// Looks around the site in `place` as far as the root of `limit`, or less far where that is too
-    /// much, and returns the square within which all sites are found.
-    pub(crate) fn look(&mut self, index: &SiteIndex, place: usize, mut limit: f64) -> f64 {
+    /// much, and returns the square within which all sites are found. What is gathered depends on
+    /// `usual` alone, the limit that neighboring sites have in common.
+    pub(crate) fn look(
+        &mut self,
+        index: &SiteIndex,
+        place: usize,
+        (limit, usual): (f64, f64),
+    ) -> f64 {
+        self.crowd.gather(index, place, GATHERED * usual);
+        let site = index.position(place);
+        self.crowd.measure(&site);
+        let mut limit = limit.min(self.crowd.reach_squared);
         for _ in 0..DRAWN_IN {
-            if self.look_within(index, place, limit) {
+            if self.look_within(index, place, &site, limit) {
                 self.keys.sort_unstable();
                 return limit;
             }
             limit *= 0.25;
         }
-        self.look_within(index, place, -1.0);
+        self.look_within(index, place, &site, -1.0);
         -1.0
     }
 
@@ -79,108 +64,43 @@ impl Surroundings {
             .map(move |key| &self.candidates[number(key)])
     }
 
-    fn look_within(&mut self, index: &SiteIndex, place: usize, limit: f64) -> bool {
+    /// The gathered sites farther than the root of `seen` and within that of `needed`, in no order.
+    pub(crate) fn gathered(
+        &mut self,
+        index: &SiteIndex,
+        place: usize,
+        (seen, needed): (f64, f64),
+    ) -> &[Candidate] {
+        self.others.clear();
+        let site = index.position(place);
+        self.crowd
+            .visit(index, (place, &site), (seen, needed), |candidate| {
+                self.others.push(candidate);
+            });
+        &self.others
+    }
+
+    /// What has not been gathered, the nearest to the neighborhood first; the gaps are those to it.
+    pub(crate) fn beyond(&self) -> &[Subtree] {
+        &self.crowd.beyond
+    }
+
+    fn look_within(
+        &mut self,
+        index: &SiteIndex,
+        place: usize,
+        site: &Point3<f64>,
+        limit: f64,
+    ) -> bool {
         self.candidates.clear();
         self.keys.clear();
-        self.beyond.clear();
-        let site = index.position(place);
-        let view = View { index, place, site };
-        for (number, shift) in index.shifts().iter().enumerate() {
-            let root = Subtree {
-                gap_squared: 0.0,
-                node: 1,
-                shift: number as u32,
-            };
-            if limit < 0.0 {
-                self.beyond.push(root);
-                continue;
-            }
-            self.stack.clear();
-            self.stack.push(root);
-            if !self.walk(&view, shift, limit) {
-                return false;
-            }
-        }
-        true
-    }
-
-    /// Looks through what is on the stack; returns whether not too much is near.
-    fn walk(&mut self, view: &View<'_>, shift: &Shift, limit: f64) -> bool {
-        let here = view.site - shift.by;
-        while let Some(mut here_now) = self.stack.pop() {
-            loop {
-                if view.index.is_leaf(here_now.node) {
-                    self.collect(view, &here_now, &shift.by, limit);
-                    break;
-                }
-                let [near, far] = here_now.children(view.index, &here);
-                if far.gap_squared <= limit {
-                    self.stack.push(far);
-                } else {
-                    self.beyond.push(far);
-                }
-                if near.gap_squared > limit {
-                    self.beyond.push(near);
-                    break;
-                }
-                here_now = near;
-            }
-            if self.keys.len() > MOST || self.candidates.len() as u64 > NUMBER - 64 {
-                return false;
-            }
-        }
-        true
-    }
-
-    /// Appends the sites of a leaf.
-    #[inline]
-    fn collect(&mut self, view: &View<'_>, leaf: &Subtree, by: &Vector3<f64>, limit: f64) {
-        for place in view.index.places(leaf.node) {
-            if place == view.place {
-                continue;
-            }
-            let candidate = Candidate::new(view.index, &view.site, (place, leaf.shift), by);
-            if candidate.distance_squared <= limit {
-                let number = self.candidates.len() as u64;
-                self.keys
-                    .push(candidate.distance_squared.to_bits() & !NUMBER | number);
-            }
-            self.candidates.push(candidate);
-        }
-    }
-}
-
-impl Subtree {
-    /// The children, the nearer one first.
-    #[inline]
-    pub(crate) fn children(&self, index: &SiteIndex, here: &Point3<f64>) -> [Self; 2] {
-        let gaps = index.gaps_squared(self.node, here);
-        let child = |side: u32| Self {
-            gap_squared: gaps[side as usize],
-            node: 2 * self.node + side,
-            shift: self.shift,
-        };
-        let far = u32::from(gaps[0] <= gaps[1]);
-        [child(1 - far), child(far)]
-    }
-}
-
-impl Candidate {
-    /// The image of the site in `place`, moved `by`, as seen from `here`.
-    #[inline]
-    #[must_use]
-    pub(crate) fn new(
-        index: &SiteIndex,
-        here: &Point3<f64>,
-        (place, shift): (usize, u32),
-        by: &Vector3<f64>,
-    ) -> Self {
-        let displacement = index.position(place) - here + by;
-        Self {
-            displacement,
-            distance_squared: displacement.norm_squared(),
-            place: place as u32,
-            shift,
-        }
+        self.crowd
+            .visit(index, (place, site), (-1.0, limit), |candidate| {
+                let number = self.candidates.len() as u64 & NUMBER;
+                let order = candidate.distance_squared.to_bits() & !NUMBER;
+                self.keys.push(order | number);
+                self.candidates.push(candidate);
+            });
+        self.keys.len() <= MOST
     }
 }
