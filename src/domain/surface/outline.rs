@@ -12,7 +12,8 @@ use crate::domain::space::PieceScratch;
 use crate::domain::surface::clipped::{ClippedCell, Meeting};
 use crate::domain::surface::solid::SurfaceSolid;
 use crate::geometry::clip::{ClipScratch, clip};
-use crate::geometry::faceted::Piece;
+use crate::geometry::faceted::{Faceted, Piece};
+use crate::geometry::moments::Moments;
 use crate::geometry::polyhedron::Polyhedron;
 
 /// How far the solid is moved, in shares of the cell's size: above rounding, below what a file of
@@ -30,6 +31,10 @@ const DIRECTIONS: [[f64; 3]; 4] = [
 /// Facets below this share of the cell's size squared are slivers: leaving them out moves the border
 /// by less than files of cells should show.
 const SLIVER: f64 = 1e-11;
+
+/// Parts of less than this share of their cell are strips along its border, where rounding took
+/// the wrong side for the inner one.
+const NOTHING: f64 = 1e-9;
 
 /// Visits what `cell`, in coordinates relative to `site`, and `solid` have in common.
 pub(crate) fn outline(
@@ -73,10 +78,18 @@ fn as_it_is(
 ) -> bool {
     match clipped.meet(solid, site, cell) {
         Meeting::Apart => visit(Piece::Convex(cell)),
-        Meeting::Clipped => visit(Piece::Faceted(&clipped.part)),
-        Meeting::Tangled => return false,
+        // A site lies within its cell and within the solid, so something must be left.
+        Meeting::Clipped if is_something(&clipped.part, cell) => {
+            visit(Piece::Faceted(&clipped.part));
+        }
+        Meeting::Clipped | Meeting::Tangled => return false,
     }
     true
+}
+
+/// Whether the part is more than what rounding leaves of a cell along its border.
+fn is_something(part: &Faceted, cell: &Polyhedron) -> bool {
+    part.extent().volume > NOTHING * Moments::of(cell).volume
 }
 
 /// Makes `into` the cell without facets of no area. Those stand, as strips along edges, in the cells
