@@ -1,9 +1,12 @@
-//! Prints what every method makes of the same random sites: the table of the README.
+//! Prints what every method makes of the same random sites: the tables of the README.
 //!
 //! `cargo run --release --example methods -- [count=1000] [from=1] [to=1] [extent=1] [periodic=0]
-//! [only=NAME] [trace=0]`
+//! [scene=FILE] [surface=FILE] [only=NAME,…] [trace=0]`: `count` sites of every seed `from` … `to`, in
+//! a box of the lengths `extent`, 1, 1, in the domain of a scene, or in a surface fitted into the unit
+//! cube.
 
 use std::ops::ControlFlow;
+use std::path::Path;
 use std::time::Instant;
 
 use chebloyd::domain::cuboid::Cuboid;
@@ -15,6 +18,7 @@ use chebloyd::relax::stand::Stand;
 use chebloyd::relax::tessellation::{Question, Tessellation};
 use chebloyd::relax::travel::travel;
 use chebloyd::scene::random::Uniform;
+use chebloyd::scene::read;
 use nalgebra::Point3;
 
 fn option(name: &str) -> Option<String> {
@@ -26,17 +30,24 @@ fn number(name: &str, default: f64) -> f64 {
     option(name).map_or(default, |value| value.parse().expect("a number"))
 }
 
-/// The methods of the table.
+/// The methods of the tables.
 fn plans(count: usize) -> Vec<(&'static str, Plan)> {
     let lloyd = |iterations| Plan {
         descent: None,
         ..Plan::quasi_newton(1, iterations)
     };
+    let accelerated = |iterations| Plan {
+        is_accelerated: true,
+        ..lloyd(iterations)
+    };
     vec![
         ("lloyd-50", lloyd(50)),
+        ("lloyd-150", lloyd(150)),
         ("lloyd-400", lloyd(400)),
-        ("quasi-newton-20", Plan::quasi_newton(1, 20)),
-        ("quasi-newton-200", Plan::quasi_newton(1, 200)),
+        ("accelerated-50", accelerated(50)),
+        ("accelerated-150", accelerated(150)),
+        ("quasi-newton-24", Plan::quasi_newton(1, 24)),
+        ("quasi-newton-175", Plan::quasi_newton(1, 175)),
         (
             "anneal",
             Plan::kicked(1, Kicks::default_of(KickStyle::Anneal)),
@@ -49,11 +60,23 @@ fn plans(count: usize) -> Vec<(&'static str, Plan)> {
     ]
 }
 
-fn space(extent: f64, periodic: bool) -> Space {
+fn space() -> Space {
+    if let Some(path) = option("scene") {
+        let scene = read::scene(Path::new(&path)).expect("a scene");
+        return Space::new(scene.solid().expect("a solid").0);
+    }
+    if let Some(path) = option("surface") {
+        let path = Path::new(&path).canonicalize().expect("a file");
+        let domain = serde_json::json!({ "surface": path, "scale_to": "unit_cube" });
+        let text = serde_json::json!({ "domain": domain, "sites": { "random": { "count": 1 } } });
+        let scene = read::parse(&text.to_string(), Path::new("surface")).expect("a scene");
+        return Space::new(scene.solid().expect("a solid").0);
+    }
     let bounds = Bounds {
         min: Point3::origin(),
-        max: Point3::new(extent, 1.0, 1.0),
+        max: Point3::new(number("extent", 1.0), 1.0, 1.0),
     };
+    let periodic = number("periodic", 0.0) > 0.0;
     Space::new(Box::new(Cuboid::new(bounds, [periodic; 3]).expect("a box")))
 }
 
@@ -104,19 +127,30 @@ fn run(space: &Space, name: &str, plan: &Plan, given: &[Point3<f64>], seed: usiz
     );
 }
 
+/// As many random sites as asked for that lie in the domain.
+fn sites(space: &Space, count: usize, seed: u64) -> Vec<Point3<f64>> {
+    let mut uniform = Uniform::new(seed);
+    let points = std::iter::repeat_with(|| uniform.point(&space.bounds()));
+    let inside = points.filter(|site| space.domain().contains(site));
+    inside.take(count).collect()
+}
+
 fn main() {
     let count = number("count", 1000.0) as usize;
-    let space = space(number("extent", 1.0), number("periodic", 0.0) > 0.0);
+    let space = space();
     let only = option("only");
+    let is_asked = |name: &str| {
+        let names = only.as_ref().map(|only| only.split(','));
+        names.is_none_or(|mut names| names.any(|only| only == name))
+    };
     println!(
         "| method | sites | seed | energy % | cubeness | six-facet | aligned | evaluations | s |"
     );
     println!("|---|---|---|---|---|---|---|---|---|");
     for seed in number("from", 1.0) as usize..=number("to", 1.0) as usize {
-        let mut uniform = Uniform::new(seed as u64);
-        let given: Vec<_> = (0..count).map(|_| uniform.point(&space.bounds())).collect();
+        let given = sites(&space, count, seed as u64);
         for (name, plan) in plans(count) {
-            if only.as_ref().is_none_or(|only| only == name) {
+            if is_asked(name) {
                 run(&space, name, &plan, &given, seed);
             }
         }

@@ -2,7 +2,7 @@
 //!
 //! Integrals do not need them; pictures and tests do.
 
-use nalgebra::{Point3, Vector3};
+use nalgebra::{Point3, Rotation3, Vector3};
 
 use crate::chebyshev::sector::Sector;
 use crate::geometry::clip::{ClipScratch, clip};
@@ -14,12 +14,24 @@ use crate::geometry::polyhedron::Polyhedron;
 /// be empty. The facets on interfaces carry the label `interface`.
 #[must_use]
 pub fn fragments(piece: &Polyhedron, center: &Point3<f64>, interface: Label) -> [Polyhedron; 6] {
-    Sector::ALL.map(|sector| fragment(piece, center, sector, interface))
+    fragments_in_frame(piece, center, &Rotation3::identity(), interface)
+}
+
+/// As [`fragments`], for distances along the axes of space turned by `frame`.
+#[must_use]
+pub fn fragments_in_frame(
+    piece: &Polyhedron,
+    center: &Point3<f64>,
+    frame: &Rotation3<f64>,
+    interface: Label,
+) -> [Polyhedron; 6] {
+    Sector::ALL.map(|sector| fragment(piece, center, frame, sector, interface))
 }
 
 fn fragment(
     piece: &Polyhedron,
     center: &Point3<f64>,
+    frame: &Rotation3<f64>,
     sector: Sector,
     interface: Label,
 ) -> Polyhedron {
@@ -32,6 +44,7 @@ fn fragment(
         let mut normal = Vector3::zeros();
         normal[other.axis()] = other.sign();
         normal[sector.axis()] = -sector.sign();
+        let normal = frame * normal;
         let offset = normal.dot(&center.coords);
         let border = HalfSpace { normal, offset };
         clip(&mut fragment, &border, interface, &mut scratch);

@@ -4,10 +4,10 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use nalgebra::{Point3, Vector3};
+use nalgebra::{Point3, Rotation3, Vector3};
 
 use chebloyd::chebyshev::energy::{SignedPiece, energy};
-use chebloyd::chebyshev::fragments::fragments;
+use chebloyd::chebyshev::fragments::fragments_in_frame;
 use chebloyd::chebyshev::integrand::Integrand;
 use chebloyd::chebyshev::sector::Sector;
 use chebloyd::chebyshev::walk::WalkScratch;
@@ -64,7 +64,13 @@ pub(crate) fn run(options: &Options, common: Common) -> Result<(), Failure> {
     if is_picture {
         draw(&options.output, site, &position, &parts)?;
     } else {
-        export(&options.output, site, &position, &parts)?;
+        export(
+            &options.output,
+            site,
+            &position,
+            &frame(&ground, site),
+            &parts,
+        )?;
     }
     if common.quiet {
         return Ok(());
@@ -110,7 +116,16 @@ fn parts(space: &Space, sites: &[Point3<f64>], site: usize) -> Result<[Polyhedro
         let message = format!("the surface cuts the cell of site {site}; choose another by --site");
         return Err(Failure::input(message));
     }
-    Ok(fragments(&cell, &Point3::origin(), Beyond::Inner.label()))
+    let frame = frame(space, site);
+    let origin = Point3::origin();
+    let label = Beyond::Inner.label();
+    Ok(fragments_in_frame(&cell, &origin, &frame, label))
+}
+
+/// The frame in which a site's cell measures distances.
+fn frame(space: &Space, site: usize) -> Rotation3<f64> {
+    let number = u32::try_from(site).unwrap_or(u32::MAX);
+    space.frames().of(number).copied().unwrap_or_default()
 }
 
 fn draw(
@@ -138,13 +153,14 @@ fn export(
     path: &Path,
     site: usize,
     position: &Point3<f64>,
+    frame: &Rotation3<f64>,
     parts: &[Polyhedron; 6],
 ) -> Result<(), Failure> {
     let cells = parts.iter().filter(|part| !part.is_empty()).map(|part| {
         let shell = Shell::from(part).translated(&position.coords);
         CellGeometry {
             site,
-            energy: own_energy(part),
+            energy: own_energy(part, frame),
             volume: shell.volume(),
             cubeness: 0.0,
             facet_count: shell.facet_count(),
@@ -156,10 +172,12 @@ fn export(
 }
 
 /// The integral of the Chebyshev distance from the site over a fragment.
-fn own_energy(part: &Polyhedron) -> f64 {
+fn own_energy(part: &Polyhedron, frame: &Rotation3<f64>) -> f64 {
+    let mut integrand = Integrand::new(part);
+    integrand.rotate(&frame.inverse());
     let piece = SignedPiece {
         sign: 1.0,
-        integrand: Integrand::new(part),
+        integrand,
     };
     energy([&piece], &Vector3::zeros(), 1, &mut WalkScratch::default()).value
 }

@@ -15,7 +15,6 @@ use chebloyd::relax::space::Space;
 use chebloyd::relax::stand::Stand;
 use chebloyd::relax::tessellation::{Question, Tessellation};
 use chebloyd::scene::description::Scene;
-use chebloyd::scene::frames::frames;
 use chebloyd::scene::place::place;
 use chebloyd::scene::region::Region;
 
@@ -69,7 +68,14 @@ pub(crate) fn space(scene: &Scene) -> Result<Space, Failure> {
     for note in notes {
         eprintln!("note: {note}");
     }
-    Ok(Space::with_frames(domain, frames(scene.frames.as_ref())))
+    let space = Space::new(domain);
+    let Some(choice) = &scene.frames else {
+        return Ok(space);
+    };
+    // Frames belong to the sites of the start, also where a run goes on from later ones.
+    let sites = space.place(scene)?;
+    let frames = choice.frames(space.domain(), &sites);
+    Ok(space.framed(frames.map_err(Failure::input)?))
 }
 
 /// Is shown a record, the sites it describes and the method's stand.

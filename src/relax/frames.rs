@@ -2,7 +2,9 @@
 //!
 //! \[BL\] names individually oriented cells as future work. Cells are cut by bisectors of the
 //! Euclidean distance, which no rotation changes, so a frame touches nothing but d∞: a cell's pieces
-//! are turned into its frame, integrated there, and what comes out is turned back.
+//! are turned into its frame, integrated there, and what comes out is turned back. Frames belong to
+//! sites, not to places: while sites move, each keeps its own, and so the energy of all cells has an
+//! exact gradient.
 
 use nalgebra::Rotation3;
 

@@ -31,6 +31,12 @@ impl Space {
         Self { domain, frames }
     }
 
+    /// The same space with these frames.
+    #[must_use]
+    pub fn framed(self, frames: Frames) -> Self {
+        Self { frames, ..self }
+    }
+
     /// The frames in which cells measure the Chebyshev distance.
     #[must_use]
     pub fn frames(&self) -> &Frames {

@@ -9,7 +9,7 @@ use crate::domain::space;
 use crate::scene::density::Density;
 use crate::scene::domain::Domain;
 use crate::scene::error::Error;
-use crate::scene::frames::Turn;
+use crate::scene::frames::FrameChoice;
 use crate::scene::method::Method;
 use crate::scene::norm::Norm;
 use crate::scene::output::Output;
@@ -54,7 +54,7 @@ pub struct Scene {
     pub coarse_to_fine: Option<u32>,
     /// The axes along which distances are measured, if not those of space.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub frames: Option<Turn>,
+    pub frames: Option<FrameChoice>,
     /// Which files a run leaves besides its log and its sites.
     #[serde(default)]
     pub output: Output,
@@ -94,6 +94,9 @@ impl Scene {
     pub(crate) fn anchor(&mut self, folder: &Path) {
         self.domain.anchor(folder);
         self.sites.anchor(folder);
+        if let Some(frames) = &mut self.frames {
+            frames.anchor(folder);
+        }
     }
 }
 

@@ -1,12 +1,40 @@
 //! The scene's `frames`: along which axes distances are measured.
 
-use nalgebra::{Rotation3, Unit, Vector3};
+use std::path::{Path, PathBuf};
+
+use nalgebra::{Point3, Rotation3, Unit, Vector3};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::domain::space::Domain;
+use crate::relax::boundary_frames::boundary_frames;
 use crate::relax::frames::Frames;
 use crate::scene::error::Error;
+use crate::scene::site_file;
 use crate::scene::validate::all_finite;
+
+/// The frames of cells: one for all, or one for each.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(
+    untagged,
+    expecting = "the frames are \"boundary\", {\"file\": …} or {\"axis\": […], \"degrees\": …}"
+)]
+pub enum FrameChoice {
+    /// A rule by its name.
+    Rule(Rule),
+    /// One frame for all cells.
+    Turn(Turn),
+    /// A frame for every site.
+    File(FrameFile),
+}
+
+/// How cells get frames of their own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Rule {
+    /// Aligned with the nearest walls and smooth in between, as the sites stand at the start.
+    Boundary,
+}
 
 /// One frame for all cells: the axes of space, turned.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -18,27 +46,74 @@ pub struct Turn {
     pub degrees: f64,
 }
 
-impl Turn {
+/// A frame for every site, from a file.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct FrameFile {
+    /// A file in one of the formats of sites, relative to the scene's folder: for every site, in
+    /// their order, the axis about which the axes of space are turned, as long as the angle in
+    /// radians (SciPy's `Rotation.as_rotvec`).
+    pub file: PathBuf,
+}
+
+impl FrameChoice {
+    pub(crate) fn anchor(&mut self, folder: &Path) {
+        if let Self::File(FrameFile { file }) = self {
+            *file = folder.join(&file);
+        }
+    }
+
+    /// Whether there is a frame for every site.
+    #[must_use]
+    pub fn is_per_site(&self) -> bool {
+        !matches!(self, Self::Turn(_))
+    }
+
     pub(crate) fn validate(&self, dimension: usize) -> Result<(), Error> {
         if dimension != 3 {
             let message = "frames are for sites in space only".to_owned();
             return Err(Error::value("frames", message));
         }
-        all_finite("frames.axis", &self.axis)?;
-        all_finite("frames.degrees", &[self.degrees])?;
-        if Vector3::from(self.axis).norm() > 0.0 {
+        let Self::Turn(turn) = self else {
+            return Ok(());
+        };
+        all_finite("frames.axis", &turn.axis)?;
+        all_finite("frames.degrees", &[turn.degrees])?;
+        if Vector3::from(turn.axis).norm() > 0.0 {
             return Ok(());
         }
         let message = "an axis of length zero points nowhere".to_owned();
         Err(Error::value("frames.axis", message))
     }
+
+    /// The frames of `sites` in `domain`.
+    ///
+    /// # Errors
+    /// When a file cannot be read or does not have as many rotations as there are sites, or the
+    /// sites have no diagram.
+    pub fn frames(&self, domain: &dyn Domain, sites: &[Point3<f64>]) -> Result<Frames, Error> {
+        match self {
+            Self::Rule(Rule::Boundary) => boundary_frames(domain, sites)
+                .map(Frames::PerSite)
+                .map_err(|error| Error::value("frames", error.to_string())),
+            Self::Turn(turn) => {
+                let axis = Unit::new_normalize(Vector3::from(turn.axis));
+                let angle = turn.degrees.to_radians();
+                Ok(Frames::One(Rotation3::from_axis_angle(&axis, angle)))
+            }
+            Self::File(FrameFile { file }) => read(file, sites.len()).map(Frames::PerSite),
+        }
+    }
 }
 
-/// The frames of a scene that says so.
-#[must_use]
-pub fn frames(turn: Option<&Turn>) -> Frames {
-    turn.map_or(Frames::Axes, |turn| {
-        let axis = Unit::new_normalize(Vector3::from(turn.axis));
-        Frames::One(Rotation3::from_axis_angle(&axis, turn.degrees.to_radians()))
-    })
+fn read(path: &Path, count: usize) -> Result<Vec<Rotation3<f64>>, Error> {
+    let rows = site_file::read::sites::<3>(path)?;
+    if rows.len() != count {
+        return Err(Error::File {
+            path: path.to_owned(),
+            message: format!("holds {} rotations for {count} sites", rows.len()),
+        });
+    }
+    let rotation = |row: &Point3<f64>| Rotation3::from_scaled_axis(row.coords);
+    Ok(rows.iter().map(rotation).collect())
 }

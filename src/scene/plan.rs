@@ -5,6 +5,7 @@ use crate::relax::levels::levels_for_cubes;
 use crate::relax::plan::{KickStyle, Kicks, Plan};
 use crate::relax::tessellation::Question;
 use crate::scene::description::Scene;
+use crate::scene::frames::FrameChoice;
 use crate::scene::method::Method;
 use crate::scene::method_keys::Anneal;
 
@@ -55,8 +56,9 @@ pub fn plan(scene: &Scene, count: usize) -> Option<Plan> {
 }
 
 fn levels(scene: &Scene, count: usize) -> u32 {
+    let has_own_frames = scene.frames.as_ref().is_some_and(FrameChoice::is_per_site);
     let chosen = match &scene.method {
-        Method::Anneal(anneal) if anneal.exchange => levels_for_cubes(count),
+        Method::Anneal(anneal) if anneal.exchange && !has_own_frames => levels_for_cubes(count),
         _ => 0,
     };
     scene.coarse_to_fine.unwrap_or(chosen)

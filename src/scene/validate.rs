@@ -25,8 +25,12 @@ pub fn scene(scene: &Scene) -> Result<(), Error> {
     }
     scene.domain.validate(scene.dimension)?;
     scene.sites.validate(scene.dimension)?;
-    if let Some(turn) = &scene.frames {
-        turn.validate(scene.dimension)?;
+    if let Some(frames) = &scene.frames {
+        frames.validate(scene.dimension)?;
+        if frames.is_per_site() && scene.coarse_to_fine.is_some_and(|levels| levels > 0) {
+            let message = "every site has its own frame, so their number must not change; give 0";
+            return Err(Error::value("coarse_to_fine", message));
+        }
     }
     scene.method.validate(scene)
 }
