@@ -103,15 +103,16 @@ fn energy_of_piece(
     }
 }
 
-/// The sums for p = 1, in the units in which they come: 24 E, 6 V per sector, and per interface
-/// 4/√2 of the area A and 1/(2√2) of its loss by the center's motion, −∂A/∂c = Σ |v−u|/|n∥| n over
-/// its segments, n∥ the part of the facet's normal n along the interface.
+/// The sums for p = 1, kept apart by sector and by interface, so that additions need not wait for
+/// each other.
 #[derive(Default)]
 struct Linear {
-    value: f64,
-    volumes: [f64; Sector::SLOTS],
-    areas: [f64; Interface::SLOTS],
-    losses: [[f64; Interface::SLOTS]; 3],
+    /// Of the shares in a sector: 24 E and 6 V.
+    shares: [[f64; 2]; Sector::SLOTS],
+    /// Of the segments on an interface: 24 E, 6 V for the first sector and against the second, √2 of
+    /// the interface's area A, and three components of 1/(2√2) of its loss by the center's motion:
+    /// −∂A/∂c = Σ |v−u|/|n∥| n, n∥ the part of the facet's normal n along the interface.
+    segments: [[f64; 6]; Interface::SLOTS],
 }
 
 impl Visit for Linear {
@@ -121,8 +122,9 @@ impl Visit for Linear {
         let [on_left, on_right] = sides.map(|side| side.facet.anchor.distance(sector));
         let both = left + right;
         let around = left * on_left + right * on_right;
-        self.value += part * (both * (ends[0].distance + ends[1].distance) + around);
-        self.volumes[sector.number()] += part * both;
+        let sums = &mut self.shares[sector.number()];
+        sums[0] += part * (both * (ends[0].distance + ends[1].distance) + around);
+        sums[1] += part * both;
     }
 
     #[inline]
@@ -131,30 +133,42 @@ impl Visit for Linear {
         let determinant = interface.determinant(u, v);
         let difference = facet.anchor.distance(left) - facet.anchor.distance(right);
         let volume = determinant * difference;
-        // At u and v both distances agree and cancel.
-        self.value += volume * difference;
-        self.volumes[left.number()] += volume;
-        self.volumes[right.number()] -= volume;
-        self.areas[interface.number()] += 2.0 * determinant;
-        let loss = determinant * facet.per_height;
-        for (losses, along) in self.losses.iter_mut().zip(facet.normal().iter()) {
-            losses[interface.number()] += loss * along;
+        let loss = facet.normal() * (determinant * facet.per_height);
+        // In the energy, both distances at u and v agree and cancel.
+        let terms = [
+            volume * difference,
+            volume,
+            determinant,
+            loss.x,
+            loss.y,
+            loss.z,
+        ];
+        let sums = &mut self.segments[interface.number()];
+        for (sum, term) in sums.iter_mut().zip(terms) {
+            *sum += term;
         }
     }
 }
 
 impl Linear {
     fn jet(&self) -> Jet<3> {
-        let volumes = &self.volumes;
+        let shares = self.shares.iter().map(|[value, _]| value);
+        let segments = self.segments.iter().map(|[value, ..]| value);
+        let value = shares.chain(segments).sum::<f64>();
+        let mut volumes = self.shares.map(|[_, volume]| volume);
+        for interface in Interface::all() {
+            let (left, right) = interface.sectors();
+            let volume = self.segments[interface.number()][1];
+            volumes[left.number()] += volume;
+            volumes[right.number()] -= volume;
+        }
+        let per_interface = |place: usize| self.segments.map(|sums| sums[place]);
         let evaluation = Evaluation {
-            value: self.value / 24.0,
+            value: value / 24.0,
             gradient: Vector3::from([0, 1, 2].map(|k| volumes[2 * k + 1] - volumes[2 * k])) / 6.0,
-            hessian: interface_hessian(&self.areas),
+            hessian: interface_hessian(&per_interface(2)) * 2.0,
         };
-        let third = self
-            .losses
-            .each_ref()
-            .map(|losses| interface_hessian(losses) * -4.0);
+        let third = [3, 4, 5].map(|place| interface_hessian(&per_interface(place)) * -4.0);
         Jet {
             evaluation,
             third: Some(third),

@@ -48,6 +48,12 @@ impl Interface {
     /// The length of tables by number, which need no check of bounds then.
     pub(crate) const SLOTS: usize = 16;
 
+    /// All of them.
+    #[inline]
+    pub(crate) fn all() -> impl Iterator<Item = Self> {
+        (0..Self::COUNT as u8).map(Self)
+    }
+
     /// The two sectors: the one of the smaller axis first. That one is *left* of the interface's
     /// segments, seen from outside the facet on which they lie.
     #[inline]

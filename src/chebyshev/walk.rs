@@ -166,11 +166,19 @@ fn only_crossing(a: &VertexSight, b: &VertexSight) -> Option<(f64, Mark)> {
     let (a, b) = (&a.sight, &b.sight);
     let fall = a.distance(from) - a.distance(to);
     let rise = b.distance(to) - b.distance(from);
-    let end = fall / (fall + rise);
     let third = Endpoint::passing(from, to).interface().third_axis();
-    let mark = mark_on([a, b], from, third, end);
-    let is_largest = mark.third.abs() <= mark.distance;
-    (is_largest && from.axis() != to.axis()).then_some((end, mark))
+    // Both of the mark's numbers times (fall + rise): what decides need not wait for a quotient.
+    let distance = a.distance(from) * rise + b.distance(from) * fall;
+    let along = a.along(third) * rise + b.along(third) * fall;
+    if along.abs() > distance || from.axis() == to.axis() {
+        return None;
+    }
+    let scale = 1.0 / (fall + rise);
+    let mark = Mark {
+        distance: distance * scale,
+        third: along * scale,
+    };
+    scale.is_finite().then_some((fall * scale, mark))
 }
 
 /// The point at `end` along the edge from `a` to `b`, on an interface of `sector`.
