@@ -3,10 +3,12 @@
 //! `q(d) = g·d + ½ dᵀHd` over `lower ≤ d ≤ upper` with `lower ≤ 0 ≤ upper`, by the primal
 //! active-set method (Nocedal & Wright, *Numerical Optimization*, 2nd ed., Algorithm 16.3), where
 //! a constraint is one variable held at a bound. Mostly the unconstrained minimizer lies inside
-//! and one Cholesky factorization does. Every iterate is feasible and no higher than the one
+//! and one factorization does. Every iterate is feasible and no higher than the one
 //! before, so stopping early still leaves a descent step.
 
-use nalgebra::{Cholesky, Const, SMatrix, SVector};
+use nalgebra::{SMatrix, SVector};
+
+use crate::minimize::factor::Factor;
 
 /// Changes of the set of held variables before the best step so far is taken. Three variables
 /// have 27 such sets and each is met at most once; in practice two or three are.
@@ -27,13 +29,13 @@ pub(crate) fn positive_definite<const D: usize>(
     hessian: &SMatrix<f64, D, D>,
     gradient: &SVector<f64, D>,
     length: f64,
-) -> Option<(SMatrix<f64, D, D>, Cholesky<f64, Const<D>>)> {
+) -> Option<(SMatrix<f64, D, D>, Factor<D>)> {
     let mut shift = (SHIFT_OF_TRACE * hessian.trace().abs())
         .max(SHIFT_OF_GRADIENT * gradient.amax() / length)
         .max(f64::MIN_POSITIVE);
     for _ in 0..MAX_SHIFTS {
         let shifted = hessian + SMatrix::from_diagonal_element(shift);
-        if let Some(factor) = shifted.cholesky() {
+        if let Some(factor) = Factor::of(&shifted) {
             return Some((shifted, factor));
         }
         shift *= SHIFT_GROWTH;
@@ -46,7 +48,7 @@ pub(crate) fn positive_definite<const D: usize>(
 /// The first factorization is the caller's, who had to find out that `H` is positive definite.
 pub(crate) fn minimize_quadratic<const D: usize>(
     hessian: &SMatrix<f64, D, D>,
-    factor: &Cholesky<f64, Const<D>>,
+    factor: &Factor<D>,
     gradient: &SVector<f64, D>,
     lower: &SVector<f64, D>,
     upper: &SVector<f64, D>,
@@ -99,9 +101,7 @@ fn remaining_step<const D: usize>(
         matrix[(axis, axis)] = 1.0;
         right[axis] = 0.0;
     }
-    matrix
-        .cholesky()
-        .map_or_else(SVector::zeros, |factor| factor.solve(&right))
+    Factor::of(&matrix).map_or_else(SVector::zeros, |factor| factor.solve(&right))
 }
 
 /// Goes along `rest` as far as the box allows and returns the variable that blocked it.
@@ -158,7 +158,7 @@ mod tests {
     #[test]
     fn a_corner_of_the_box_is_found_past_a_correlated_minimum() {
         let hessian = SMatrix::<f64, 2, 2>::new(2.0, 1.9, 1.9, 2.0);
-        let factor = hessian.cholesky().unwrap();
+        let factor = Factor::of(&hessian).unwrap();
         let gradient = SVector::<f64, 2>::new(-3.0, 1.0);
         let lower = SVector::repeat(-1.0);
         let upper = SVector::repeat(0.5);

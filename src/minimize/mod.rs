@@ -27,6 +27,7 @@ mod backtracking;
 mod box_quadratic;
 mod cauchy;
 mod compact;
+mod factor;
 mod lbfgsb_step;
 mod line_search;
 mod newton_state;

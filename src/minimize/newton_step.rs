@@ -14,9 +14,10 @@
 //! Equations*, 1964, section 5.2, in several variables): it converges cubically and saves a
 //! Voronoi cell about one evaluation. Where the second term is not small, it is left away.
 
-use nalgebra::{Cholesky, Const, SMatrix, SVector};
+use nalgebra::{SMatrix, SVector};
 
 use crate::minimize::box_quadratic::{minimize_quadratic, positive_definite};
+use crate::minimize::factor::Factor;
 use crate::minimize::problem::Evaluation;
 
 /// Up to this share of Newton's step the correction by the third derivative is trusted.
@@ -51,7 +52,7 @@ fn corrected<const D: usize>(
     step: &SVector<f64, D>,
     gradient: &SVector<f64, D>,
     third: &[SMatrix<f64, D, D>; D],
-    factor: &Cholesky<f64, Const<D>>,
+    factor: &Factor<D>,
 ) -> Option<SVector<f64, D>> {
     let mut bend = SVector::zeros();
     for (along, share) in third.iter().zip(step.iter()) {
