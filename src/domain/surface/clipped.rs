@@ -55,6 +55,9 @@ pub struct ClippedCell {
 impl ClippedCell {
     /// Finds what `cell`, in coordinates relative to `site`, and `solid` have in common.
     pub fn meet(&mut self, solid: &SurfaceSolid, site: &Point3<f64>, cell: &Polyhedron) -> Meeting {
+        if solid.is_clear(site, cell) {
+            return Meeting::Apart;
+        }
         self.near.clear();
         solid.near(site, cell, &mut self.near);
         if self.near.is_empty() {

@@ -8,6 +8,7 @@
 //! far one may go before leaving.
 
 pub(crate) mod cell_edges;
+pub(crate) mod clearance;
 pub mod clipped;
 pub(crate) mod corner_numbers;
 pub(crate) mod outline;

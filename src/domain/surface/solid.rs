@@ -6,6 +6,7 @@ use crate::domain::beyond::Beyond;
 use crate::domain::error::DomainError;
 use crate::domain::near::visit_near;
 use crate::domain::space::{Domain, PieceScratch};
+use crate::domain::surface::clearance::Clearance;
 use crate::domain::surface::clipped::Meeting;
 use crate::domain::surface::outline::outline;
 use crate::domain::surface::shadow::shadows;
@@ -35,6 +36,7 @@ pub struct SurfaceSolid {
     edges: Vec<[u32; 3]>,
     walls: Vec<u32>,
     tree: BoxTree,
+    clearance: Clearance,
     bounds: Bounds<3>,
     start: Bounds<3>,
     volume: f64,
@@ -64,6 +66,7 @@ impl SurfaceSolid {
         Ok(Self {
             edges,
             walls: walls(&surface, &table),
+            clearance: Clearance::new(&surface),
             tree: BoxTree::new(surface.all_corners().map(|corners| Bounds::of(&corners))),
             start: Bounds {
                 min: bounds.min - margin,
@@ -114,6 +117,14 @@ impl SurfaceSolid {
             origin: Origin::Vertex(vertices[k]),
             border: Border::Side(self.edges[triangle as usize][k]),
         })
+    }
+
+    /// Whether it is plain at first sight that no triangle touches `cell`, in coordinates relative
+    /// to `site`.
+    pub(crate) fn is_clear(&self, site: &Point3<f64>, cell: &Polyhedron) -> bool {
+        let clearance = self.clearance.at(site);
+        let reaches_less = |vertex: Point3<f64>| vertex.coords.amax() < clearance;
+        clearance > 0.0 && self.bounds.contains(site) && cell.vertices().all(reaches_less)
     }
 
     /// Appends the triangles that `cell`, in coordinates relative to `site`, may touch.
