@@ -350,3 +350,16 @@ fn every_method_keeps_sites_in_solids_with_holes_and_bends() {
         }
     }
 }
+
+#[test]
+fn cells_that_the_surface_cuts_are_taken_apart_too() {
+    let desk = Desk::new();
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/trefoil.off");
+    scene(&desk, &format!(r#"{{"surface": {file:?}}}"#), "");
+    for name in ["parts.png", "parts.vtu"] {
+        let told = desk.stdout(&["fragments", "scene.json", "--site", "3", "-o", name]);
+        assert_all_in(&told, &[name]);
+    }
+    let text = String::from_utf8_lossy(&desk.read("parts.vtu")).into_owned();
+    assert_all_in(&text, &["NumberOfCells=\"6\"", "energy", "volume"]);
+}

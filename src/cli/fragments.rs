@@ -12,6 +12,7 @@ use chebloyd::chebyshev::integrand::Integrand;
 use chebloyd::chebyshev::sector::Sector;
 use chebloyd::chebyshev::walk::WalkScratch;
 use chebloyd::domain::beyond::Beyond;
+use chebloyd::domain::space::{Domain, PieceScratch};
 use chebloyd::export::vtu::{CellGeometry, write_cells};
 use chebloyd::export::whole_file;
 use chebloyd::geometry::polyhedron::Polyhedron;
@@ -64,13 +65,7 @@ pub(crate) fn run(options: &Options, common: Common) -> Result<(), Failure> {
     if is_picture {
         draw(&options.output, site, &position, &parts)?;
     } else {
-        export(
-            &options.output,
-            site,
-            &position,
-            &frame(&ground, site),
-            &parts,
-        )?;
+        export(&options.output, site, &parts)?;
     }
     if common.quiet {
         return Ok(());
@@ -99,27 +94,28 @@ fn middle(space: &Space, sites: &[Point3<f64>]) -> usize {
         .unwrap_or_default()
 }
 
-/// The fragments of a site's cell, relative to the site.
-fn parts(space: &Space, sites: &[Point3<f64>], site: usize) -> Result<[Polyhedron; 6], Failure> {
+/// A fragment of a cell within the domain.
+#[derive(Clone, Debug, Default)]
+struct Part {
+    shell: Shell,
+    /// The integral of the Chebyshev distance from the site over it.
+    energy: f64,
+}
+
+/// The fragments of a site's cell, in the order of the sectors.
+fn parts(space: &Space, sites: &[Point3<f64>], site: usize) -> Result<Vec<Part>, Failure> {
     let diagram = Diagram::new(space.domain(), sites).map_err(Failure::input)?;
-    let cells = diagram.map(|(): &mut (), cell| {
+    let cells = diagram.map(|scratch: &mut PieceScratch, cell| {
         let wanted = cell.site as usize == site;
-        wanted.then(|| cell.polyhedron.clone())
+        wanted.then(|| {
+            let frame = frame(space, site);
+            let (origin, label) = (Point3::origin(), Beyond::Inner.label());
+            let wedges = fragments_in_frame(cell.polyhedron, &origin, &frame, label);
+            wedges.map(|wedge| part(space.domain(), &cell.position, &frame, &wedge, scratch))
+        })
     });
-    let cell = cells.map_err(Failure::input)?.swap_remove(site);
-    let cell = cell.unwrap_or_default();
-    let inside = cell.vertices().all(|v| {
-        let vertex = sites[site] + v.coords;
-        space.domain().is_convex() || space.domain().contains(&vertex)
-    });
-    if !inside {
-        let message = format!("the surface cuts the cell of site {site}; choose another by --site");
-        return Err(Failure::input(message));
-    }
-    let frame = frame(space, site);
-    let origin = Point3::origin();
-    let label = Beyond::Inner.label();
-    Ok(fragments_in_frame(&cell, &origin, &frame, label))
+    let parts = cells.map_err(Failure::input)?.swap_remove(site);
+    Ok(parts.map(Vec::from).unwrap_or_default())
 }
 
 /// The frame in which a site's cell measures distances.
@@ -128,16 +124,37 @@ fn frame(space: &Space, site: usize) -> Rotation3<f64> {
     space.frames().of(number).copied().unwrap_or_default()
 }
 
-fn draw(
-    path: &Path,
-    site: usize,
-    position: &Point3<f64>,
-    parts: &[Polyhedron; 6],
-) -> Result<(), Failure> {
-    let fragment = |(sector, part): (Sector, &Polyhedron)| Fragment {
+/// What the domain holds of a wedge, which begins at the site.
+fn part(
+    domain: &dyn Domain,
+    site: &Point3<f64>,
+    frame: &Rotation3<f64>,
+    wedge: &Polyhedron,
+    scratch: &mut PieceScratch,
+) -> Part {
+    let mut part = Part::default();
+    if wedge.is_empty() {
+        return part;
+    }
+    domain.shape(site, wedge, scratch, &mut |piece| {
+        part.shell = Shell::from(piece).translated(&site.coords);
+    });
+    let mut walk = WalkScratch::default();
+    domain.pieces(site, wedge, scratch, &mut |sign, piece| {
+        let mut integrand = Integrand::default();
+        integrand.assign(piece);
+        integrand.rotate(&frame.inverse());
+        let piece = SignedPiece { sign, integrand };
+        part.energy += energy([&piece], &Vector3::zeros(), 1, &mut walk).value;
+    });
+    part
+}
+
+fn draw(path: &Path, site: usize, position: &Point3<f64>, parts: &[Part]) -> Result<(), Failure> {
+    let fragment = |(sector, part): (Sector, &Part)| Fragment {
         axis: sector.axis(),
         positive: sector.sign() > 0.0,
-        shell: Shell::from(part).translated(&position.coords),
+        shell: part.shell.clone(),
     };
     let cell = FragmentedCell {
         caption: format!("Fragments of the cell of site {site}"),
@@ -149,35 +166,16 @@ fn draw(
         .map_err(|error| Failure::input(format!("cannot write {}: {error}", path.display())))
 }
 
-fn export(
-    path: &Path,
-    site: usize,
-    position: &Point3<f64>,
-    frame: &Rotation3<f64>,
-    parts: &[Polyhedron; 6],
-) -> Result<(), Failure> {
-    let cells = parts.iter().filter(|part| !part.is_empty()).map(|part| {
-        let shell = Shell::from(part).translated(&position.coords);
-        CellGeometry {
-            site,
-            energy: own_energy(part, frame),
-            volume: shell.volume(),
-            cubeness: 0.0,
-            facet_count: shell.facet_count(),
-            shell,
-        }
+fn export(path: &Path, site: usize, parts: &[Part]) -> Result<(), Failure> {
+    let is_there = |part: &&Part| part.shell.facet_count() > 0;
+    let cells = parts.iter().filter(is_there).map(|part| CellGeometry {
+        site,
+        energy: part.energy,
+        volume: part.shell.volume(),
+        cubeness: 0.0,
+        facet_count: part.shell.facet_count(),
+        shell: part.shell.clone(),
     });
     write_cells(path, cells).map_err(Failure::input)?;
     Ok(())
-}
-
-/// The integral of the Chebyshev distance from the site over a fragment.
-fn own_energy(part: &Polyhedron, frame: &Rotation3<f64>) -> f64 {
-    let mut integrand = Integrand::new(part);
-    integrand.rotate(&frame.inverse());
-    let piece = SignedPiece {
-        sign: 1.0,
-        integrand,
-    };
-    energy([&piece], &Vector3::zeros(), 1, &mut WalkScratch::default()).value
 }

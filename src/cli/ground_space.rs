@@ -66,9 +66,9 @@ impl Ground<3> for Space {
         let height = cut_height(&self.bounds(), self.volume(), sites.len());
         let cut = Cut::horizontal(height);
         let mut patches = Vec::new();
-        let title = "Cells, an octant taken away";
-        let scale = colors.scale().clone();
-        let mut cutaway = CutawayPicture::new(&self.bounds(), Removed::Octant, scale, title)?;
+        let removed = Removed::enough_of(&self.bounds(), sites);
+        let (scale, title) = (colors.scale().clone(), removed.title());
+        let mut cutaway = CutawayPicture::new(&self.bounds(), removed, scale, title)?;
         Diagram::new(self.domain(), sites)?.stream(
             |scratch: &mut PieceScratch, cell| shell(self.domain(), &cell, scratch),
             |site, shell| {

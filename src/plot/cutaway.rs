@@ -26,6 +26,44 @@ pub enum Removed {
     Half,
 }
 
+/// The least share of the cells that a cut should take away to show what is inside.
+const ENOUGH: f64 = 0.05;
+
+impl Removed {
+    /// The octant, or the half where the octant holds next to nothing of the solid.
+    #[must_use]
+    pub fn enough_of(bounds: &Bounds<3>, sites: &[Point3<f64>]) -> Self {
+        let middle = bounds.center();
+        let gone = |site: &&Point3<f64>| !Self::Octant.leaves(site, &middle);
+        let count = sites.iter().filter(gone).count();
+        if count as f64 >= ENOUGH * sites.len() as f64 {
+            Self::Octant
+        } else {
+            Self::Half
+        }
+    }
+
+    /// The words for it in a title.
+    #[must_use]
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::Nothing => "Cells",
+            Self::Octant => "Cells, an octant taken away",
+            Self::Half => "Cells, the front half taken away",
+        }
+    }
+
+    fn leaves(self, site: &Point3<f64>, middle: &Point3<f64>) -> bool {
+        let arm = site - middle;
+        let near = |axis: usize| arm[axis] * TOWARD[axis] > 0.0;
+        match self {
+            Self::Nothing => true,
+            Self::Octant => !(near(0) && near(1) && near(2)),
+            Self::Half => !near(1),
+        }
+    }
+}
+
 /// Sides of the picture in pixels, and pixels per figure unit.
 const WIDTH: usize = 1300;
 const HEIGHT: usize = 1300;
@@ -76,13 +114,7 @@ impl CutawayPicture {
     /// Whether the cell of `site` is shown; the others need not be pushed.
     #[must_use]
     pub fn shows(&self, site: &Point3<f64>) -> bool {
-        let arm = site - self.middle;
-        let near = |axis: usize| arm[axis] * TOWARD[axis] > 0.0;
-        match self.removed {
-            Removed::Nothing => true,
-            Removed::Octant => !(near(0) && near(1) && near(2)),
-            Removed::Half => !near(1),
-        }
+        self.removed.leaves(site, &self.middle)
     }
 
     /// Draws the cell of `site`, colored by `value`, unless it is taken away.

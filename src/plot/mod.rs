@@ -9,6 +9,7 @@ pub mod camera;
 pub mod color;
 pub mod color_bar;
 pub mod convergence;
+pub(crate) mod creases;
 pub mod cut;
 pub mod cutaway;
 pub mod exploded;

@@ -1,9 +1,9 @@
 //! Shaded facets in space as pixels: a depth buffer.
 //!
 //! Every facet is filled row by row between the crossings of its loop with the row's middle, so
-//! neighboring facets leave no gap and loops need not be convex. Where a pixel is nearer to the
-//! facet's own rim than half a line's width it gets the line's color: lines are exactly as visible
-//! as their facets. The buffer is finer than the picture and averaged at the end, which smooths
+//! neighboring facets leave no gap and loops need not be convex. Where a pixel is nearer to a crease
+//! of the facet's own rim than half a line's width it gets the line's color: lines are exactly as
+//! visible as their facets. The buffer is finer than the picture and averaged at the end, which smooths
 //! all edges.
 
 use std::ops::Range;
@@ -15,6 +15,7 @@ use crate::geometry::bounds::Bounds;
 use crate::geometry::shell::Shell;
 use crate::plot::camera::Camera;
 use crate::plot::color::Color;
+use crate::plot::creases::creases;
 use crate::plot::figure::Figure;
 use crate::plot::png::{self, PngError};
 
@@ -43,6 +44,7 @@ pub struct Stage {
     colors: Vec<[u8; 3]>,
     // Kept between facets for their memory.
     rim: Vec<Point3<f64>>,
+    lines: Vec<[Point2<f64>; 2]>,
     crossings: Vec<f64>,
 }
 
@@ -50,6 +52,8 @@ pub struct Stage {
 struct Seen<'a> {
     /// Its corners in buffer pixels, with their depths.
     rim: &'a [Point3<f64>],
+    /// Its edges that get a line.
+    lines: &'a [[Point2<f64>; 2]],
     /// How the depth grows per buffer pixel to the right and downward.
     slopes: [f64; 2],
     /// The least and the greatest depth.
@@ -73,6 +77,7 @@ impl Stage {
             depths: vec![f32::NEG_INFINITY; width * height],
             colors: vec![Color::WHITE.rgb; width * height],
             rim: Vec::new(),
+            lines: Vec::new(),
             crossings: Vec::new(),
         })
     }
@@ -96,10 +101,14 @@ impl Stage {
     /// Draws the facets of a shell that face the viewer, `paint` telling the color at a point.
     pub fn draw(&mut self, shell: &Shell, paint: impl Fn(&Point3<f64>) -> Color) {
         let mut corners: Vec<Point3<f64>> = Vec::new();
+        let creases = creases(shell);
+        let mut first = 0;
         for facet in shell.loops() {
             corners.clear();
             corners.extend(facet);
-            self.draw_facet(&corners, &paint);
+            let following = first + corners.len();
+            self.draw_facet(&corners, &creases[first..following], &paint);
+            first = following;
         }
     }
 
@@ -123,7 +132,13 @@ impl Stage {
         png::encode(&sheet)
     }
 
-    fn draw_facet(&mut self, corners: &[Point3<f64>], paint: &impl Fn(&Point3<f64>) -> Color) {
+    /// Draws a facet, with lines from those of its corners that begin creases.
+    fn draw_facet(
+        &mut self,
+        corners: &[Point3<f64>],
+        creases: &[bool],
+        paint: &impl Fn(&Point3<f64>) -> Color,
+    ) {
         let Some(normal) = normal(corners) else {
             return;
         };
@@ -133,9 +148,14 @@ impl Stage {
         let mut rim = std::mem::take(&mut self.rim);
         rim.clear();
         rim.extend(corners.iter().map(|corner| self.camera.project(corner)));
+        let mut lines = std::mem::take(&mut self.lines);
+        lines.clear();
+        let creased = edges(&rim).zip(creases).filter(|(_, is)| **is);
+        lines.extend(creased.map(|((a, b), _)| [a.xy(), b.xy()]));
         let bounds = Bounds::of(&rim);
         let facet = Seen {
             rim: &rim,
+            lines: &lines,
             slopes,
             depths: [bounds.min.z, bounds.max.z],
             shade: AMBIENT + DIRECT * normal.dot(&LIGHT.normalize()).max(0.0),
@@ -148,6 +168,7 @@ impl Stage {
             }
         }
         self.rim = rim;
+        self.lines = lines;
         self.crossings = crossings;
     }
 
@@ -172,7 +193,7 @@ impl Stage {
                 continue;
             }
             self.depths[place] = depth as f32;
-            let color = if is_near_rim(facet.rim, &pixel) {
+            let color = if is_near(facet.lines, &pixel) {
                 Color::INK
             } else {
                 let seen = Point3::new(pixel.x, pixel.y, depth);
@@ -244,10 +265,10 @@ fn pixels(from: f64, to: f64, count: usize) -> Range<usize> {
     first(from)..first(to)
 }
 
-fn is_near_rim(rim: &[Point3<f64>], pixel: &Point2<f64>) -> bool {
+fn is_near(lines: &[[Point2<f64>; 2]], pixel: &Point2<f64>) -> bool {
     let reach = 0.5 * LINE * FINENESS as f64;
-    edges(rim).any(|(a, b)| {
-        let (along, arm) = (b.xy() - a.xy(), pixel - a.xy());
+    lines.iter().any(|[a, b]| {
+        let (along, arm) = (b - a, pixel - a);
         let share = (arm.dot(&along) / along.norm_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
         (arm - share * along).norm_squared() < reach * reach
     })
