@@ -98,6 +98,7 @@ fn relaxed(space: &Space, start: &[Point3<f64>], norm: Norm, iterations: u64) ->
         iterations,
         tolerance: 0.0,
         question: Question { norm, ..LINF },
+        is_accelerated: false,
     };
     lloyd(space, &mut sites, &options, None, &mut |record, _| {
         energy = record.energy_percent;
