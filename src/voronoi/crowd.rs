@@ -1,11 +1,12 @@
 //! What lies around neighboring sites, gathered once for all of them.
 //!
 //! The sites of a small node of the index look at much the same surroundings. So the tree is walked
-//! once for such a neighborhood: the leaves within reach are copied side by side, and each site
-//! then passes over the copy in blocks, without a branch in the tree.
+//! once for such a neighborhood, and what lies within reach is copied side by side, in single
+//! precision about the middle of the node. Each site then passes over the copy without a branch. What
+//! that finds near, with a margin for the rounding, is measured again in full.
 
 use nalgebra::Point3;
-use wide::f64x4;
+use wide::f32x4;
 
 use crate::geometry::bounds::Bounds;
 use crate::voronoi::candidate::{Candidate, Subtree};
@@ -20,37 +21,34 @@ const MOST: usize = 4096;
 /// How often the reach is drawn in, each time to a quarter of its square, before it is given up.
 const DRAWN_IN: usize = 40;
 
-/// A leaf that has been gathered: a run of sites.
-#[derive(Clone, Copy, Debug)]
-struct Run {
-    first: u32,
-    count: u32,
-    place: u32,
-    shift: u32,
-}
+/// What single precision may do to a distance, in units: coordinates of at most a few units are good
+/// to 2⁻²², with room to spare.
+const ROUNDING: f64 = 1e-5;
 
 /// The surroundings of a neighborhood.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Crowd {
     /// The index's stamp and the node; zero is none.
     of: (u64, u32),
-    /// Coordinates of the gathered sites, unshifted, with a block of slack at the end.
-    positions: [Vec<f64>; 3],
-    runs: Vec<Run>,
-    /// The runs' boxes, shifted: the least and the greatest coordinates.
-    boxes: [[Vec<f64>; 3]; 2],
+    middle: Point3<f64>,
+    /// By what lengths are divided: about the size of what is gathered.
+    unit: f64,
+    /// Coordinates of the gathered sites about the middle, in units and whole blocks.
+    positions: [Vec<f32>; 3],
+    /// Their places and the numbers of their shifts.
+    places: Vec<(u32, u32)>,
+    /// Their squared distances from the site that looks, in units.
+    squares: Vec<f32>,
     /// What has not been gathered, nearest to the node first.
     pub(crate) beyond: Vec<Subtree>,
     /// The squared distance from the node within which all has been gathered (L²).
     pub(crate) reach_squared: f64,
     stack: Vec<Subtree>,
-    /// Squared distances of the boxes from the site that looks.
-    gaps: Vec<f64>,
 }
 
 impl Crowd {
-    /// Gathers what lies around the neighborhood of the site in `place`, as far as the root of `reach_squared`
-    /// or less far where that is too much.
+    /// Gathers what lies around the neighborhood of the site in `place`, as far as the root of
+    /// `reach_squared` or less far where that is too much.
     pub(crate) fn gather(&mut self, index: &SiteIndex, place: usize, reach_squared: f64) {
         let of = (index.stamp(), index.neighborhood(place));
         if self.of == of {
@@ -59,6 +57,9 @@ impl Crowd {
         self.of = of;
         self.reach_squared = reach_squared;
         let around = index.bounds(of.1);
+        self.middle = around.center();
+        let unit = reach_squared.max(0.0).sqrt() + around.extent().max();
+        self.unit = if unit > 0.0 { unit } else { 1.0 };
         let mut tries = 0;
         while !self.gather_within(index, &around) {
             tries += 1;
@@ -71,25 +72,17 @@ impl Crowd {
             let by_gap = a.gap_squared.total_cmp(&b.gap_squared);
             by_gap.then_with(|| (a.shift, a.node).cmp(&(b.shift, b.node)))
         });
+        let padded = self.places.len().next_multiple_of(BLOCK);
         for coordinates in &mut self.positions {
-            let padded = coordinates.len() + BLOCK;
-            coordinates.resize(padded, 0.0);
+            coordinates.resize(padded, f32::INFINITY);
         }
-        let padded = self.runs.len().next_multiple_of(BLOCK);
-        for coordinates in self.boxes.iter_mut().flatten() {
-            coordinates.resize(padded, f64::INFINITY);
-        }
-        self.gaps.resize(padded, 0.0);
+        self.squares.resize(padded, 0.0);
     }
 
     fn gather_within(&mut self, index: &SiteIndex, around: &Bounds<3>) -> bool {
-        self.runs.clear();
+        self.places.clear();
         self.beyond.clear();
-        self.gaps.clear();
-        let positions = self.positions.iter_mut();
-        positions
-            .chain(self.boxes.iter_mut().flatten())
-            .for_each(Vec::clear);
+        self.positions.iter_mut().for_each(Vec::clear);
         for shift in 0..index.shifts().len() as u32 {
             self.stack.clear();
             self.stack.push(Subtree {
@@ -111,8 +104,8 @@ impl Crowd {
                         ..subtree
                     });
                 } else if index.is_leaf(subtree.node) {
-                    self.add(index, &subtree, &bounds);
-                    if self.positions[0].len() > MOST {
+                    self.add(index, &subtree);
+                    if self.places.len() > MOST {
                         return false;
                     }
                 } else {
@@ -126,35 +119,30 @@ impl Crowd {
         true
     }
 
-    fn add(&mut self, index: &SiteIndex, leaf: &Subtree, bounds: &Bounds<3>) {
+    fn add(&mut self, index: &SiteIndex, leaf: &Subtree) {
+        let origin = self.middle - index.shifts()[leaf.shift as usize].by;
         let places = index.places(leaf.node);
-        self.runs.push(Run {
-            first: self.positions[0].len() as u32,
-            count: places.len() as u32,
-            place: places.start as u32,
-            shift: leaf.shift,
-        });
-        for axis in 0..3 {
-            let coordinates = places.clone().map(|place| index.position(place)[axis]);
-            self.positions[axis].extend(coordinates);
-            self.boxes[0][axis].push(bounds.min[axis]);
-            self.boxes[1][axis].push(bounds.max[axis]);
+        for (axis, coordinates) in self.positions.iter_mut().enumerate() {
+            let about = |place| (index.position(place)[axis] - origin[axis]) / self.unit;
+            coordinates.extend(places.clone().map(|place| about(place) as f32));
         }
+        self.places
+            .extend(places.map(|place| (place as u32, leaf.shift)));
     }
 
-    /// Measures how far the runs are from `site`, for the visits to come.
+    /// Measures how far all sites are from `site`, for the visits to come.
     pub(crate) fn measure(&mut self, site: &Point3<f64>) {
-        let [min, max] = &self.boxes;
-        for (block, gaps) in self.gaps.chunks_exact_mut(BLOCK).enumerate() {
-            let mut sum = f64x4::ZERO;
-            for axis in 0..3 {
-                let here = f64x4::splat(site[axis]);
-                let [low, high] = [min, max].map(|ends| load(&ends[axis], block * BLOCK));
-                let outside = (low - here).fast_max(here - high);
-                let gap = outside.fast_max(f64x4::ZERO);
-                sum += gap * gap;
-            }
-            gaps.copy_from_slice(&sum.to_array());
+        let here = (site - self.middle) / self.unit;
+        let [x, y, z] = [here.x, here.y, here.z].map(|along| f32x4::splat(along as f32));
+        let [xs, ys, zs] = self.positions.each_ref().map(|all| all.as_chunks().0);
+        let there = xs.iter().zip(ys).zip(zs);
+        for (squares, ((xs, ys), zs)) in self.squares.as_chunks_mut().0.iter_mut().zip(there) {
+            let [x, y, z] = [
+                f32x4::new(*xs) - x,
+                f32x4::new(*ys) - y,
+                f32x4::new(*zs) - z,
+            ];
+            *squares = (x * x + y * y + z * z).to_array();
         }
     }
 
@@ -168,43 +156,31 @@ impl Crowd {
         (above, limit): (f64, f64),
         mut visit: impl FnMut(Candidate),
     ) {
-        let [xs, ys, zs] = &self.positions;
-        let [x, y, z] = [site.x, site.y, site.z].map(f64x4::splat);
-        let [least, most] = [above, limit].map(f64x4::splat);
-        let runs = self.runs.iter().zip(&self.gaps);
-        for (run, _) in runs.filter(|(_, gap)| **gap <= limit) {
-            let by = index.shifts()[run.shift as usize].by;
-            let shift = [by.x, by.y, by.z].map(f64x4::splat);
-            for start in (0..run.count).step_by(BLOCK) {
-                let at = (run.first + start) as usize;
-                let [x, y, z] = [
-                    load(xs, at) - x + shift[0],
-                    load(ys, at) - y + shift[1],
-                    load(zs, at) - z + shift[2],
-                ];
-                let squares = x * x + y * y + z * z;
-                let rest = (run.count - start).min(BLOCK as u32);
-                let within = !(most - squares).to_bitmask() & (least - squares).to_bitmask();
-                let mut found = within & (u32::MAX >> (u32::BITS - rest));
-                while found != 0 {
-                    let lane = found.trailing_zeros();
-                    found &= found - 1;
-                    let candidate = (run.place + start + lane) as usize;
-                    if candidate != place {
-                        visit(Candidate::new(index, site, (candidate, run.shift), &by));
-                    }
+        if limit < 0.0 {
+            return;
+        }
+        let reach = limit.sqrt() / self.unit + ROUNDING;
+        let most = f32x4::splat((reach * reach * (1.0 + ROUNDING)) as f32);
+        let (blocks, _) = self.squares.as_chunks::<BLOCK>();
+        for (block, squares) in blocks.iter().enumerate() {
+            let mut found = !(most - f32x4::new(*squares)).to_bitmask() & 0b1111;
+            while found != 0 {
+                let number = block * BLOCK + found.trailing_zeros() as usize;
+                found &= found - 1;
+                let Some(&(other, shift)) = self.places.get(number) else {
+                    continue;
+                };
+                if other as usize == place {
+                    continue;
+                }
+                let by = &index.shifts()[shift as usize].by;
+                let candidate = Candidate::new(index, site, (other as usize, shift), by);
+                if above < candidate.distance_squared && candidate.distance_squared <= limit {
+                    visit(candidate);
                 }
             }
         }
     }
-}
-
-/// The four numbers from `start` on.
-#[inline]
-fn load(numbers: &[f64], start: usize) -> f64x4 {
-    let mut block = [0.0; BLOCK];
-    block.copy_from_slice(&numbers[start..start + BLOCK]);
-    f64x4::new(block)
 }
 
 /// The squared distance of two boxes (L²).

@@ -17,7 +17,7 @@ const DRAWN_IN: usize = 40;
 
 /// How much farther than a first look surroundings are gathered, squared: most cells find
 /// all that they need there.
-const GATHERED: f64 = 1.7;
+const GATHERED: f64 = 1.3;
 
 /// What has been found around a site.
 #[derive(Clone, Debug, Default)]
