@@ -8,9 +8,13 @@ use std::time::Instant;
 
 use nalgebra::Point;
 
-use crate::relax::over_relaxation::{advance, look};
+use crate::relax::over_relaxation::{Moves, advance, look};
 use crate::relax::record::{Movement, Record};
 use crate::relax::tessellation::{Question, Tessellation};
+
+/// Sites are near where they were after a movement below this (%): beyond, more than half of the
+/// cells have changed.
+const LITTLE: f64 = 1.4;
 
 /// When to stop, and what to minimize.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -66,7 +70,13 @@ pub fn lloyd<const D: usize, Space: Tessellation<D>>(
         return Ok(ended);
     }
     let mut movement = Movement::default();
-    let mut now = look(space, sites.to_vec(), options.question)?;
+    let is_near = last.is_some_and(|last| last.iteration > 0 && last.movement_percent < LITTLE);
+    let mut now = look(space, sites.to_vec(), options.question, is_near)?;
+    let moves = Moves {
+        question: options.question,
+        is_accelerated: options.is_accelerated,
+        little: LITTLE,
+    };
     loop {
         let record = match known.take() {
             Some(record) => record,
@@ -86,8 +96,7 @@ pub fn lloyd<const D: usize, Space: Tessellation<D>>(
         if let Some(ended) = ended(&record, options) {
             return Ok(ended);
         }
-        let (question, is_accelerated) = (options.question, options.is_accelerated);
-        now = advance(space, sites, &now.cells, question, is_accelerated)?;
+        now = advance(space, sites, &now.cells, moves)?;
         movement = Movement::between(space, sites, now.sites.iter());
         sites.clone_from_slice(&now.sites);
         iteration += 1;

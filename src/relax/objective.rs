@@ -18,7 +18,7 @@ use crate::domain::beyond::Beyond;
 use crate::relax::cell_memory::CellMemory;
 use crate::relax::space::Space;
 use crate::voronoi::cell::Cell;
-use crate::voronoi::diagram::{Diagram, DiagramError};
+use crate::voronoi::diagram::DiagramError;
 
 /// The global objective of some sites.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -55,9 +55,9 @@ impl Space {
     /// # Errors
     /// When the sites have no diagram.
     pub fn global(&self, sites: &[Point3<f64>], order: u32) -> Result<Global, DiagramError> {
-        let diagram = Diagram::new(self.domain(), sites)?;
-        let parts =
-            diagram.map(|memory: &mut Memory, cell| self.part_of_cell(memory, &cell, order))?;
+        let parts = self.map_carried(sites, |memory: &mut Memory, cell| {
+            self.part_of_cell(memory, &cell, order)
+        })?;
         let mut global = Global {
             gradient: vec![Vector3::zeros(); sites.len()],
             energies: parts.iter().map(|part| part.energy).collect(),

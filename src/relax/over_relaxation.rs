@@ -9,12 +9,37 @@
 
 use nalgebra::Point;
 
+use crate::relax::record::Movement;
 use crate::relax::tessellation::{Assessment, Question, Tessellation};
 
 /// How many times as far as Lloyd's a lengthened move goes. Of 1.5, 1.9, 2.2, 2.5, 3, alternating
 /// and growing lengths, measured over 100 moves from 1000 random sites, 2.5 and 3 gained most, and
 /// of these 2.5 is rejected less often.
 pub const LENGTH: f64 = 2.5;
+
+/// How moves are made.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Moves {
+    /// What is asked of every cell.
+    pub(crate) question: Question,
+    /// Whether they are lengthened where that ends lower.
+    pub(crate) is_accelerated: bool,
+    /// After a move below this (%) cells are asked as those of near sites. What decides is in the
+    /// record of the move, so that a resumed run decides alike.
+    pub(crate) little: f64,
+}
+
+impl Moves {
+    /// Moves after which cells are always asked as those of near sites: where records do not tell
+    /// from where the sites have come.
+    pub(crate) fn from_anywhere(question: Question, is_accelerated: bool) -> Self {
+        Self {
+            question,
+            is_accelerated,
+            little: f64::INFINITY,
+        }
+    }
+}
 
 /// Sites after a move of Lloyd's, with the answers of their cells.
 #[derive(Clone, Debug)]
@@ -32,12 +57,16 @@ pub(crate) fn advance<const D: usize, Space: Tessellation<D>>(
     space: &Space,
     sites: &[Point<f64, D>],
     cells: &[Assessment<D>],
-    question: Question,
-    is_accelerated: bool,
+    moves: Moves,
 ) -> Result<Moved<D>, Space::Error> {
     let targets: Vec<_> = cells.iter().map(|cell| cell.target).collect();
-    if !is_accelerated {
-        return look(space, targets, question);
+    let look_at = |there: Vec<Point<f64, D>>| {
+        let movement = Movement::between(space, sites, there.iter());
+        let is_near = movement.percent::<D>(space.volume(), sites.len()) < moves.little;
+        look(space, there, moves.question, is_near)
+    };
+    if !moves.is_accelerated {
+        return look_at(targets);
     }
     let far: Vec<_> = sites
         .iter()
@@ -45,11 +74,11 @@ pub(crate) fn advance<const D: usize, Space: Tessellation<D>>(
         .map(|(site, target)| space.beyond(site, target, LENGTH))
         .collect();
     // Lengthened moves may have brought two sites to one place: then there is no diagram.
-    let tried = look(space, far, question).ok();
+    let tried = look_at(far).ok();
     let Some(tried) = tried else {
-        return look(space, targets, question);
+        return look_at(targets);
     };
-    let least = space.energy(&targets, question)?;
+    let least = space.energy(&targets, moves.question)?;
     let compared = tried.evaluations + sites.len() as u64;
     if total(&tried.cells) <= least {
         return Ok(Moved {
@@ -58,20 +87,25 @@ pub(crate) fn advance<const D: usize, Space: Tessellation<D>>(
             ..tried
         });
     }
-    let plain = look(space, targets, question)?;
+    let plain = look_at(targets)?;
     Ok(Moved {
         evaluations: compared + plain.evaluations,
         ..plain
     })
 }
 
-/// The sites with the answers of their cells.
+/// The sites with the answers of their cells, asked as near those asked before or not.
 pub(crate) fn look<const D: usize, Space: Tessellation<D>>(
     space: &Space,
     sites: Vec<Point<f64, D>>,
     question: Question,
+    is_near: bool,
 ) -> Result<Moved<D>, Space::Error> {
-    let cells = space.assess(&sites, question)?;
+    let cells = if is_near {
+        space.assess_near(&sites, question)?
+    } else {
+        space.assess(&sites, question)?
+    };
     let evaluations = cells.iter().map(|cell| u64::from(cell.evaluations)).sum();
     Ok(Moved {
         sites,

@@ -77,6 +77,13 @@ impl Movement {
         movement.mean /= sites.len() as f64;
         movement
     }
+
+    /// 100 · mean / diagonal of a cube of the mean of `count` cells' volumes.
+    #[must_use]
+    pub fn percent<const D: usize>(&self, volume: f64, count: usize) -> f64 {
+        let diagonal = optimal_side::<D>(volume, count) * (D as f64).sqrt();
+        100.0 * self.mean / diagonal
+    }
 }
 
 impl Record {
@@ -108,7 +115,6 @@ impl Record {
         movement: Movement,
     ) -> Self {
         let cells = count as f64;
-        let diagonal = optimal_side::<D>(volume, count) * (D as f64).sqrt();
         Self {
             iteration,
             energy_mean: energy / cells,
@@ -116,7 +122,7 @@ impl Record {
             energy_percent: 100.0 * chebyshev / cells / optimal_energy::<D>(volume, count, 1),
             movement_mean: movement.mean,
             movement_max: movement.max,
-            movement_percent: 100.0 * movement.mean / diagonal,
+            movement_percent: movement.percent::<D>(volume, count),
             evaluations: 0.0,
             seconds: 0.0,
             stage: Stage::default(),

@@ -1,5 +1,7 @@
 //! Diagrams in space: how cells in a domain answer the loops.
 
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
 use nalgebra::{Point3, Vector3};
 
 use crate::domain::space::{Domain, displacement};
@@ -9,6 +11,8 @@ use crate::relax::figures::CellFigures;
 use crate::relax::frames::Frames;
 use crate::relax::noise::displaced;
 use crate::relax::tessellation::{Assessment, Question, Tessellation};
+use crate::voronoi::carried::Carried;
+use crate::voronoi::cell::Cell;
 use crate::voronoi::diagram::{Diagram, DiagramError};
 
 /// A domain in which sites have cells.
@@ -16,6 +20,8 @@ use crate::voronoi::diagram::{Diagram, DiagramError};
 pub struct Space {
     domain: Box<dyn Domain>,
     frames: Frames,
+    /// What the last diagram leaves to the next. It shows in no answer.
+    carried: Mutex<Carried>,
 }
 
 impl Space {
@@ -28,7 +34,11 @@ impl Space {
     /// The space of `domain` whose cells measure the Chebyshev distance in these frames.
     #[must_use]
     pub fn with_frames(domain: Box<dyn Domain>, frames: Frames) -> Self {
-        Self { domain, frames }
+        Self {
+            domain,
+            frames,
+            carried: Mutex::default(),
+        }
     }
 
     /// The same space with these frames.
@@ -47,6 +57,30 @@ impl Space {
     #[must_use]
     pub fn domain(&self) -> &dyn Domain {
         self.domain.as_ref()
+    }
+
+    /// How many cells the last diagram that could carry cells over from another one had to rebuild.
+    #[must_use]
+    pub fn rebuilt(&self) -> usize {
+        self.lock().rebuilt()
+    }
+
+    /// As [`Diagram::map_carried`], with what the last such diagram has left.
+    pub(crate) fn map_carried<Memory: Default, Answer: Send>(
+        &self,
+        sites: &[Point3<f64>],
+        ask: impl Fn(&mut Memory, Cell<'_>) -> Answer + Sync,
+    ) -> Result<Vec<Answer>, DiagramError> {
+        let diagram = Diagram::new(self.domain(), sites)?;
+        // Taken out meanwhile: no lock is held while threads are at work.
+        let mut carried = std::mem::take(&mut *self.lock());
+        let answers = diagram.map_carried(&mut carried, ask);
+        *self.lock() = carried;
+        answers
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Carried> {
+        self.carried.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
@@ -89,8 +123,7 @@ impl Tessellation<3> for Space {
     }
 
     fn energy(&self, sites: &[Point3<f64>], question: Question) -> Result<f64, DiagramError> {
-        let diagram = Diagram::new(self.domain(), sites)?;
-        let energies = diagram.map(|memory: &mut CellMemory, cell| {
+        let energies = self.map_carried(sites, |memory: &mut CellMemory, cell| {
             memory.load_in_frame(self.domain(), &cell, self.frames.of(cell.site));
             memory.energy_at_site(question)
         })?;
@@ -104,6 +137,17 @@ impl Tessellation<3> for Space {
     ) -> Result<Vec<Assessment<3>>, DiagramError> {
         let diagram = Diagram::new(self.domain(), sites)?;
         diagram.map(|memory: &mut CellMemory, cell| {
+            memory.load_in_frame(self.domain(), &cell, self.frames.of(cell.site));
+            memory.assess(self.domain(), &cell, question)
+        })
+    }
+
+    fn assess_near(
+        &self,
+        sites: &[Point3<f64>],
+        question: Question,
+    ) -> Result<Vec<Assessment<3>>, DiagramError> {
+        self.map_carried(sites, |memory: &mut CellMemory, cell| {
             memory.load_in_frame(self.domain(), &cell, self.frames.of(cell.site));
             memory.assess(self.domain(), &cell, question)
         })

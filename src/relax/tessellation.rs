@@ -74,4 +74,17 @@ pub trait Tessellation<const D: usize>: Sync {
         sites: &[Point<f64, D>],
         question: Question,
     ) -> Result<Vec<Assessment<D>>, Self::Error>;
+
+    /// As [`Tessellation::assess`] where sites have moved little since they were last asked this
+    /// way. The answers may differ from those by rounding, but depend on nothing else either.
+    ///
+    /// # Errors
+    /// As [`Tessellation::assess`].
+    fn assess_near(
+        &self,
+        sites: &[Point<f64, D>],
+        question: Question,
+    ) -> Result<Vec<Assessment<D>>, Self::Error> {
+        self.assess(sites, question)
+    }
 }

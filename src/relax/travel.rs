@@ -16,7 +16,7 @@ use crate::relax::descent::{Step, Totals, begin, sites_of, step};
 use crate::relax::kick::{has_kicks_left, is_perfect, kick};
 use crate::relax::levels::{coarsened, refined, sites_of_level};
 use crate::relax::lloyd::Ended;
-use crate::relax::over_relaxation::{Moved, advance, look};
+use crate::relax::over_relaxation::{Moved, Moves, advance, look};
 use crate::relax::plan::Plan;
 use crate::relax::record::{Movement, Record, Stage};
 use crate::relax::space::Space;
@@ -195,10 +195,11 @@ impl Traveler<'_> {
         let (space, question) = (self.space, self.plan.question);
         let cells = match self.cells.take() {
             Some(cells) => cells,
-            None => space.assess(self.sites, question)?,
+            None => space.assess_near(self.sites, question)?,
         };
         let is_accelerated = self.plan.is_accelerated;
-        let moved = advance(space, self.sites, &cells, question, is_accelerated)?;
+        let moves = Moves::from_anywhere(question, is_accelerated);
+        let moved = advance(space, self.sites, &cells, moves)?;
         self.stand.descent = None;
         self.lengthened = is_accelerated.then_some(moved.is_lengthened);
         Ok(self.settle(moved))
@@ -216,7 +217,7 @@ impl Traveler<'_> {
     /// Evaluates new sites, from which the next descent begins.
     fn enter(&mut self) -> Result<Totals, TravelError> {
         if self.plan.descent.is_none() {
-            let seen = look(self.space, self.sites.clone(), self.plan.question)?;
+            let seen = look(self.space, self.sites.clone(), self.plan.question, true)?;
             return Ok(self.settle(seen));
         }
         let global = self.space.global(self.sites, self.plan.question.order)?;

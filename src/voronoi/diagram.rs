@@ -23,7 +23,7 @@ const CELLS_PER_CHUNK: usize = 4096;
 #[derive(Debug)]
 pub struct Diagram<'a> {
     domain: &'a dyn Domain,
-    index: SiteIndex,
+    pub(crate) index: SiteIndex,
 }
 
 /// Why sites have no diagram. Indices count from zero.
@@ -174,7 +174,7 @@ impl<'a> Diagram<'a> {
     }
 
     /// Where in the index each site is.
-    fn places(&self) -> Vec<u32> {
+    pub(crate) fn places(&self) -> Vec<u32> {
         let mut places = vec![0; self.len()];
         for place in 0..self.len() {
             places[self.index.site(place) as usize] = place as u32;

@@ -4,7 +4,10 @@
 //! [`search`] finds around its site: the near sites in order (`surroundings`), which are gathered
 //! from the [`index`] for many sites at once (`crowd`), and what else the cell can feel (`far`).
 //! [`plane`] is the planar counterpart, through the crate `voronator`.
+//! [`index`] finds nearby, as [`search`] asks for it. [`carried`] is what it leaves to the next
+//! diagram of sites that moved a little. [`plane`] is the planar counterpart, through the crate `voronator`.
 
+pub mod carried;
 pub mod cell;
 pub mod diagram;
 pub mod index;
@@ -13,10 +16,16 @@ pub mod search;
 pub mod shifts;
 
 mod candidate;
+mod carried_map;
+mod carry;
 mod crowd;
 mod delaunay;
 mod far;
+mod packed;
+mod pattern;
 mod plane_grid;
 mod plane_sites;
+mod realize;
+mod room;
 mod shape;
 mod surroundings;

@@ -1,0 +1,141 @@
+//! What one diagram leaves to the next: the patterns of its cells, while sites move little.
+//!
+//! Near convergence most cells keep their `pattern` from one iteration to
+//! the next. Then no neighbor need be searched and no plane tried: the vertices are where their
+//! three planes meet now.
+//!
+//! # What is rebuilt
+//!
+//! A cell is rebuilt if it has no pattern or its realization (`realize`) is in doubt.
+//! If a rebuilt cell has gained or lost a vertex, the cells around that vertex are rebuilt too; if it
+//! is itself in doubt, or was, all its neighbors are. This goes on until nothing is left to do. In
+//! the end the cells around any vertex of a carried cell hold that vertex as well, and are beyond
+//! doubt themselves. (Lists of neighbors that agree would not do: where a new edge between i and j
+//! opens in the middle of the facet between a and b, no list of a or b changes, and those of i and j
+//! agree as long as both ignore it.)
+//!
+//! # Why carried cells are right
+//!
+//! The P_i, carried or rebuilt, are convex, P_i holds site i, and its facets are bisectors. Assume
+//! that q inside a carried P_i is nearer to site j, and go straight from q to j. Leaving a carried
+//! cell through a facet one enters the cell beyond, which has the same facet since it has the same
+//! vertices. Let g be the squared distance to the site of the cell one is in less that to j. Along
+//! the way g is linear within a cell and continuous, and its slope falls at every bisector that is
+//! crossed: g is concave. Rebuilt cells are right, so once one of them is entered one goes on in the
+//! true diagram; in any case the way ends in the cell that holds j. That is P_j, since the P tile
+//! space and P_j holds j; there g vanishes. A concave function that ends in 0 with slope 0 is never
+//! positive, but g(q) > 0. So there is no such q: this is the Delaunay lemma. ∎
+//!
+//! The volumes of all cells may well add up to the domain's where some are wrong.
+//!
+//! # Why it cannot be told from a rebuilt one
+//!
+//! Around a vertex of a carried cell all cells are beyond doubt, so for some ρ, the margin times the
+//! flatness allowed, they fill the ball of radius ρ about it. Every other site is farther away than
+//! theirs by a share of ρ that only very near sites make small, which is a doubt of its own. All this is far above rounding, so that a
+//! cold build finds the same pattern. It then hands the cell to the same realization, with the
+//! same doubts. So whether cells are carried shows in no bit of any result: runs that are resumed,
+//! and begin without patterns, agree with uninterrupted ones. Lattices are always in doubt, keep
+//! their cells as they were cut and are never carried.
+
+use nalgebra::Point3;
+use rayon::prelude::*;
+
+use crate::domain::space::displacement;
+use crate::voronoi::diagram::Diagram;
+use crate::voronoi::packed::{Packed, Ranks};
+use crate::voronoi::room::room;
+
+/// Patterns are tried as long as sites have moved by less than this share of the diagonal of a cube
+/// of the mean volume: beyond, more than half of the cells must be rebuilt.
+pub const WORTH: f64 = 0.014;
+
+/// The memory that is asked for (bytes per site): twice what it takes.
+const BYTES: u64 = 800;
+
+/// The patterns of a diagram's cells, to be tried in the next one.
+#[derive(Debug, Default)]
+pub struct Carried {
+    /// Per rank: the site. Ranks are the places in the first index, so that near sites have near
+    /// ranks for as long as sites move little.
+    sites: Vec<u32>,
+    /// Per site: its rank.
+    ranks: Vec<u32>,
+    /// Per rank: where the site was.
+    positions: Vec<Point3<f64>>,
+    /// The records of a few dozen ranks each; none when there is nothing to carry.
+    packed: Vec<Packed>,
+    keeps: bool,
+    rebuilt: usize,
+}
+
+impl Carried {
+    /// How many cells of the last diagram had to be rebuilt.
+    #[must_use]
+    pub fn rebuilt(&self) -> usize {
+        self.rebuilt
+    }
+
+    /// The memory that is held (bytes).
+    #[must_use]
+    pub fn memory(&self) -> usize {
+        let records: usize = self.packed.iter().map(Packed::memory).sum();
+        let sites = 4 * (self.sites.capacity() + self.ranks.capacity());
+        records + sites + size_of::<Point3<f64>>() * self.positions.capacity()
+    }
+
+    /// How sites are numbered.
+    pub(crate) fn numbers(&self) -> Ranks<'_> {
+        Ranks {
+            sites: &self.sites,
+            ranks: &self.ranks,
+        }
+    }
+
+    /// Per rank: where the site is.
+    pub(crate) fn positions(&self) -> &[Point3<f64>] {
+        &self.positions
+    }
+
+    /// Takes the records out.
+    pub(crate) fn take(&mut self) -> Vec<Packed> {
+        std::mem::take(&mut self.packed)
+    }
+
+    /// Whether there is memory for new records.
+    pub(crate) fn keeps(&self) -> bool {
+        self.keeps
+    }
+
+    /// Puts new records in.
+    pub(crate) fn put(&mut self, packed: Vec<Packed>, rebuilt: usize) {
+        self.packed = packed;
+        self.rebuilt = rebuilt;
+    }
+
+    /// Gets to know where the sites are now; forgets the patterns if they are of no use any more.
+    pub(crate) fn meet(&mut self, diagram: &Diagram<'_>, places: &[u32]) {
+        let index = &diagram.index;
+        if self.sites.len() != diagram.len() {
+            *self = Self::default();
+            self.sites = (0..diagram.len()).map(|place| index.site(place)).collect();
+            self.ranks = places.to_vec();
+        }
+        let position = |&site: &u32| index.position(places[site as usize] as usize);
+        let positions: Vec<_> = self.sites.par_iter().map(position).collect();
+        if !self.packed.is_empty() {
+            let periods = diagram.domain().periods();
+            let moved = self.positions.iter().zip(&positions);
+            let way: f64 = moved
+                .map(|(from, to)| displacement(&periods, from, to).norm())
+                .sum();
+            let count = diagram.len() as f64;
+            let diagonal = 3.0_f64.sqrt() * (diagram.domain().volume() / count).cbrt();
+            if way / count >= WORTH * diagonal {
+                self.packed = Vec::new();
+            }
+        }
+        self.positions = positions;
+        self.keeps = !self.packed.is_empty() || room() >= BYTES * diagram.len() as u64;
+    }
+}

@@ -1,0 +1,189 @@
+//! The cells of a diagram, carried from an earlier one where that is right.
+//!
+//! Which cells are rebuilt, and why the others may be carried: see [`carried`].
+//!
+//! [`carried`]: crate::voronoi::carried
+
+use rayon::prelude::*;
+
+use crate::voronoi::carried::Carried;
+use crate::voronoi::carry::{Carrier, Standing};
+use crate::voronoi::cell::Cell;
+use crate::voronoi::diagram::{Diagram, DiagramError};
+use crate::voronoi::packed::{CELLS, Packed};
+use crate::voronoi::search::Duplicate;
+
+/// What has become of the cells of [`CELLS`] ranks.
+struct Chunk<Answer> {
+    packed: Packed,
+    answers: Vec<Answer>,
+    /// Which of them have been rebuilt.
+    rebuilt: u64,
+    /// The ranks of cells that must be rebuilt too.
+    marks: Vec<u32>,
+    duplicate: Option<Duplicate>,
+}
+
+/// A thread's memory: for the cells, and for whoever asks them.
+type Desk<Memory> = (Carrier, Memory);
+
+impl Diagram<'_> {
+    /// Asks every cell as [`Diagram::map`] does, but takes over from `carried` what has not changed
+    /// since, and leaves there what may be of use to the next diagram of as many sites in the same
+    /// domain.
+    ///
+    /// Cells with a pattern are realized from it. So the answers do not depend on what `carried`
+    /// holds, though they may differ from those of [`Diagram::map`] by rounding.
+    ///
+    /// # Errors
+    /// [`DiagramError::Duplicate`] for the first pair of sites in one place.
+    pub fn map_carried<Memory: Default, Answer: Send>(
+        &self,
+        carried: &mut Carried,
+        ask: impl Fn(&mut Memory, Cell<'_>) -> Answer + Sync,
+    ) -> Result<Vec<Answer>, DiagramError> {
+        let places = self.places();
+        carried.meet(self, &places);
+        let mut old = carried.take();
+        old.resize_with(self.len().div_ceil(CELLS), Packed::default);
+        let standing = Standing::new(self.domain(), &self.index, carried, &places);
+        let visit_one = |(carrier, memory): &mut Desk<Memory>, (number, old)| {
+            let mut chunk = visit(&standing, carrier, number, &old, |cell| ask(memory, cell));
+            if !carried.keeps() {
+                chunk.packed = Packed::default();
+            }
+            chunk
+        };
+        let first = old.into_par_iter().enumerate();
+        let mut chunks: Vec<Chunk<Answer>> =
+            first.map_init(Desk::<Memory>::default, visit_one).collect();
+        while let Some(wanted) = wanted(&mut chunks) {
+            let marked = chunks.par_iter_mut().enumerate().zip(wanted);
+            marked.filter(|(_, wanted)| *wanted != 0).for_each_init(
+                Desk::<Memory>::default,
+                |(carrier, memory), ((number, chunk), wanted)| {
+                    let ask = |cell: Cell<'_>| ask(memory, cell);
+                    chunk.revisit(&standing, carrier, number, wanted, ask);
+                },
+            );
+        }
+        if chunks.iter().any(|chunk| chunk.duplicate.is_some()) {
+            *carried = Carried::default();
+            // Says which sites they are.
+            return self.map(ask);
+        }
+        Ok(settle(carried, chunks))
+    }
+}
+
+/// Carries or rebuilds the cells of a chunk.
+fn visit<Answer>(
+    standing: &Standing<'_>,
+    carrier: &mut Carrier,
+    number: usize,
+    old: &Packed,
+    mut ask: impl FnMut(Cell<'_>) -> Answer,
+) -> Chunk<Answer> {
+    let mut chunk = Chunk {
+        packed: Packed::default(),
+        answers: Vec::with_capacity(CELLS),
+        rebuilt: 0,
+        marks: Vec::new(),
+        duplicate: None,
+    };
+    let ranks = number * CELLS..standing.positions.len().min((number + 1) * CELLS);
+    for (cell, rank) in ranks.enumerate() {
+        let record = (!old.is_empty()).then(|| old.record(cell));
+        if let Some(record) = &record
+            && let Some(answer) = carrier.carry(standing, rank, record, &mut ask)
+        {
+            chunk.packed.copy(record);
+            chunk.answers.push(answer);
+            continue;
+        }
+        let (packed, marks) = (&mut chunk.packed, &mut chunk.marks);
+        match carrier.rebuild(standing, rank, record.as_ref(), (packed, marks), &mut ask) {
+            Ok(answer) => chunk.answers.push(answer),
+            Err(duplicate) => {
+                chunk.duplicate = Some(duplicate);
+                break;
+            }
+        }
+        chunk.rebuilt |= 1 << cell;
+    }
+    chunk.packed.close();
+    chunk
+}
+
+impl<Answer> Chunk<Answer> {
+    /// Rebuilds the cells of a mask.
+    fn revisit(
+        &mut self,
+        standing: &Standing<'_>,
+        carrier: &mut Carrier,
+        number: usize,
+        wanted: u64,
+        mut ask: impl FnMut(Cell<'_>) -> Answer,
+    ) {
+        let old = std::mem::take(&mut self.packed);
+        for cell in 0..self.answers.len() {
+            let record = old.record(cell);
+            if wanted >> cell & 1 == 0 {
+                self.packed.copy(&record);
+                continue;
+            }
+            let rank = number * CELLS + cell;
+            let (packed, marks) = (&mut self.packed, &mut self.marks);
+            match carrier.rebuild(standing, rank, Some(&record), (packed, marks), &mut ask) {
+                Ok(answer) => self.answers[cell] = answer,
+                Err(duplicate) => {
+                    self.duplicate = Some(duplicate);
+                    return;
+                }
+            }
+        }
+        self.rebuilt |= wanted;
+        self.packed.close();
+    }
+}
+
+/// Takes the marks of all chunks; returns, per chunk, which cells are marked and not rebuilt yet,
+/// or nothing where there are none or it is too late.
+fn wanted<Answer>(chunks: &mut [Chunk<Answer>]) -> Option<Vec<u64>> {
+    if chunks.iter().any(|chunk| chunk.duplicate.is_some()) {
+        return None;
+    }
+    let mut wanted = vec![0; chunks.len()];
+    let mut any = false;
+    for number in 0..chunks.len() {
+        for rank in std::mem::take(&mut chunks[number].marks) {
+            let (chunk, cell) = (rank as usize / CELLS, rank as usize % CELLS);
+            if chunks[chunk].rebuilt >> cell & 1 == 0 {
+                wanted[chunk] |= 1 << cell;
+                any = true;
+            }
+        }
+    }
+    any.then_some(wanted)
+}
+
+/// Leaves the records to `carried` and returns the answers in site order.
+fn settle<Answer>(carried: &mut Carried, chunks: Vec<Chunk<Answer>>) -> Vec<Answer> {
+    let sites = carried.numbers().sites;
+    let mut answers: Vec<Option<Answer>> = Vec::new();
+    answers.resize_with(sites.len(), || None);
+    let mut packed = Vec::new();
+    let mut rebuilt = 0;
+    let mut order = sites.iter();
+    for chunk in chunks {
+        rebuilt += chunk.rebuilt.count_ones() as usize;
+        for (answer, &site) in chunk.answers.into_iter().zip(order.by_ref()) {
+            answers[site as usize] = Some(answer);
+        }
+        if carried.keeps() {
+            packed.push(chunk.packed);
+        }
+    }
+    carried.put(packed, rebuilt);
+    answers.into_iter().flatten().collect()
+}

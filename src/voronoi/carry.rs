@@ -1,0 +1,173 @@
+//! One cell on its way from one diagram to the next: realized anew from its pattern, or rebuilt.
+
+use nalgebra::{Point3, Vector3};
+
+use crate::domain::space::Domain;
+use crate::geometry::half_space::HalfSpace;
+use crate::geometry::label::Label;
+use crate::geometry::polyhedron::Polyhedron;
+use crate::voronoi::carried::Carried;
+use crate::voronoi::cell::{Cell, CellBuilder};
+use crate::voronoi::index::SiteIndex;
+use crate::voronoi::packed::{Across, Packed, Ranks, Record, image_of};
+use crate::voronoi::pattern::Pattern;
+use crate::voronoi::realize::Realizer;
+use crate::voronoi::search::Duplicate;
+
+/// Sites as they stand now, by rank.
+pub(crate) struct Standing<'a> {
+    pub(crate) domain: &'a dyn Domain,
+    pub(crate) index: &'a SiteIndex,
+    pub(crate) numbers: Ranks<'a>,
+    /// Per site: its place in the index.
+    pub(crate) places: &'a [u32],
+    /// Per rank: the site's position.
+    pub(crate) positions: &'a [Point3<f64>],
+    /// Per number of an image: its displacement (L).
+    pub(crate) shifts: [Vector3<f64>; 27],
+}
+
+/// The memory in which cells are carried, one after the other.
+#[derive(Debug, Default)]
+pub(crate) struct Carrier {
+    builder: CellBuilder,
+    old: Pattern,
+    pattern: Pattern,
+    across: Vec<Across>,
+    planes: Vec<HalfSpace>,
+    realizer: Realizer,
+    start: Polyhedron,
+    cell: Polyhedron,
+}
+
+impl<'a> Standing<'a> {
+    /// Sites in an index, numbered as in an earlier one.
+    pub(crate) fn new(
+        domain: &'a dyn Domain,
+        index: &'a SiteIndex,
+        carried: &'a Carried,
+        places: &'a [u32],
+    ) -> Self {
+        let periods = domain.periods().map(Option::unwrap_or_default);
+        let shift = |number: usize| {
+            let copies = image_of(number as u8).map(f64::from);
+            Vector3::from([0, 1, 2].map(|axis| copies[axis] * periods[axis]))
+        };
+        Self {
+            domain,
+            index,
+            numbers: carried.numbers(),
+            places,
+            positions: carried.positions(),
+            shifts: std::array::from_fn(shift),
+        }
+    }
+}
+
+impl Carrier {
+    /// Asks the cell that its old record gives between the sites as they stand now; `None` if that
+    /// is in doubt.
+    pub(crate) fn carry<Answer>(
+        &mut self,
+        standing: &Standing<'_>,
+        rank: usize,
+        record: &Record<'_>,
+        ask: impl FnOnce(Cell<'_>) -> Answer,
+    ) -> Option<Answer> {
+        let numbers = &standing.numbers;
+        if !record.read(numbers, &mut self.pattern, &mut self.across) {
+            return None;
+        }
+        self.realize(standing, rank).then(|| {
+            ask(Cell {
+                site: numbers.sites[rank],
+                position: standing.positions[rank],
+                polyhedron: &self.cell,
+            })
+        })
+    }
+
+    /// Builds a cell, asks it and appends its record to `packed`. If a record is given of how the
+    /// cell was, lists the neighbors that may no longer agree with it.
+    pub(crate) fn rebuild<Answer>(
+        &mut self,
+        standing: &Standing<'_>,
+        rank: usize,
+        old: Option<&Record<'_>>,
+        (packed, marks): (&mut Packed, &mut Vec<u32>),
+        ask: impl FnOnce(Cell<'_>) -> Answer,
+    ) -> Result<Answer, Duplicate> {
+        let numbers = &standing.numbers;
+        let site = numbers.sites[rank];
+        let place = standing.places[site as usize] as usize;
+        // Taken out for a while, so that the cell may be read while the rest is written.
+        let mut builder = std::mem::take(&mut self.builder);
+        let built = builder.build(standing.domain, standing.index, place)?;
+        let mut has_pattern = self.pattern.assign(built.polyhedron, site);
+        if has_pattern {
+            self.across.clear();
+            let labels = self.pattern.labels().iter();
+            self.across
+                .extend(labels.map(|&label| numbers.across(label)));
+            has_pattern = self.realize(standing, rank);
+        }
+        let polyhedron = if has_pattern {
+            packed.push(&self.pattern, numbers);
+            &self.cell
+        } else {
+            let labels: Vec<_> = built.polyhedron.facets().map(|f| f.label()).collect();
+            packed.push_neighbors(&labels, numbers);
+            built.polyhedron
+        };
+        let answer = ask(Cell {
+            polyhedron,
+            ..built
+        });
+        self.builder = builder;
+        if let Some(old) = old {
+            if has_pattern && old.read(numbers, &mut self.old, &mut self.across) {
+                let mut mark_one = |label: &Label| match numbers.across(*label) {
+                    Across::Site { rank, .. } => marks.push(rank),
+                    Across::Wall => {}
+                };
+                self.old.visit_differences(&self.pattern, |around| {
+                    around.iter().for_each(&mut mark_one);
+                });
+            } else {
+                marks.extend(old.neighbors());
+                marks.extend(packed.last().neighbors());
+            }
+        }
+        Ok(answer)
+    }
+
+    /// Realizes the pattern in hand; returns whether the cell is beyond doubt.
+    fn realize(&mut self, standing: &Standing<'_>, rank: usize) -> bool {
+        let here = standing.positions[rank];
+        self.planes.clear();
+        let mut has_start = false;
+        for (across, label) in self.across.iter().zip(self.pattern.labels()) {
+            let plane = match *across {
+                Across::Site { rank, image } => {
+                    let by = standing.shifts[usize::from(image)];
+                    HalfSpace::bisector(standing.positions[rank as usize] - here + by)
+                }
+                Across::Wall => {
+                    if !has_start {
+                        let site = standing.numbers.sites[rank];
+                        standing.domain.start(&here, site, &mut self.start);
+                        has_start = true;
+                    }
+                    let wall = self.start.labels.iter().position(|other| other == label);
+                    let Some(wall) = wall else {
+                        return false;
+                    };
+                    self.start.planes[wall]
+                }
+            };
+            self.planes.push(plane);
+        }
+        self.realizer
+            .realize(&self.pattern, &self.planes, &mut self.cell)
+    }
+}

@@ -1,0 +1,246 @@
+//! Patterns of many cells in little memory: some 250 bytes a cell.
+//!
+//! A cell's record holds the number of its facets and vertices (two bytes each), four bytes and one
+//! for what lies beyond each facet, and six bytes for each vertex: its facets and neighbors. A cell
+//! without a pattern has a record without vertices that lists its neighbors only.
+
+use crate::domain::beyond::Beyond;
+use crate::geometry::label::Label;
+use crate::voronoi::pattern::Pattern;
+
+/// Cells in one piece of memory: as many as a mask has bits.
+pub(crate) const CELLS: usize = 64;
+
+/// In place of the number of an image: the facet is a wall.
+const WALL: u8 = u8::MAX;
+
+/// The records of [`CELLS`] cells or less, one after the other.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Packed {
+    bytes: Vec<u8>,
+    ends: Vec<u32>,
+}
+
+/// What lies beyond a facet, in the numbers of the carried sites.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum Across {
+    /// A site by its rank, in the image of this number.
+    Site { rank: u32, image: u8 },
+    /// A wall.
+    #[default]
+    Wall,
+}
+
+/// How sites are numbered where they are carried.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Ranks<'a> {
+    /// Per rank: the site.
+    pub(crate) sites: &'a [u32],
+    /// Per site: the rank.
+    pub(crate) ranks: &'a [u32],
+}
+
+impl Ranks<'_> {
+    /// What the label stands for.
+    pub(crate) fn across(&self, label: Label) -> Across {
+        match Beyond::of(label) {
+            Beyond::Neighbor { site, image } => Across::Site {
+                rank: self.ranks[site as usize],
+                image: image_number(image),
+            },
+            Beyond::Wall(_) | Beyond::Inner => Across::Wall,
+        }
+    }
+}
+
+/// The number of an image within one period to either side.
+pub(crate) fn image_number(image: [i8; 3]) -> u8 {
+    let [x, y, z] = image.map(|copies| (copies + 1) as u8);
+    x + 3 * y + 9 * z
+}
+
+/// The image with this number.
+pub(crate) fn image_of(number: u8) -> [i8; 3] {
+    [number % 3, number / 3 % 3, number / 9].map(|copies| copies as i8 - 1)
+}
+
+impl Packed {
+    /// Whether there are no records.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.ends.is_empty()
+    }
+
+    /// The record of a cell, counted from the first here.
+    pub(crate) fn record(&self, cell: usize) -> Record<'_> {
+        let end = |cell: usize| self.ends[cell] as usize;
+        let start = if cell == 0 { 0 } else { end(cell - 1) };
+        Record {
+            bytes: &self.bytes[start..end(cell)],
+        }
+    }
+
+    /// The record appended last.
+    pub(crate) fn last(&self) -> Record<'_> {
+        self.record(self.ends.len() - 1)
+    }
+
+    /// The memory that is held (bytes).
+    pub(crate) fn memory(&self) -> usize {
+        size_of::<Self>() + self.bytes.capacity() + size_of::<u32>() * self.ends.capacity()
+    }
+
+    /// Appends a copy of a record.
+    pub(crate) fn copy(&mut self, record: &Record<'_>) {
+        self.bytes.extend_from_slice(record.bytes);
+        self.ends.push(self.bytes.len() as u32);
+    }
+
+    /// Appends the record of a cell with a pattern.
+    pub(crate) fn push(&mut self, pattern: &Pattern, numbers: &Ranks<'_>) {
+        self.push_facets(pattern.labels(), pattern.vertex_count, numbers);
+        let count = pattern.vertex_count;
+        self.bytes
+            .extend_from_slice(pattern.facets[..count].as_flattened());
+        self.bytes
+            .extend_from_slice(pattern.next[..count].as_flattened());
+        self.ends.push(self.bytes.len() as u32);
+    }
+
+    /// Appends the record of a cell without a pattern.
+    pub(crate) fn push_neighbors(&mut self, labels: &[Label], numbers: &Ranks<'_>) {
+        self.push_facets(labels, 0, numbers);
+        self.ends.push(self.bytes.len() as u32);
+    }
+
+    /// Gives back unused memory.
+    pub(crate) fn close(&mut self) {
+        self.bytes.shrink_to_fit();
+        self.ends.shrink_to_fit();
+    }
+
+    fn push_facets(&mut self, labels: &[Label], vertices: usize, numbers: &Ranks<'_>) {
+        let counts = [labels.len() as u16, vertices as u16];
+        self.bytes
+            .extend(counts.map(u16::to_le_bytes).as_flattened());
+        for &label in labels {
+            let number = match numbers.across(label) {
+                Across::Site { rank, .. } => rank,
+                Across::Wall => label as u32,
+            };
+            self.bytes.extend(number.to_le_bytes());
+        }
+        for &label in labels {
+            self.bytes.push(match numbers.across(label) {
+                Across::Site { image, .. } => image,
+                Across::Wall => WALL,
+            });
+        }
+    }
+}
+
+/// What is kept of one cell.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Record<'a> {
+    bytes: &'a [u8],
+}
+
+impl Record<'_> {
+    /// Reads the pattern, and what lies beyond its facets; returns whether the cell has one.
+    #[must_use]
+    pub(crate) fn read(
+        &self,
+        numbers: &Ranks<'_>,
+        pattern: &mut Pattern,
+        across: &mut Vec<Across>,
+    ) -> bool {
+        let (facets, vertices) = self.counts();
+        if vertices == 0 {
+            return false;
+        }
+        across.clear();
+        pattern.facet_count = facets;
+        pattern.vertex_count = vertices;
+        for (beyond, label) in self.beyond().zip(&mut pattern.labels) {
+            let (number, code) = beyond;
+            if code == WALL {
+                *label = Beyond::Wall(number).label();
+                across.push(Across::Wall);
+            } else {
+                let (site, image) = (numbers.sites[number as usize], image_of(code));
+                *label = Beyond::Neighbor { site, image }.label();
+                across.push(Across::Site {
+                    rank: number,
+                    image: code,
+                });
+            }
+        }
+        let rows = &self.bytes[4 + 5 * facets..];
+        let (of_facets, of_next) = rows.split_at(3 * vertices);
+        pattern.facets[..vertices]
+            .as_flattened_mut()
+            .copy_from_slice(of_facets);
+        pattern.next[..vertices]
+            .as_flattened_mut()
+            .copy_from_slice(of_next);
+        true
+    }
+
+    /// The ranks of all neighbors.
+    pub(crate) fn neighbors(&self) -> impl Iterator<Item = u32> + '_ {
+        let is_site = |&(_, code): &(u32, u8)| code != WALL;
+        self.beyond().filter(is_site).map(|(rank, _)| rank)
+    }
+
+    fn counts(&self) -> (usize, usize) {
+        let at = |byte: usize| u16::from_le_bytes([self.bytes[byte], self.bytes[byte + 1]]);
+        (usize::from(at(0)), usize::from(at(2)))
+    }
+
+    fn beyond(&self) -> impl Iterator<Item = (u32, u8)> + '_ {
+        let (facets, _) = self.counts();
+        let numbers = self.bytes[4..4 + 4 * facets].as_chunks::<4>().0;
+        let codes = &self.bytes[4 + 4 * facets..4 + 5 * facets];
+        let numbers = numbers.iter().map(|&bytes| u32::from_le_bytes(bytes));
+        numbers.zip(codes.iter().copied())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn images_read_back() {
+        for number in 0..27 {
+            assert_eq!(image_number(image_of(number)), number);
+        }
+    }
+
+    #[test]
+    fn records_read_back() {
+        let numbers = Ranks {
+            sites: &[2, 0, 1],
+            ranks: &[1, 2, 0],
+        };
+        let mut pattern = Pattern {
+            facet_count: 2,
+            vertex_count: 2,
+            ..Pattern::default()
+        };
+        let (site, image) = (1, [0, -1, 1]);
+        pattern.labels[0] = Beyond::Neighbor { site, image }.label();
+        pattern.labels[1] = Beyond::Wall(7).label();
+        pattern.facets[..2].copy_from_slice(&[[1, 2, 3], [4, 5, 6]]);
+        pattern.next[..2].copy_from_slice(&[[7, 8, 9], [0, 1, 2]]);
+        let mut packed = Packed::default();
+        packed.push_neighbors(pattern.labels(), &numbers);
+        packed.push(&pattern, &numbers);
+        let (mut read, mut across) = (Pattern::default(), Vec::new());
+        assert!(!packed.record(0).read(&numbers, &mut read, &mut across));
+        assert!(packed.record(1).read(&numbers, &mut read, &mut across));
+        assert_eq!(read.labels(), pattern.labels());
+        assert_eq!(read.facets[..2], pattern.facets[..2]);
+        assert_eq!(read.next[..2], pattern.next[..2]);
+        assert_eq!(packed.record(0).neighbors().collect::<Vec<_>>(), [2]);
+    }
+}
