@@ -105,7 +105,7 @@ fn clipped_in_slots(planes: &[HalfSpace]) -> Result<Polyhedron, Full> {
     for planes in [&planes[planes.len() / 2..], planes] {
         assert!(compact.assign(&cube()));
         for (label, plane) in planes.iter().enumerate() {
-            if compact.clip(plane, label as u64, &mut scratch)? == Clip::Emptied {
+            if compact.clip(plane, || label as u64, &mut scratch)? == Clip::Emptied {
                 break;
             }
         }
@@ -224,7 +224,7 @@ fn what_does_not_fit_in_slots_stays_as_it_was() {
             offset: 0.9,
         }
     };
-    let refused = (0..120).find(|&k| compact.clip(&plane(k), 0, &mut scratch).is_err());
+    let refused = (0..120).find(|&k| compact.clip(&plane(k), || 0, &mut scratch).is_err());
     let fitting: Vec<_> = (0..refused.expect("64 slots")).map(plane).collect();
     let mut polyhedron = Polyhedron::default();
     compact.write(&mut polyhedron);

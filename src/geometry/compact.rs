@@ -27,6 +27,9 @@ pub(crate) const EDGES: usize = 4 * SLOTS;
 /// Planes at most, those that bound nothing any more included: their numbers are bytes.
 pub(crate) const PLANES: usize = 256;
 
+/// The number of a facet without vertices; those with number at most 34.
+const UNSEEN: u8 = u8::MAX;
+
 /// Slots handled together.
 pub(crate) const BLOCK: usize = 4;
 
@@ -93,42 +96,40 @@ impl Compact {
     /// Makes `other` a copy of this, with the facets that have vertices.
     pub fn write(&self, other: &mut Polyhedron) {
         other.clear();
-        let mut numbers = [u32::MAX; PLANES];
-        let mut vertices = [0; SLOTS];
-        for (vertex, slot) in slots(self.alive).enumerate() {
-            vertices[slot] = vertex as u32;
-            for facet in &self.facets[4 * slot..][1..4] {
-                numbers[usize::from(*facet)] = 0;
+        let (mut numbers, mut vertices) = ([UNSEEN; PLANES], [0; SLOTS]);
+        let (mut firsts, mut count) = ([0; SLOTS], 0);
+        for slot in slots(self.alive) {
+            firsts[count] = 4 * slot as u8;
+            vertices[slot] = count as u8;
+            count += 1;
+            for byte in 4 * slot..4 * slot + 3 {
+                numbers[usize::from(self.facets[byte])] = 0;
             }
         }
+        let firsts = &firsts[..count];
         for ((plane, label), number) in self.planes.iter().zip(&self.labels).zip(&mut numbers) {
-            if *number == 0 {
-                *number = other.planes.len() as u32;
+            if *number != UNSEEN {
+                *number = other.planes.len() as u8;
                 other.planes.push(*plane);
                 other.labels.push(*label);
             }
         }
-        let count = self.alive.count_ones() as usize;
         for (coordinates, all) in [
             (&mut other.x, &self.x),
             (&mut other.y, &self.y),
             (&mut other.z, &self.z),
         ] {
-            coordinates.resize(count, 0.0);
-            for (coordinate, slot) in coordinates.iter_mut().zip(slots(self.alive)) {
-                *coordinate = all[slot];
-            }
+            coordinates.extend(firsts.iter().map(|first| all[usize::from(first / 4)]));
         }
-        other.facets.resize(count, [0; 3]);
-        other.next.resize(count, [0; 3]);
-        let rows = other.facets.iter_mut().zip(&mut other.next);
-        for ((facets, next), slot) in rows.zip(slots(self.alive)) {
-            let first = 4 * slot;
-            for edge in 0..3 {
-                facets[edge] = numbers[usize::from(self.facets[first + edge + 1])];
-                next[edge] = vertices[usize::from(self.twins[first + edge] / 4)];
-            }
-        }
+        other.facets.extend(firsts.iter().map(|first| {
+            [1, 2, 3]
+                .map(|byte| u32::from(numbers[usize::from(self.facets[usize::from(first | byte)])]))
+        }));
+        other.next.extend(firsts.iter().map(|first| {
+            [0, 1, 2].map(|byte| {
+                u32::from(vertices[usize::from(self.twins[usize::from(first | byte)] / 4)])
+            })
+        }));
     }
 
     /// The greatest squared distance of a vertex from the origin (L²).

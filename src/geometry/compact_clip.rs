@@ -55,7 +55,7 @@ impl Default for CompactScratch {
 }
 
 impl Compact {
-    /// Clips by `half_space`; the new facet carries `label`.
+    /// Clips by `half_space`; the new facet carries the label, asked for only then.
     ///
     /// # Errors
     /// When there is no room: the polyhedron then is as before.
@@ -63,7 +63,7 @@ impl Compact {
     pub fn clip(
         &mut self,
         half_space: &HalfSpace,
-        label: Label,
+        label: impl FnOnce() -> Label,
         scratch: &mut CompactScratch,
     ) -> Result<Clip, Full> {
         let cut = self.classify(half_space, scratch);
@@ -74,7 +74,7 @@ impl Compact {
             self.free(cut);
             return Ok(Clip::Emptied);
         }
-        self.cut(cut, half_space, label, scratch)?;
+        self.cut(cut, half_space, label(), scratch)?;
         Ok(Clip::Cut)
     }
 

@@ -12,6 +12,10 @@ use crate::voronoi::search::Duplicate;
 /// How many cells a thread takes at least: enough to pay for its memory, few enough to balance.
 const CELLS_PER_TASK: usize = 64;
 
+/// How many cells are asked before their answers join the others: many, since threads wait for each
+/// other then, few compared with all.
+const CELLS_PER_BATCH: usize = 1 << 15;
+
 /// How many cells' answers are kept at a time when they are told one by one: enough for all
 /// threads, some megabytes for answers of the size of a cell.
 const CELLS_PER_CHUNK: usize = 4096;
@@ -134,16 +138,28 @@ impl<'a> Diagram<'a> {
             let cell = builder.build(self.domain, &self.index, place)?;
             Ok(ask(memory, cell))
         };
-        let answers: Vec<Result<Answer, Duplicate>> = (0..self.len())
-            .into_par_iter()
-            .with_min_len(CELLS_PER_TASK)
-            .map_init(Default::default, one)
-            .collect();
-        let first = answers.iter().filter_map(|a| a.as_ref().err()).min();
-        if let Some(duplicate) = first {
-            return Err(self.duplicate(*duplicate));
+        let mut answers = Vec::with_capacity(self.len());
+        let mut duplicate = None;
+        let mut batch: Vec<Result<Answer, Duplicate>> = Vec::new();
+        for first in (0..self.len()).step_by(CELLS_PER_BATCH) {
+            let end = self.len().min(first + CELLS_PER_BATCH);
+            (first..end)
+                .into_par_iter()
+                .with_min_len(CELLS_PER_TASK)
+                .map_init(Default::default, one)
+                .collect_into_vec(&mut batch);
+            for answer in batch.drain(..) {
+                match answer {
+                    Ok(answer) => answers.push(answer),
+                    Err(pair) => duplicate = Some(duplicate.map_or(pair, |least| pair.min(least))),
+                }
+            }
         }
-        Ok(self.in_site_order(answers.into_iter().flatten()))
+        if let Some(duplicate) = duplicate {
+            return Err(self.duplicate(duplicate));
+        }
+        self.bring_into_site_order(&mut answers);
+        Ok(answers)
     }
 
     /// Asks every cell as [`Diagram::map`] does and tells the answers in site order, a few thousand
@@ -182,13 +198,16 @@ impl<'a> Diagram<'a> {
         places
     }
 
-    fn in_site_order<Answer>(&self, answers: impl Iterator<Item = Answer>) -> Vec<Answer> {
-        let mut ordered: Vec<Option<Answer>> = Vec::new();
-        ordered.resize_with(self.len(), || None);
-        for (place, answer) in answers.enumerate() {
-            ordered[self.index.site(place) as usize] = Some(answer);
+    /// Exchanges answers until each is at its site, without room for a second list.
+    fn bring_into_site_order<Answer>(&self, answers: &mut [Answer]) {
+        let mut goals = self.index.sites().to_vec();
+        for place in 0..answers.len() {
+            while goals[place] as usize != place {
+                let goal = goals[place] as usize;
+                answers.swap(place, goal);
+                goals.swap(place, goal);
+            }
         }
-        ordered.into_iter().flatten().collect()
     }
 
     fn duplicate(&self, duplicate: Duplicate) -> DiagramError {

@@ -115,6 +115,12 @@ impl SiteIndex {
         self.sites[place]
     }
 
+    /// The indices of all sites, by place.
+    #[must_use]
+    pub fn sites(&self) -> &[u32] {
+        &self.sites
+    }
+
     /// The position of the site in `place`.
     #[must_use]
     pub fn position(&self, place: usize) -> Point3<f64> {

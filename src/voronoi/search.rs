@@ -157,11 +157,14 @@ impl<S: Shape> Task<'_, S> {
         if candidate.distance_squared <= 0.0 {
             return Err(Halt::Duplicate(self.duplicate(candidate)));
         }
-        let beyond = Beyond::Neighbor {
-            site: self.index.site(candidate.place as usize),
-            image: self.index.shifts()[candidate.shift as usize].image,
+        let label = || {
+            let beyond = Beyond::Neighbor {
+                site: self.index.site(candidate.place as usize),
+                image: self.index.shifts()[candidate.shift as usize].image,
+            };
+            beyond.label()
         };
-        match self.shape.cut(&candidate.bisector(), beyond.label()) {
+        match self.shape.cut(&candidate.bisector(), label) {
             Ok(Clip::Unchanged) => {}
             Ok(_) => self.needed = 4.0 * self.shape.radius_squared(),
             Err(Full) => return Err(Halt::Full),

@@ -10,7 +10,7 @@ use crate::voronoi::far::FarVertices;
 
 /// A polyhedron about the origin that is being cut.
 pub(crate) trait Shape {
-    fn cut(&mut self, half_space: &HalfSpace, label: Label) -> Result<Clip, Full>;
+    fn cut(&mut self, half_space: &HalfSpace, label: impl FnOnce() -> Label) -> Result<Clip, Full>;
 
     fn radius_squared(&self) -> f64;
 
@@ -20,7 +20,7 @@ pub(crate) trait Shape {
 
 impl Shape for (&mut Compact, &mut CompactScratch) {
     #[inline]
-    fn cut(&mut self, half_space: &HalfSpace, label: Label) -> Result<Clip, Full> {
+    fn cut(&mut self, half_space: &HalfSpace, label: impl FnOnce() -> Label) -> Result<Clip, Full> {
         self.0.clip(half_space, label, self.1)
     }
 
@@ -44,8 +44,8 @@ impl Shape for (&mut Compact, &mut CompactScratch) {
 }
 
 impl Shape for (&mut Polyhedron, &mut ClipScratch) {
-    fn cut(&mut self, half_space: &HalfSpace, label: Label) -> Result<Clip, Full> {
-        Ok(clip(self.0, half_space, label, self.1))
+    fn cut(&mut self, half_space: &HalfSpace, label: impl FnOnce() -> Label) -> Result<Clip, Full> {
+        Ok(clip(self.0, half_space, label(), self.1))
     }
 
     fn radius_squared(&self) -> f64 {
