@@ -1,32 +1,27 @@
 //! `chebloyd bench`.
 
 use std::fmt::Write as _;
-use std::time::Instant;
+use std::path::PathBuf;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use nalgebra::{Point3, Vector3};
 use rayon::ThreadPoolBuilder;
 
-use chebloyd::domain::cuboid::Cuboid;
 use chebloyd::domain::space::Domain;
 use chebloyd::relax::cell_memory::CellMemory;
 use chebloyd::relax::space::Space;
 use chebloyd::relax::tessellation::{Minimizer, Norm, Question, Tessellation};
-use chebloyd::scene::place::place;
-use chebloyd::scene::region::Region;
-use chebloyd::scene::sites::{Random, Sites};
 use chebloyd::voronoi::diagram::{Diagram, DiagramError};
 
+use crate::cli::crowd::{Crowd, Kind};
 use crate::cli::failure::Failure;
 use crate::cli::stdout;
-
-/// Moves that make relaxed sites out of random ones.
-const RELAXATION: usize = 10;
+use crate::cli::watch::Watch;
 
 /// The stages are index, cells, preparation, energy and the whole iteration.
 const LAST_STAGE: usize = 4;
 
-const QUESTION: Question = Question {
+pub(crate) const QUESTION: Question = Question {
     norm: Norm::Linf,
     order: 1,
     minimizer: Minimizer::Newton,
@@ -39,74 +34,80 @@ const QUESTION: Question = Question {
 /// minimizer.
 #[derive(Debug, Args)]
 pub(crate) struct Options {
-    /// How many sites in the unit cube
+    /// How many sites
     #[arg(long, value_name = "N", value_delimiter = ',', default_values_t = [10_000, 100_000])]
     count: Vec<usize>,
     /// Which sites
     #[arg(long, value_name = "KIND", value_delimiter = ',', value_enum,
           default_values_t = [Kind::Random, Kind::Lattice, Kind::Relaxed])]
     sites: Vec<Kind>,
+    /// Time the sites in this file, in the unit cube, instead
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["count", "sites"])]
+    points: Option<PathBuf>,
+    /// Write the (last) sites to this file, as comma-separated text, and time nothing
+    #[arg(long, value_name = "FILE")]
+    save: Option<PathBuf>,
+    /// How many Lloyd iterations make relaxed sites
+    #[arg(long, value_name = "M", default_value_t = 10)]
+    moves: usize,
+    /// Print the CPU time of all threads together instead of the time passed, where the system
+    /// tells it (Linux): it depends less on what else the machine does
+    #[arg(long)]
+    cpu: bool,
     /// How often each stage is timed; the shortest time counts
     #[arg(long, value_name = "R", default_value_t = 3)]
     repeat: u32,
 }
 
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum Kind {
-    /// Uniform random sites
-    Random,
-    /// An exact cubic lattice of about as many sites
-    Lattice,
-    /// Random sites after ten Lloyd iterations
-    Relaxed,
-}
-
 pub(crate) fn run(options: &Options, threads: Option<u32>) -> Result<(), Failure> {
-    let all = threads.map_or_else(rayon::current_num_threads, |threads| threads as usize);
     let mut table = String::from(
         "µs per site        threads    index    cells  prepare   energy  iteration  evaluations\n",
     );
-    let threads = if all > 1 { vec![1, all] } else { vec![1] };
+    if let Some(file) = &options.points {
+        let crowd = Crowd::read(file)?;
+        add_rows("file", &crowd, options, threads, &mut table)?;
+        return stdout::print(table);
+    }
     for &count in &options.count {
         for &kind in &options.sites {
-            let sites = sites(kind, count)?;
-            for &threads in &threads {
-                let pool = ThreadPoolBuilder::new().num_threads(threads).build();
-                let pool = pool.map_err(Failure::run)?;
-                let row = pool.install(|| time(&sites, options.repeat));
-                let row = row.map_err(Failure::run)?;
-                let name = format!("{kind:?} {}", sites.len()).to_lowercase();
-                let _ = write!(table, "{name:<18} {threads:>7}");
-                for time in row.microseconds {
-                    let _ = write!(table, " {time:>8.2}");
-                }
-                let _ = writeln!(table, "   {:>10.2}", row.evaluations);
+            let crowd = Crowd::new(kind, count, options.moves)?;
+            if let Some(file) = &options.save {
+                crowd.save(file)?;
+            } else {
+                let name = format!("{kind:?}").to_lowercase();
+                add_rows(&name, &crowd, options, threads, &mut table)?;
             }
         }
+    }
+    if options.save.is_some() {
+        return Ok(());
     }
     stdout::print(table)
 }
 
-fn sites(kind: Kind, count: usize) -> Result<Vec<Point3<f64>>, Failure> {
-    let domain = Cuboid::unit();
-    let side = (count as f64).cbrt().round().max(1.0) as usize;
-    if let Kind::Lattice = kind {
-        let at = |n: usize| (n as f64 + 0.5) / side as f64;
-        let lattice =
-            |n: usize| Point3::new(at(n % side), at(n / side % side), at(n / side / side));
-        return Ok((0..side.pow(3)).map(lattice).collect());
-    }
-    let random = Sites::Random(Random { count, seed: 1 });
-    let region = Region::<3>::of_solid(&domain);
-    let mut sites = place(&random, &region, false).map_err(Failure::input)?;
-    if let Kind::Relaxed = kind {
-        let space = Space::new(Box::new(domain));
-        for _ in 0..RELAXATION {
-            let cells = space.assess(&sites, QUESTION).map_err(Failure::run)?;
-            sites = cells.iter().map(|cell| cell.target).collect();
+/// Adds the rows of one crowd: with one thread, and with all.
+fn add_rows(
+    name: &str,
+    crowd: &Crowd,
+    options: &Options,
+    threads: Option<u32>,
+    table: &mut String,
+) -> Result<(), Failure> {
+    let all = threads.map_or_else(rayon::current_num_threads, |threads| threads as usize);
+    let threads = if all > 1 { vec![1, all] } else { vec![1] };
+    for threads in threads {
+        let pool = ThreadPoolBuilder::new().num_threads(threads).build();
+        let pool = pool.map_err(Failure::run)?;
+        let row = pool.install(|| time(crowd, options));
+        let row = row.map_err(Failure::run)?;
+        let name = format!("{name} {}", crowd.sites.len());
+        let _ = write!(table, "{name:<18} {threads:>7}");
+        for time in row.microseconds {
+            let _ = write!(table, " {time:>8.2}");
         }
+        let _ = writeln!(table, "   {:>10.2}", row.evaluations);
     }
-    Ok(sites)
+    Ok(())
 }
 
 struct Row {
@@ -115,18 +116,18 @@ struct Row {
 }
 
 /// Times the stages in turn, `repeat` times over, so that a slow moment hits all of them.
-fn time(sites: &[Point3<f64>], repeat: u32) -> Result<Row, DiagramError> {
-    let space = Space::new(Box::new(Cuboid::unit()));
+fn time(crowd: &Crowd, options: &Options) -> Result<Row, DiagramError> {
+    let (sites, space) = (&crowd.sites, Space::new(Box::new(crowd.domain)));
     let domain = space.domain();
     let mut row = Row {
         microseconds: [f64::INFINITY; LAST_STAGE + 1],
         evaluations: 0.0,
     };
-    for _ in 0..repeat.max(1) {
+    for _ in 0..options.repeat.max(1) {
         for stage in 0..row.microseconds.len() {
-            let began = Instant::now();
+            let watch = Watch::start(options.cpu);
             let evaluations = run_stage(stage, &space, domain, sites)?;
-            let spent = began.elapsed().as_secs_f64() * 1e6 / sites.len() as f64;
+            let spent = watch.seconds() * 1e6 / sites.len() as f64;
             row.microseconds[stage] = row.microseconds[stage].min(spent);
             row.evaluations = evaluations as f64 / sites.len() as f64;
         }
