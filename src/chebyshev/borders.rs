@@ -150,7 +150,7 @@ struct Sums<'a> {
 }
 
 impl Sums<'_> {
-    #[inline]
+    /// Adds a triangle of a facet, for any order.
     fn add(
         &mut self,
         facet: &FacetView<'_>,
@@ -159,13 +159,7 @@ impl Sums<'_> {
         corners: [&Vector3<f64>; 3],
     ) {
         let distances = corners.map(|corner| sector.distance(corner));
-        let (weights, slope) = if self.order == 1 {
-            let [a, b, c] = distances;
-            let (sum, share) = (a + b + c, doubled_area / 24.0);
-            ([a, b, c].map(|d| share * (sum + d)), 1.0 / 6.0)
-        } else {
-            self.weights_of_power(doubled_area, distances)
-        };
+        let (weights, slope) = self.weights_of_power(doubled_area, distances);
         self.volumes[sector.number()] += doubled_area * facet.height * slope;
         let sums = &mut self.facets[facet.number];
         sums.weight += weights[0] + weights[1] + weights[2];
@@ -187,23 +181,58 @@ impl Sums<'_> {
 impl Visit for Sums<'_> {
     #[inline]
     fn share(&mut self, sides: &[Side<'_>; 2], sector: Sector, part: f64, ends: [&Corner; 2]) {
+        let [a, b] = ends;
+        if self.order != 1 {
+            for Side {
+                facet,
+                doubled_area,
+            } in sides
+            {
+                let corners = [&facet.anchor.point(), &a.point, &b.point];
+                self.add(facet, sector, part * doubled_area, corners);
+            }
+            return;
+        }
+        // The three weights are (δ + their sum) · area / 12; what both sides share comes first.
+        let far = a.distance + b.distance;
+        let middle = a.point + b.point;
+        let moment = a.point * a.distance + b.point * b.distance;
+        let mut volume = 0.0;
         for Side {
             facet,
             doubled_area,
         } in sides
         {
-            let corners = [&facet.anchor.point(), &ends[0].point, &ends[1].point];
-            self.add(facet, sector, part * doubled_area, corners);
+            let (share, anchor) = (part * doubled_area, facet.anchor.point());
+            let near = facet.anchor.distance(sector);
+            let sum = near + far;
+            let sums = &mut self.facets[facet.number];
+            sums.weight += share / 6.0 * sum;
+            sums.first += (anchor * (sum + near) + middle * sum + moment) * (share / 24.0);
+            volume += share * facet.height;
         }
+        self.volumes[sector.number()] += volume / 6.0;
     }
 
     #[inline]
     fn segment(&mut self, facet: &FacetView<'_>, interface: Interface, u: &Mark, v: &Mark) {
         let (left, right) = interface.sectors();
         let [u, v] = [u, v].map(|mark| interface.point(mark));
-        let doubled_area = facet.doubled_area(&u, &v);
-        let corners = [&facet.anchor.point(), &u, &v];
-        self.add(facet, left, doubled_area, corners);
-        self.add(facet, right, -doubled_area, corners);
+        let (doubled_area, anchor) = (facet.doubled_area(&u, &v), facet.anchor.point());
+        if self.order != 1 {
+            let corners = [&anchor, &u, &v];
+            self.add(facet, left, doubled_area, corners);
+            self.add(facet, right, -doubled_area, corners);
+            return;
+        }
+        // At u and v both distances agree and cancel.
+        let difference = facet.anchor.distance(left) - facet.anchor.distance(right);
+        let share = doubled_area * difference;
+        let sums = &mut self.facets[facet.number];
+        sums.weight += share / 6.0;
+        sums.first += (anchor * 2.0 + u + v) * (share / 24.0);
+        let volume = doubled_area * facet.height / 6.0;
+        self.volumes[left.number()] += volume;
+        self.volumes[right.number()] -= volume;
     }
 }
