@@ -8,7 +8,7 @@ use chebloyd::scene::method_overrides::MethodOverrides;
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Options of methods")]
 pub(crate) struct MethodOptions {
-    /// lloyd: go 2.5 times as far where that ends lower
+    /// lloyd: go three times as far where that ends lower
     #[arg(long)]
     accelerate: bool,
     /// quasi-newton, anneal: how many of Lloyd's moves come first [default: 0]

@@ -17,7 +17,7 @@ pub struct Lloyd {
     pub tolerance: f64,
     /// Which algorithm finds a cell's center.
     pub minimizer: Minimizer,
-    /// Whether moves go 2.5 times as far, where that ends lower than Lloyd's own.
+    /// Whether moves go three times as far, where that ends lower than Lloyd's own.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub accelerate: bool,
 }
