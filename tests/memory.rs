@@ -1,0 +1,162 @@
+//! How much memory a run takes for every site beyond the sites themselves.
+//!
+//! Peaks of the heap are compared between two numbers of sites, so that what every thread and every
+//! file takes once cancels.
+
+use std::ops::ControlFlow;
+use std::path::Path;
+use std::sync::{Mutex, PoisonError};
+
+use chebloyd::domain::cuboid::Cuboid;
+use chebloyd::domain::space::PieceScratch;
+use chebloyd::export::run::directory::RunDirectory;
+use chebloyd::export::sites::write_csv;
+use chebloyd::export::vtu::{CellGeometry, VtuWriter};
+use chebloyd::export::whole_file;
+use chebloyd::geometry::shell::Shell;
+use chebloyd::relax::figures::Figures;
+use chebloyd::relax::lloyd::{LloydOptions, lloyd};
+use chebloyd::relax::outline::shell;
+use chebloyd::relax::record::Record;
+use chebloyd::relax::space::Space;
+use chebloyd::relax::tessellation::{Minimizer, Norm, Question, Tessellation};
+use chebloyd::voronoi::cell::Cell;
+use chebloyd::voronoi::diagram::{Diagram, DiagramError};
+use nalgebra::Point3;
+use peak_alloc::PeakAlloc;
+use rayon::ThreadPoolBuilder;
+
+mod common;
+use common::{grid_sites, random_sites};
+
+#[global_allocator]
+static HEAP: PeakAlloc = PeakAlloc;
+
+/// The heap is one for all threads: tests take turns.
+static TURN: Mutex<()> = Mutex::new(());
+
+/// Cubes along an edge of the smaller and of the larger number of sites.
+const FEW: usize = 20;
+const MANY: usize = 30;
+
+/// Bytes per site that a run may take.
+const WITHOUT_REUSE: f64 = 300.0;
+const WITH_REUSE: f64 = 800.0;
+
+/// How far sites are shaken, as a share of their distance.
+const NOISE: f64 = 0.02;
+
+const QUESTION: Question = Question {
+    norm: Norm::Linf,
+    order: 1,
+    minimizer: Minimizer::Newton,
+};
+
+/// The peak of the heap while `work` is done (bytes), beyond what is there before.
+fn peak(work: impl FnOnce()) -> usize {
+    let before = HEAP.current_usage();
+    HEAP.reset_peak_usage();
+    work();
+    HEAP.peak_usage() - before
+}
+
+/// How much more each further site takes (bytes).
+fn per_site(work: impl Fn(usize) -> usize + Sync) -> f64 {
+    let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
+    let pool = ThreadPoolBuilder::new().num_threads(2).build().unwrap();
+    let [few, many] = [FEW, MANY].map(|side| pool.install(|| work(side)) as f64);
+    (many - few) / (MANY.pow(3) - FEW.pow(3)) as f64
+}
+
+/// Relaxes the sites as the command does, with the files that it leaves at a run's start, during it
+/// and at its end.
+fn relax(space: &Space, sites: &mut [Point3<f64>], options: &LloydOptions, folder: &Path) {
+    let mut directory = RunDirectory::create(folder, &"a run").unwrap();
+    directory.describe(&figures(space, sites)).unwrap();
+    let mut keep = |record: &Record, sites: &[Point3<f64>]| {
+        directory.record(record, sites, Vec::new).unwrap();
+        directory.keep(record, sites, &[]).unwrap();
+        ControlFlow::Continue(())
+    };
+    lloyd(space, sites, options, None, &mut keep).unwrap();
+    whole_file::write(&folder.join("sites.csv"), |file| write_csv(sites, file)).unwrap();
+    write_cells(space, sites, &folder.join("cells.vtu"));
+    directory.describe(&figures(space, sites)).unwrap();
+}
+
+fn figures(space: &Space, sites: &[Point3<f64>]) -> Figures {
+    let cells = space.figures(sites, QUESTION).unwrap();
+    Figures::of(space.volume(), &cells)
+}
+
+/// Writes the cells while the figures of all are held.
+fn write_cells(space: &Space, sites: &[Point3<f64>], path: &Path) {
+    let cells = space.figures(sites, QUESTION).unwrap();
+    let diagram = Diagram::new(space.domain(), sites).unwrap();
+    let mut file = VtuWriter::new(path);
+    let outline =
+        |scratch: &mut PieceScratch, cell: Cell<'_>| shell(space.domain(), &cell, scratch);
+    let tell = |site: usize, shell: Shell| {
+        let cell = &cells[site];
+        let told = CellGeometry {
+            site,
+            shell,
+            energy: cell.energy,
+            volume: cell.volume,
+            cubeness: cell.cubeness,
+            facet_count: cell.facets as usize,
+        };
+        file.push(&told).unwrap();
+        Ok::<(), DiagramError>(())
+    };
+    diagram.stream(outline, tell).unwrap();
+    assert_eq!(file.finish().unwrap(), sites.len() as u64);
+}
+
+/// The peak of a run of so many moves from `sites`, and whether it has carried cells.
+fn run(mut sites: Vec<Point3<f64>>, iterations: u64, is_accelerated: bool) -> (usize, bool) {
+    let space = Space::new(Box::new(Cuboid::unit()));
+    let options = LloydOptions {
+        iterations,
+        tolerance: 0.0,
+        question: QUESTION,
+        is_accelerated,
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let taken = peak(|| relax(&space, &mut sites, &options, folder.path()));
+    (taken, (1..sites.len()).contains(&space.rebuilt()))
+}
+
+/// Sites near those of a lattice, whose moves are so small that most cells keep their pattern.
+fn near_sites(side: usize) -> Vec<Point3<f64>> {
+    let noise = random_sites(side.pow(3), 2);
+    let shaken = |(site, noise): (Point3<f64>, &Point3<f64>)| {
+        site + (noise - Point3::new(0.5, 0.5, 0.5)) * (NOISE / side as f64)
+    };
+    grid_sites(side)
+        .into_iter()
+        .zip(&noise)
+        .map(shaken)
+        .collect()
+}
+
+#[test]
+fn a_run_takes_little_memory_per_site() {
+    let bytes = per_site(|side| {
+        let (taken, is_carried) = run(random_sites(side.pow(3), 1), 2, false);
+        assert!(!is_carried, "random sites move far");
+        taken
+    });
+    assert!(bytes <= WITHOUT_REUSE, "{bytes} bytes per site");
+}
+
+#[test]
+fn a_run_that_carries_cells_takes_some_more() {
+    let bytes = per_site(|side| {
+        let (taken, is_carried) = run(near_sites(side), 4, false);
+        assert!(is_carried, "all of {side}³ cells were rebuilt");
+        taken
+    });
+    assert!(bytes > WITHOUT_REUSE, "{bytes}: no patterns were kept");
+    assert!(bytes <= WITH_REUSE, "{bytes} bytes per site");
+}
