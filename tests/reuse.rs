@@ -222,6 +222,21 @@ fn a_jump_is_survived() {
 }
 
 #[test]
+fn patterns_are_not_kept_where_memory_is_short() {
+    let domain = Cuboid::unit();
+    let sites = random_sites(&domain, 500, 7);
+    let near = shaken(&domain, &sites, 1e-4, &mut Uniform::new(7));
+    for (bytes_per_site, is_kept) in [(0, false), (799, false), (800, true)] {
+        let mut from_before = Carried::within(500 * bytes_per_site);
+        assert_eq!(check(&domain, &sites, &mut from_before), 500);
+        // The sites' numbers and places are all that is left.
+        assert_eq!(from_before.memory() > 40 * 500, is_kept);
+        let rebuilt = check(&domain, &near, &mut from_before);
+        assert_eq!(rebuilt < 500, is_kept, "{rebuilt} of {bytes_per_site}");
+    }
+}
+
+#[test]
 fn lattices_with_any_noise_stay_as_they_are_cut() {
     let domain = Cuboid::unit();
     let lattice = |k: usize| {

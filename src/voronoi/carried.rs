@@ -67,9 +67,20 @@ pub struct Carried {
     packed: Vec<Packed>,
     keeps: bool,
     rebuilt: usize,
+    /// The memory that may be taken (bytes); none where the system is asked.
+    limit: Option<u64>,
 }
 
 impl Carried {
+    /// Patterns that are kept only as long as so many bytes are enough for them.
+    #[must_use]
+    pub fn within(bytes: u64) -> Self {
+        Self {
+            limit: Some(bytes),
+            ..Self::default()
+        }
+    }
+
     /// How many cells of the last diagram had to be rebuilt.
     #[must_use]
     pub fn rebuilt(&self) -> usize {
@@ -117,7 +128,11 @@ impl Carried {
     pub(crate) fn meet(&mut self, diagram: &Diagram<'_>, places: &[u32]) {
         let index = &diagram.index;
         if self.sites.len() != diagram.len() {
-            *self = Self::default();
+            let limit = self.limit;
+            *self = Self {
+                limit,
+                ..Self::default()
+            };
             self.sites = (0..diagram.len()).map(|place| index.site(place)).collect();
             self.ranks = places.to_vec();
         }
@@ -136,6 +151,7 @@ impl Carried {
             }
         }
         self.positions = positions;
-        self.keeps = !self.packed.is_empty() || room() >= BYTES * diagram.len() as u64;
+        let enough = BYTES * diagram.len() as u64;
+        self.keeps = !self.packed.is_empty() || self.limit.unwrap_or_else(room) >= enough;
     }
 }
