@@ -1,8 +1,9 @@
 //! The center of a cell: the minimizer of its Chebyshev energy within bounds.
 //!
 //! E is convex in the center (for pieces that sum to a set), so Newton's method with the exact
-//! Hessian finds it in two to five evaluations, one less where the third derivative is known. L-BFGS-B, which knows gradients only, is the choice
-//! of \[BL\] section 3.5. The search is the same in the plane and in space.
+//! Hessian finds it in two to five evaluations, one less where the third derivative is known.
+//! L-BFGS-B, which knows gradients only, is the choice of \[BL\] section 3.5. The search is the same
+//! in the plane and in space.
 
 use std::ops::ControlFlow;
 
@@ -97,7 +98,8 @@ impl<const D: usize> Search<D> {
         }
     }
 
-    /// The cell's size (L) and p m s^(p−1), m its mass, what a fragment's share of the gradient is like.
+    /// The cell's size (L) and p m s^(p−1), m its mass, what a fragment's share of the gradient is
+    /// like.
     fn scales(&self) -> (f64, f64) {
         let length = self.volume.max(0.0).powf(1.0 / D as f64);
         let scale = (1..self.order).fold(self.mass * f64::from(self.order), |s, _| s * length);

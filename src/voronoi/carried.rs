@@ -1,16 +1,14 @@
 //! What one diagram leaves to the next: the patterns of its cells, while sites move little.
 //!
-//! Near convergence most cells keep their `pattern` from one iteration to
-//! the next. Then no neighbor need be searched and no plane tried: the vertices are where their
-//! three planes meet now.
+//! Near convergence most cells keep their `pattern` from one iteration to the next. Then no neighbor
+//! need be searched and no plane tried: the vertices are where their three planes meet now.
 //!
 //! # What is rebuilt
 //!
-//! A cell is rebuilt if it has no pattern or its realization (`realize`) is in doubt.
-//! If a rebuilt cell has gained or lost a vertex, the cells around that vertex are rebuilt too; if it
-//! is itself in doubt, or was, all its neighbors are. This goes on until nothing is left to do. In
-//! the end the cells around any vertex of a carried cell hold that vertex as well, and are beyond
-//! doubt themselves. (Lists of neighbors that agree would not do: where a new edge between i and j
+//! A cell is rebuilt if it has no pattern or its realization (`realize`) is in doubt. If a rebuilt
+//! cell has gained or lost a vertex, the cells around that vertex are rebuilt too; if it is itself in
+//! doubt, or was, all its neighbors are. This goes on until nothing is left to do. In the end the
+//! cells around any vertex of a carried cell hold that vertex as well, and are beyond doubt themselves. (Lists of neighbors that agree would not do: where a new edge between i and j
 //! opens in the middle of the facet between a and b, no list of a or b changes, and those of i and j
 //! agree as long as both ignore it.)
 //!
@@ -32,11 +30,11 @@
 //!
 //! Around a vertex of a carried cell all cells are beyond doubt, so for some ρ, the margin times the
 //! flatness allowed, they fill the ball of radius ρ about it. Every other site is farther away than
-//! theirs by a share of ρ that only very near sites make small, which is a doubt of its own. All this is far above rounding, so that a
-//! cold build finds the same pattern. It then hands the cell to the same realization, with the
-//! same doubts. So whether cells are carried shows in no bit of any result: runs that are resumed,
-//! and begin without patterns, agree with uninterrupted ones. Lattices are always in doubt, keep
-//! their cells as they were cut and are never carried.
+//! theirs by a share of ρ that only very near sites make small, which is a doubt of its own. All this
+//! is far above rounding, so that a cold build finds the same pattern. It then hands the cell to the
+//! same realization, with the same doubts. So whether cells are carried shows in no bit of any result:
+//! runs that are resumed, and begin without patterns, agree with uninterrupted ones. Lattices are
+//! always in doubt, keep their cells as they were cut and are never carried.
 
 use nalgebra::Point3;
 use rayon::prelude::*;
