@@ -11,10 +11,10 @@ use nalgebra::Point;
 use crate::relax::over_relaxation::{Moves, advance, look};
 use crate::relax::record::{Movement, Record};
 use crate::relax::tessellation::{Question, Tessellation};
+use crate::voronoi::carried::WORTH;
 
-/// Sites are near where they were after a movement below this (%): beyond, more than half of the
-/// cells have changed.
-const LITTLE: f64 = 1.4;
+/// Sites are near where they were after a movement below this (%).
+const LITTLE: f64 = 100.0 * WORTH;
 
 /// When to stop, and what to minimize.
 #[derive(Clone, Copy, Debug, PartialEq)]
