@@ -74,8 +74,7 @@ pub(crate) fn advance<const D: usize, Space: Tessellation<D>>(
         .map(|(site, target)| space.beyond(site, target, LENGTH))
         .collect();
     // Lengthened moves may have brought two sites to one place: then there is no diagram.
-    let tried = look_at(far).ok();
-    let Some(tried) = tried else {
+    let Ok(tried) = look_at(far) else {
         return look_at(targets);
     };
     let least = space.energy(&targets, moves.question)?;
