@@ -213,9 +213,7 @@ impl Domain for TetSolid {
         if scratch.clipped.meet(&self.boundary, site, cell) == Meeting::Apart {
             visit(1.0, Piece::Convex(cell));
         } else {
-            self.visit_parts(site, cell, scratch, |_, part| {
-                visit(1.0, Piece::Convex(part))
-            });
+            self.pieces_within(site, cell, scratch, visit);
         }
     }
 
