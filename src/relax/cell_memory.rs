@@ -28,6 +28,8 @@ pub struct CellMemory {
     used: usize,
     /// The cell's volume (L³).
     volume: f64,
+    /// The cell's mass: its volume where there is no density.
+    mass: f64,
     /// Mass and its moments of the pieces with a density.
     weighted: Moments,
     walk: WalkScratch,
@@ -54,12 +56,13 @@ impl CellMemory {
             pieces,
             used,
             volume,
+            mass,
             weighted,
             piece,
             ..
         } = self;
         *used = 0;
-        (*volume, *weighted) = (0.0, Moments::default());
+        (*volume, *mass, *weighted) = (0.0, 0.0, Moments::default());
         let mut prepare = |sign: f64, part: Piece<'_>, density: Option<&Polynomial>| {
             if *used == pieces.len() {
                 let integrand = Integrand::default();
@@ -72,10 +75,14 @@ impl CellMemory {
                 None => Cow::Borrowed(density),
             });
             pieces[*used].integrand.set_density(turned.as_deref());
-            *volume += sign * pieces[*used].integrand.volume();
-            if let Some(density) = density {
-                weighted.add_signed(sign, &mass_moments(part, density));
-            }
+            let part_volume = pieces[*used].integrand.volume();
+            *volume += sign * part_volume;
+            let part_mass = density.map_or(part_volume, |density| {
+                let moments = mass_moments(part, density);
+                weighted.add_signed(sign, &moments);
+                moments.volume
+            });
+            *mass += sign * part_mass;
             if let Some(frame) = frame {
                 pieces[*used].integrand.rotate(&frame.inverse());
             }
@@ -103,17 +110,6 @@ impl CellMemory {
             }
         }
         masses
-    }
-
-    /// The mass of the loaded cell: its volume where there is no density.
-    fn mass(&self) -> f64 {
-        let mut mass = self.weighted.volume;
-        for SignedPiece { sign, integrand } in &self.pieces[..self.used] {
-            if integrand.density.is_none() {
-                mass += sign * integrand.volume();
-            }
-        }
-        mass
     }
 
     /// The order-p Chebyshev energy of the loaded cell about a displacement from its site, with
@@ -220,7 +216,7 @@ impl CellMemory {
             minimizer: asked.minimizer,
             order: asked.order,
             volume: self.volume,
-            mass: self.mass(),
+            mass: self.mass,
             bounds: match self.frame {
                 None => reach(domain, cell),
                 Some(_) => around(pieces),
