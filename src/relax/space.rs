@@ -79,6 +79,21 @@ impl Space {
         answers
     }
 
+    /// Prepares a cell in its own frame.
+    fn load(&self, memory: &mut CellMemory, cell: &Cell<'_>) {
+        memory.load_in_frame(self.domain(), cell, self.frames.of(cell.site));
+    }
+
+    fn assess_cell(
+        &self,
+        memory: &mut CellMemory,
+        cell: &Cell<'_>,
+        question: Question,
+    ) -> Assessment<3> {
+        self.load(memory, cell);
+        memory.assess(self.domain(), cell, question)
+    }
+
     fn lock(&self) -> MutexGuard<'_, Carried> {
         self.carried.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -96,7 +111,7 @@ impl Space {
     ) -> Result<Vec<CellFigures<3>>, DiagramError> {
         let diagram = Diagram::new(self.domain(), sites)?;
         diagram.map(|memory: &mut CellMemory, cell| {
-            memory.load_in_frame(self.domain(), &cell, self.frames.of(cell.site));
+            self.load(memory, &cell);
             memory.figures(self.domain(), &cell, question)
         })
     }
@@ -124,7 +139,7 @@ impl Tessellation<3> for Space {
 
     fn energy(&self, sites: &[Point3<f64>], question: Question) -> Result<f64, DiagramError> {
         let energies = self.map_carried(sites, |memory: &mut CellMemory, cell| {
-            memory.load_in_frame(self.domain(), &cell, self.frames.of(cell.site));
+            self.load(memory, &cell);
             memory.energy_at_site(question)
         })?;
         Ok(energies.iter().sum())
@@ -136,10 +151,7 @@ impl Tessellation<3> for Space {
         question: Question,
     ) -> Result<Vec<Assessment<3>>, DiagramError> {
         let diagram = Diagram::new(self.domain(), sites)?;
-        diagram.map(|memory: &mut CellMemory, cell| {
-            memory.load_in_frame(self.domain(), &cell, self.frames.of(cell.site));
-            memory.assess(self.domain(), &cell, question)
-        })
+        diagram.map(|memory: &mut CellMemory, cell| self.assess_cell(memory, &cell, question))
     }
 
     fn assess_near(
@@ -148,8 +160,7 @@ impl Tessellation<3> for Space {
         question: Question,
     ) -> Result<Vec<Assessment<3>>, DiagramError> {
         self.map_carried(sites, |memory: &mut CellMemory, cell| {
-            memory.load_in_frame(self.domain(), &cell, self.frames.of(cell.site));
-            memory.assess(self.domain(), &cell, question)
+            self.assess_cell(memory, &cell, question)
         })
     }
 }
