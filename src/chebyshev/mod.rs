@@ -20,4 +20,5 @@ pub(crate) mod weighted_borders;
 
 mod segments;
 mod sight;
+mod terms;
 mod visit;

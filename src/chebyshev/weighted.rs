@@ -3,7 +3,7 @@
 //! In a sector the distance is ± one coordinate difference from the center, so density times a
 //! power of the distance is a polynomial in these differences, and so are its derivatives' terms.
 //! A tetrahedron of the walk has the center as a corner: the integrals of all its monomials come
-//! from one table ([`crate::integrals::series`]) of the other three corners. Exact for any degree.
+//! from one table (`terms`) of the other three corners. Exact for any degree.
 //! Gradient and Hessian are those of [`crate::chebyshev::energy`] with the density inside.
 
 use nalgebra::{Point3, Vector3};
@@ -11,22 +11,15 @@ use nalgebra::{Point3, Vector3};
 use crate::chebyshev::energy::sums_evaluation;
 use crate::chebyshev::interface::{Interface, Mark};
 use crate::chebyshev::sector::Sector;
+use crate::chebyshev::terms::{Place, Table, Terms, power};
 use crate::chebyshev::visit::{Corner, FacetView, Side, Visit};
 use crate::integrals::polynomial::Polynomial;
-use crate::integrals::series::{Exponents, Monomials, weight};
 use crate::minimize::problem::Evaluation;
-
-/// Where the integral of a density's term times a power of the distance stands in the table, and
-/// by what it is to be multiplied.
-type Place = (usize, f64);
 
 /// The places of all terms, for densities of one degree and energies of one order.
 #[derive(Clone, Debug)]
 pub(crate) struct Places {
-    degree: u32,
-    order: u32,
-    terms: Vec<Exponents>,
-    monomials: Monomials,
+    terms: Terms,
     /// By how much the power is less than the order (0, 1, 2), and the distance's axis.
     solid: [[Vec<Place>; 3]; 3],
     /// The axis; the power is one less than the order, the integral over a triangle.
@@ -35,55 +28,28 @@ pub(crate) struct Places {
 
 impl Places {
     pub(crate) fn new(degree: u32, order: u32) -> Self {
-        let monomials = Monomials::up_to(degree + order);
-        let terms = Monomials::up_to(degree).exponents().to_vec();
-        let places = |dimension: u32, lowered: u32, axis: usize| -> Vec<Place> {
-            let Some(power) = order.checked_sub(lowered) else {
-                return Vec::new();
-            };
-            let place = |term: &Exponents| {
-                let mut exponents = *term;
-                exponents[axis] += power;
-                let place = monomials.place(exponents).unwrap_or(0);
-                (place, weight(dimension, exponents))
-            };
-            terms.iter().map(place).collect()
+        let terms = Terms::new(degree, order, 0);
+        let places = |dimension: u32, lowered: u32, axis: usize| {
+            let lower = order.checked_sub(lowered);
+            lower.map_or_else(Vec::new, |lower| {
+                terms.places(dimension, power(lower, axis))
+            })
         };
         let solid = [0, 1, 2].map(|lowered| [0, 1, 2].map(|axis| places(3, lowered, axis)));
         let flat = [0, 1, 2].map(|axis| places(2, 1, axis));
-        Self {
-            degree,
-            order,
-            solid,
-            flat,
-            terms,
-            monomials,
-        }
+        Self { terms, solid, flat }
     }
 
     /// Whether these are the places for such densities and energies.
     pub(crate) fn serve(&self, degree: u32, order: u32) -> bool {
-        (self.degree, self.order) == (degree, order)
-    }
-
-    /// The density's coefficients as seen from `center`, in the order of the terms.
-    fn coefficients(&self, density: &Polynomial, center: &Vector3<f64>) -> Vec<f64> {
-        let seen = density.seen_from(&Point3::from(*center));
-        let mut coefficients = vec![0.0; self.terms.len()];
-        for (exponents, value) in seen.terms() {
-            if let Some(place) = self.terms.iter().position(|&term| term == exponents) {
-                coefficients[place] = value;
-            }
-        }
-        coefficients
+        self.terms.serve(degree, order)
     }
 }
 
 /// The sums of a walk about one center.
 pub(crate) struct Weighted<'a> {
     places: &'a Places,
-    density: Vec<f64>,
-    table: Vec<f64>,
+    table: Table<'a>,
     value: f64,
     first: [f64; Sector::SLOTS],
     second: [f64; Sector::SLOTS],
@@ -92,10 +58,10 @@ pub(crate) struct Weighted<'a> {
 
 impl<'a> Weighted<'a> {
     pub(crate) fn new(places: &'a Places, density: &Polynomial, center: &Vector3<f64>) -> Self {
+        let seen = density.seen_from(&Point3::from(*center));
         Self {
-            density: places.coefficients(density, center),
             places,
-            table: Vec::new(),
+            table: Table::new(&places.terms, &seen),
             value: 0.0,
             first: [0.0; Sector::SLOTS],
             second: [0.0; Sector::SLOTS],
@@ -104,29 +70,19 @@ impl<'a> Weighted<'a> {
     }
 
     pub(crate) fn evaluation(&self) -> Evaluation<3> {
-        let (order, value) = (self.places.order, self.value);
+        let (order, value) = (self.places.terms.order(), self.value);
         sums_evaluation(order, value, &self.first, &self.second, &self.interfaces)
-    }
-
-    fn fill<const K: usize>(&mut self, corners: [&Vector3<f64>; K]) {
-        let corners = corners.map(|corner| <[f64; 3]>::from(*corner));
-        self.places
-            .monomials
-            .coefficients(&corners, &mut self.table);
     }
 
     /// ∫ density · (± axis)^power over the simplex of the table, per unit of its volume.
     fn sum(&self, places: &[Place], sign: f64, power: u32) -> f64 {
-        let terms = self.density.iter().zip(places);
-        let sum: f64 = terms
-            .map(|(value, (place, weight))| value * weight * self.table[*place])
-            .sum();
+        let sum = self.table.sum(places);
         if power % 2 == 1 { sign * sum } else { sum }
     }
 
     /// Adds the tetrahedron of the table to the sector's sums.
     fn add(&mut self, sector: Sector, volume: f64) {
-        let (sign, axis, order) = (sector.sign(), sector.axis(), self.places.order);
+        let (sign, axis, order) = (sector.sign(), sector.axis(), self.places.terms.order());
         let [whole, first, second] = [0, 1, 2].map(|lowered| {
             let power = order.saturating_sub(lowered as u32);
             volume * self.sum(&self.places.solid[lowered][axis], sign, power)
@@ -144,7 +100,8 @@ impl Visit for Weighted<'_> {
             doubled_area,
         } in sides
         {
-            self.fill([&facet.anchor.point(), &ends[0].point, &ends[1].point]);
+            self.table
+                .fill([&facet.anchor.point(), &ends[0].point, &ends[1].point]);
             self.add(sector, part * doubled_area * facet.height / 6.0);
         }
     }
@@ -155,11 +112,11 @@ impl Visit for Weighted<'_> {
         let difference = facet.anchor.distance(left) - facet.anchor.distance(right);
         let volume = determinant * difference / 6.0;
         let [u, v] = [u, v].map(|mark| interface.point(mark));
-        self.fill([&facet.anchor.point(), &u, &v]);
+        self.table.fill([&facet.anchor.point(), &u, &v]);
         self.add(left, volume);
         self.add(right, -volume);
-        self.fill([&u, &v]);
-        let power = self.places.order - 1;
+        self.table.fill([&u, &v]);
+        let power = self.places.terms.order() - 1;
         let mean = self.sum(&self.places.flat[left.axis()], left.sign(), power);
         self.interfaces[interface.number()] += mean * (2.0 * determinant);
     }
