@@ -1,20 +1,18 @@
 //! The sites that `chebloyd bench` times: even and uneven ones, with the box they live in.
 
-use std::fs::File;
-use std::io::{BufWriter, Write};
 use std::path::Path;
 
 use clap::ValueEnum;
 use nalgebra::Point3;
-use rand_chacha::ChaCha8Rng;
-use rand_core::{Rng, SeedableRng};
 
 use chebloyd::domain::cuboid::Cuboid;
 use chebloyd::domain::space::Domain;
 use chebloyd::export::sites::write_csv;
+use chebloyd::export::whole_file;
 use chebloyd::geometry::bounds::Bounds;
 use chebloyd::relax::space::Space;
 use chebloyd::relax::tessellation::Tessellation;
+use chebloyd::scene::random::Uniform;
 use chebloyd::scene::site_file::read;
 
 use crate::cli::bench::QUESTION;
@@ -55,12 +53,12 @@ pub(crate) struct Crowd {
 impl Crowd {
     /// Sites of a kind, about `count`, relaxed ones by so many moves.
     pub(crate) fn new(kind: Kind, count: usize, moves: usize) -> Result<Self, Failure> {
-        let mut random = Uniform(ChaCha8Rng::seed_from_u64(1));
+        let mut random = Uniform::new(1);
         let mut domain = Cuboid::unit();
         let mut sites: Vec<_> = match kind {
             Kind::Lattice => lattice(count),
             Kind::Lognormal => lognormal(count, &mut random),
-            _ => (0..count).map(|_| random.point()).collect(),
+            _ => (0..count).map(|_| random.point(&domain.bounds())).collect(),
         };
         match kind {
             Kind::Crowded => stretch(&mut sites, [0.1; 3], [0.3, 0.4, 0.5]),
@@ -100,24 +98,8 @@ impl Crowd {
 
     /// Writes the sites as comma-separated text.
     pub(crate) fn save(&self, file: &Path) -> Result<(), Failure> {
-        let write = || {
-            let mut out = BufWriter::new(File::create(file)?);
-            write_csv(&self.sites, &mut out)?;
-            out.flush()
-        };
-        write().map_err(|error| Failure::run(format!("{}: {error}", file.display())))
-    }
-}
-
-struct Uniform(ChaCha8Rng);
-
-impl Uniform {
-    fn number(&mut self) -> f64 {
-        (self.0.next_u64() >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    fn point(&mut self) -> Point3<f64> {
-        Point3::new(self.number(), self.number(), self.number())
+        whole_file::write(file, |file| write_csv(&self.sites, file))
+            .map_err(|error| Failure::run(format!("cannot write {}: {error}", file.display())))
     }
 }
 
@@ -139,6 +121,7 @@ fn lattice(count: usize) -> Vec<Point3<f64>> {
 
 /// Sites in parts of the cube drawn by weight.
 fn lognormal(count: usize, random: &mut Uniform) -> Vec<Point3<f64>> {
+    let unit = Cuboid::unit().bounds();
     let mut sum = 0.0;
     let sums: Vec<f64> = (0..PARTS.pow(3))
         .map(|_| {
@@ -155,7 +138,7 @@ fn lognormal(count: usize, random: &mut Uniform) -> Vec<Point3<f64>> {
             .partition_point(|&sum| sum <= drawn)
             .min(sums.len() - 1);
         let corner = [part % PARTS, part / PARTS % PARTS, part / PARTS / PARTS];
-        let inside = random.point();
+        let inside = random.point(&unit);
         Point3::from([0, 1, 2].map(|axis| (corner[axis] as f64 + inside[axis]) / PARTS as f64))
     };
     (0..count).map(one).collect()
