@@ -1,25 +1,25 @@
 //! `chebloyd bench`.
 
 use std::fmt::Write as _;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 use nalgebra::{Point3, Vector3};
 use rayon::ThreadPoolBuilder;
 
 use chebloyd::domain::space::Domain;
 use chebloyd::relax::cell_memory::CellMemory;
+use chebloyd::relax::record::Movement;
 use chebloyd::relax::space::Space;
 use chebloyd::relax::tessellation::{Minimizer, Norm, Question, Tessellation};
+use chebloyd::voronoi::carried::WORTH;
 use chebloyd::voronoi::diagram::{Diagram, DiagramError};
 
 use crate::cli::crowd::{Crowd, Kind};
 use crate::cli::failure::Failure;
+use crate::cli::resident;
 use crate::cli::stdout;
 use crate::cli::watch::Watch;
-
-/// The stages are index, cells, preparation, energy and the whole iteration.
-const LAST_STAGE: usize = 4;
 
 pub(crate) const QUESTION: Question = Question {
     norm: Norm::Linf,
@@ -27,11 +27,40 @@ pub(crate) const QUESTION: Question = Question {
     minimizer: Minimizer::Newton,
 };
 
+/// What is timed; the order is that of the columns.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Stage {
+    /// Building the index
+    Index,
+    /// Building the cells
+    Cells,
+    /// Preparing the cells for integrals
+    Prepare,
+    /// One energy with gradient and Hessian
+    Energy,
+    /// A whole iteration, with the minimizer
+    Iteration,
+    /// A whole iteration that carries over what the one before has left
+    Reused,
+}
+
+const STAGES: [Stage; 6] = [
+    Stage::Index,
+    Stage::Cells,
+    Stage::Prepare,
+    Stage::Energy,
+    Stage::Iteration,
+    Stage::Reused,
+];
+
 /// Time the stages of an iteration on this machine, per site
 ///
 /// Each stage includes the ones to its left: building the index, building the cells, preparing
 /// them for integrals, one energy with gradient and Hessian, and the whole iteration with the
-/// minimizer.
+/// minimizer. "reused" is a whole iteration again, from where a move has led, which carries over
+/// cells from the one before it, and "rebuilt" the share of the cells that could not be carried;
+/// after moves that are too far for that there is neither. "MB" is the most memory that was
+/// resident meanwhile, sites included, where the system tells it (Linux).
 #[derive(Debug, Args)]
 pub(crate) struct Options {
     /// How many sites
@@ -47,8 +76,14 @@ pub(crate) struct Options {
     /// Write the (last) sites to this file, as comma-separated text, and time nothing
     #[arg(long, value_name = "FILE")]
     save: Option<PathBuf>,
+    /// Replace the file that --save names
+    #[arg(long, requires = "save")]
+    force: bool,
+    /// What to time
+    #[arg(long, value_name = "STAGE", value_delimiter = ',', value_enum, default_values_t = STAGES)]
+    stages: Vec<Stage>,
     /// How many Lloyd iterations make relaxed sites
-    #[arg(long, value_name = "M", default_value_t = 10)]
+    #[arg(long, value_name = "M", default_value_t = 20)]
     moves: usize,
     /// Print the CPU time of all threads together instead of the time passed, where the system
     /// tells it (Linux): it depends less on what else the machine does
@@ -60,29 +95,43 @@ pub(crate) struct Options {
 }
 
 pub(crate) fn run(options: &Options, threads: Option<u32>) -> Result<(), Failure> {
-    let mut table = String::from(
-        "µs per site        threads    index    cells  prepare   energy  iteration  evaluations\n",
-    );
+    if let Some(file) = &options.save {
+        return save(file, options);
+    }
+    let mut table = format!("{:<18} {:>7}", "µs per site", "threads");
+    for stage in STAGES {
+        let _ = write!(table, " {:>9}", name(stage));
+    }
+    let _ = writeln!(table, " {:>11} {:>7} {:>6}", "evaluations", "rebuilt", "MB");
     if let Some(file) = &options.points {
-        let crowd = Crowd::read(file)?;
-        add_rows("file", &crowd, options, threads, &mut table)?;
+        add_rows("file", &Crowd::read(file)?, options, threads, &mut table)?;
         return stdout::print(table);
     }
     for &count in &options.count {
         for &kind in &options.sites {
             let crowd = Crowd::new(kind, count, options.moves)?;
-            if let Some(file) = &options.save {
-                crowd.save(file)?;
-            } else {
-                let name = format!("{kind:?}").to_lowercase();
-                add_rows(&name, &crowd, options, threads, &mut table)?;
-            }
+            add_rows(&name(kind), &crowd, options, threads, &mut table)?;
         }
     }
-    if options.save.is_some() {
-        return Ok(());
-    }
     stdout::print(table)
+}
+
+/// Writes the last of the sites.
+fn save(file: &Path, options: &Options) -> Result<(), Failure> {
+    if file.exists() && !options.force {
+        let message = "is there already; replace it by --force, or choose another file by --save";
+        return Err(Failure::input(format!("{} {message}", file.display())));
+    }
+    match (&options.points, options.sites.last(), options.count.last()) {
+        (Some(points), ..) => Crowd::read(points)?.save(file),
+        (None, Some(&kind), Some(&count)) => Crowd::new(kind, count, options.moves)?.save(file),
+        _ => Ok(()),
+    }
+}
+
+/// The name of a kind or a stage.
+fn name(value: impl std::fmt::Debug) -> String {
+    format!("{value:?}").to_lowercase()
 }
 
 /// Adds the rows of one crowd: with one thread, and with all.
@@ -98,61 +147,104 @@ fn add_rows(
     for threads in threads {
         let pool = ThreadPoolBuilder::new().num_threads(threads).build();
         let pool = pool.map_err(Failure::run)?;
+        resident::forget();
         let row = pool.install(|| time(crowd, options));
         let row = row.map_err(Failure::run)?;
         let name = format!("{name} {}", crowd.sites.len());
         let _ = write!(table, "{name:<18} {threads:>7}");
         for time in row.microseconds {
-            let _ = write!(table, " {time:>8.2}");
+            let _ = write!(table, " {:>9}", told(time, 2));
         }
-        let _ = writeln!(table, "   {:>10.2}", row.evaluations);
+        let _ = write!(table, " {:>11}", told(row.evaluations, 2));
+        let _ = write!(table, " {:>7}", told(row.rebuilt, 3));
+        let megabytes = resident::peak().map(|bytes| bytes as f64 / 1e6);
+        let _ = writeln!(table, " {:>6}", told(megabytes, 0));
     }
     Ok(())
 }
 
+fn told(number: Option<f64>, digits: usize) -> String {
+    number.map_or_else(|| "-".to_owned(), |number| format!("{number:.digits$}"))
+}
+
+#[derive(Debug, Default)]
 struct Row {
-    microseconds: [f64; LAST_STAGE + 1],
-    evaluations: f64,
+    microseconds: [Option<f64>; STAGES.len()],
+    evaluations: Option<f64>,
+    rebuilt: Option<f64>,
 }
 
 /// Times the stages in turn, `repeat` times over, so that a slow moment hits all of them.
 fn time(crowd: &Crowd, options: &Options) -> Result<Row, DiagramError> {
     let (sites, space) = (&crowd.sites, Space::new(Box::new(crowd.domain)));
-    let domain = space.domain();
-    let mut row = Row {
-        microseconds: [f64::INFINITY; LAST_STAGE + 1],
-        evaluations: 0.0,
+    let count = sites.len() as f64;
+    let asked = |stage: &Stage| options.stages.contains(stage);
+    let moved = if asked(&Stage::Reused) {
+        moved(&space, sites)?
+    } else {
+        None
     };
+    let mut row = Row::default();
     for _ in 0..options.repeat.max(1) {
-        for stage in 0..row.microseconds.len() {
+        for (number, stage) in STAGES
+            .into_iter()
+            .enumerate()
+            .filter(|(_, stage)| asked(stage))
+        {
+            let sites = match (stage, &moved) {
+                (Stage::Reused, None) => continue,
+                (Stage::Reused, Some(moved)) => {
+                    space.assess_near(sites, QUESTION)?;
+                    moved
+                }
+                _ => sites,
+            };
             let watch = Watch::start(options.cpu);
-            let evaluations = run_stage(stage, &space, domain, sites)?;
-            let spent = watch.seconds() * 1e6 / sites.len() as f64;
-            row.microseconds[stage] = row.microseconds[stage].min(spent);
-            row.evaluations = evaluations as f64 / sites.len() as f64;
+            let evaluations = run_stage(stage, &space, sites)?;
+            let spent = watch.seconds() * 1e6 / count;
+            let shortest = &mut row.microseconds[number];
+            *shortest = Some(shortest.map_or(spent, |shortest| shortest.min(spent)));
+            match stage {
+                Stage::Iteration => row.evaluations = Some(evaluations as f64 / count),
+                Stage::Reused => row.rebuilt = Some(space.rebuilt() as f64 / count),
+                _ => {}
+            }
         }
     }
     Ok(row)
 }
 
+/// Where the next move of Lloyd's leads, if that is so near that `relax` carries cells over.
+fn moved(space: &Space, sites: &[Point3<f64>]) -> Result<Option<Vec<Point3<f64>>>, DiagramError> {
+    let cells = space.assess(sites, QUESTION)?;
+    let targets: Vec<_> = cells.iter().map(|cell| cell.target).collect();
+    let movement = Movement::between(space, sites, targets.iter());
+    let is_near = movement.percent::<3>(space.volume(), sites.len()) < 100.0 * WORTH;
+    Ok(is_near.then_some(targets))
+}
+
 /// Does the work up to a stage and returns how many energies were evaluated.
-fn run_stage(
-    stage: usize,
-    space: &Space,
-    domain: &dyn Domain,
-    sites: &[Point3<f64>],
-) -> Result<u64, DiagramError> {
-    if stage == LAST_STAGE {
-        let cells = space.assess(sites, QUESTION)?;
-        return Ok(cells.iter().map(|cell| u64::from(cell.evaluations)).sum());
-    }
-    let diagram = Diagram::new(domain, sites)?;
+fn run_stage(stage: Stage, space: &Space, sites: &[Point3<f64>]) -> Result<u64, DiagramError> {
+    let domain = space.domain();
+    let cells = match stage {
+        Stage::Iteration => space.assess(sites, QUESTION)?,
+        Stage::Reused => space.assess_near(sites, QUESTION)?,
+        _ => {
+            run_part(stage, domain, &Diagram::new(domain, sites)?)?;
+            Vec::new()
+        }
+    };
+    Ok(cells.iter().map(|cell| u64::from(cell.evaluations)).sum())
+}
+
+/// Does the work of a stage that has no minimizer.
+fn run_part(stage: Stage, domain: &dyn Domain, diagram: &Diagram<'_>) -> Result<(), DiagramError> {
     match stage {
-        0 => {}
-        1 => {
+        Stage::Index => {}
+        Stage::Cells => {
             diagram.map(|(): &mut (), cell| cell.polyhedron.vertex_count())?;
         }
-        2 => {
+        Stage::Prepare => {
             diagram.map(|memory: &mut CellMemory, cell| memory.load(domain, &cell))?;
         }
         _ => {
@@ -162,5 +254,5 @@ fn run_stage(
             })?;
         }
     }
-    Ok(0)
+    Ok(())
 }

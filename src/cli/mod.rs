@@ -21,6 +21,7 @@ pub(crate) mod plot;
 pub(crate) mod progress;
 mod question;
 pub(crate) mod relax;
+pub(crate) mod resident;
 pub(crate) mod scene_options;
 pub(crate) mod schema;
 pub(crate) mod stdout;
