@@ -289,3 +289,60 @@ fn a_cell_is_taken_apart_as_picture_and_as_polyhedra() {
     assert_all_in(&told, &["site 50", "50"]);
     assert!(!desk.path("no.png").exists());
 }
+
+#[test]
+fn bench_tells_what_was_asked_and_nothing_else() {
+    let desk = Desk::new();
+    let row = |arguments: &[&str]| {
+        let told = desk.stdout(arguments);
+        let mut lines = told.lines();
+        let names = lines.next().expect("the columns");
+        let numbers = lines.next().expect("a row");
+        // "µs per site" and "random 200" take three words and two.
+        let names: Vec<_> = names
+            .split_whitespace()
+            .skip(3)
+            .map(str::to_owned)
+            .collect();
+        let numbers: Vec<_> = numbers
+            .split_whitespace()
+            .skip(2)
+            .map(str::to_owned)
+            .collect();
+        assert_eq!(names.len(), numbers.len());
+        names
+            .into_iter()
+            .zip(numbers)
+            .collect::<std::collections::BTreeMap<_, _>>()
+    };
+    let few = ["bench", "--threads", "1", "--repeat", "1", "--count", "200"];
+    let random = row(&[&few[..], &["--sites", "random"]].concat());
+    assert!(random["iteration"].parse::<f64>().is_ok());
+    assert_eq!(random["reused"], "-", "random sites move far");
+    let relaxed = row(&[&few[..], &["--sites", "relaxed", "--stages", "reused"]].concat());
+    assert_eq!(relaxed["iteration"], "-");
+    let rebuilt: f64 = relaxed["rebuilt"].parse().expect("a share");
+    assert!(rebuilt < 0.9, "{rebuilt}");
+}
+
+#[test]
+fn bench_replaces_a_file_only_when_told_to() {
+    let desk = Desk::new();
+    let arguments = [
+        "bench",
+        "--count",
+        "8",
+        "--sites",
+        "random",
+        "--save",
+        "sites.csv",
+    ];
+    assert!(desk.stdout(&arguments).is_empty());
+    let sites = desk.read("sites.csv");
+    fs::write(desk.path("sites.csv"), "mine").expect("room for a word");
+    let told = desk.refusal(&arguments);
+    assert_all_in(&told, &["sites.csv", "--force"]);
+    assert_eq!(desk.read("sites.csv"), b"mine");
+    desk.stdout(&[&arguments[..], &["--force"]].concat());
+    assert_eq!(desk.read("sites.csv"), sites);
+}
