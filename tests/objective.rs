@@ -116,22 +116,34 @@ fn the_gradient_is_that_of_central_differences_in_a_convex_polyhedron() {
     check_gradient(&convex(), 25, 5);
 }
 
+/// Two programs for the same integrals: that of Lloyd's cells and that of the global objective.
+fn check_sums(space: &Space, sites: &[Point3<f64>], order: u32, tolerance: f64) {
+    let question = Question {
+        norm: Norm::Linf,
+        order,
+        minimizer: Minimizer::Newton,
+    };
+    let check = |found: f64, expected: f64, tolerance: f64| {
+        let error = (found - expected).abs() / expected;
+        assert!(error < tolerance, "p = {order}: {error:e}");
+    };
+    let cells = space.assess(sites, question).unwrap();
+    let global = space.global(sites, order).unwrap();
+    for (cell, energy) in cells.iter().zip(&global.energies) {
+        check(*energy, cell.energy, 1e-12);
+    }
+    let energy = cells.iter().map(|cell| cell.energy).sum();
+    check(global.energy, energy, tolerance);
+    let chebyshev = cells.iter().map(|cell| cell.chebyshev).sum();
+    check(global.chebyshev, chebyshev, tolerance);
+}
+
 #[test]
 fn the_objective_is_the_sum_of_the_cells_energies() {
     let space = cuboid([1.0, 1.5, 0.7], [false, true, false]);
     let sites = random_sites(space.domain(), 200, 6);
     for order in [1, 2, 4] {
-        let question = Question {
-            norm: Norm::Linf,
-            order,
-            minimizer: Minimizer::Newton,
-        };
-        let cells = space.assess(&sites, question).unwrap();
-        let global = space.global(&sites, order).unwrap();
-        let sum: f64 = cells.iter().map(|cell| cell.energy).sum();
-        let chebyshev: f64 = cells.iter().map(|cell| cell.chebyshev).sum();
-        assert!((global.energy - sum).abs() < 1e-13 * sum);
-        assert!((global.chebyshev - chebyshev).abs() < 1e-13 * chebyshev);
+        check_sums(&space, &sites, order, 1e-13);
     }
 }
 
@@ -279,25 +291,13 @@ fn the_gradient_is_that_of_central_differences_with_a_density_and_frames() {
     }
 }
 
-/// Two programs for the same integrals: that of Lloyd's cells and that of the global objective.
 #[test]
 fn the_objective_is_the_sum_of_the_cells_energies_with_a_density() {
     for domain in [weighted(Box::new(Cuboid::unit())), tets(true)] {
         let space = Space::new(domain);
         let sites = random_sites(space.domain(), 60, 19);
         for order in [1, 2, 3] {
-            let question = Question {
-                norm: Norm::Linf,
-                order,
-                minimizer: Minimizer::Newton,
-            };
-            let cells = space.assess(&sites, question).unwrap();
-            let global = space.global(&sites, order).unwrap();
-            for (cell, energy) in cells.iter().zip(&global.energies) {
-                assert!((cell.energy - energy).abs() < 1e-12 * cell.energy);
-            }
-            let chebyshev: f64 = cells.iter().map(|cell| cell.chebyshev).sum();
-            assert!((global.chebyshev - chebyshev).abs() < 1e-12 * chebyshev);
+            check_sums(&space, &sites, order, 1e-12);
         }
     }
 }
