@@ -1,5 +1,8 @@
 //! What a cell is worth: energy, gradient and Hessian against independent evaluations.
 
+#[path = "common/quadrature.rs"]
+mod quadrature;
+
 use chebloyd::chebyshev::energy::{SignedPiece, energy, energy_jet};
 use chebloyd::chebyshev::fragments::{fragments, tetrahedra};
 use chebloyd::chebyshev::integrand::Integrand;
@@ -15,6 +18,8 @@ use chebloyd::voronoi::diagram::Diagram;
 use nalgebra::{Matrix3, Point3, Vector3};
 use rand_chacha::ChaCha8Rng;
 use rand_core::{Rng, SeedableRng};
+
+use quadrature::gauss;
 
 fn uniform(random: &mut ChaCha8Rng) -> f64 {
     (random.next_u64() >> 11) as f64 / (1u64 << 53) as f64
@@ -70,36 +75,6 @@ fn by_fragments(piece: &Polyhedron, center: &Point3<f64>, order: u32) -> f64 {
         }
     }
     sum
-}
-
-/// Five Gauss-Legendre points on [0, 1], exact to degree 9, with weights.
-const GAUSS: [(f64, f64); 5] = [
-    (0.046_910_077_030_668_004, 0.118_463_442_528_094_54),
-    (0.230_765_344_947_158_45, 0.239_314_335_249_683_23),
-    (0.5, 0.284_444_444_444_444_44),
-    (0.769_234_655_052_841_5, 0.239_314_335_249_683_23),
-    (0.953_089_922_969_332, 0.118_463_442_528_094_54),
-];
-
-/// Integral over a tetrahedron by collapsed coordinates.
-fn gauss(corners: &[Point3<f64>; 4], integrand: impl Fn(&Point3<f64>) -> f64) -> f64 {
-    let [a, b, d] = [1, 2, 3].map(|k| corners[k] - corners[0]);
-    // Signed: about a center outside the piece some tetrahedra count backwards.
-    let jacobian = a.dot(&b.cross(&d));
-    let mut sum = 0.0;
-    for (u, wu) in GAUSS {
-        for (v, wv) in GAUSS {
-            for (w, ww) in GAUSS {
-                let first = u;
-                let second = v * (1.0 - u);
-                let third = w * (1.0 - u) * (1.0 - v);
-                let weight = wu * wv * ww * (1.0 - u).powi(2) * (1.0 - v);
-                let y = corners[0] + a * first + b * second + d * third;
-                sum += weight * integrand(&y);
-            }
-        }
-    }
-    sum * jacobian
 }
 
 fn assert_close(actual: f64, expected: f64, tolerance: f64, what: &str) {
