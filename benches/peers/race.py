@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Races chebloyd against other Voronoi libraries on the same sites, one thread each.
 
-    benches/peers/race.py [--rounds 3] [--large]
+    benches/peers/race.py [--rounds 3] [--count 100000] [--large]
 
 Programs take turns within a round, and the median over the rounds counts, so that a busy machine
 slows all of them. See README.md.
@@ -25,6 +25,12 @@ MOVES = 100
 # SciPy needs half a minute for a run.
 SCIPY_ROUNDS = 1
 
+# The builds of chebloyd that race: options of the compiler.
+BUILDS = {"default": "", "native": "-C target-cpu=native"}
+
+# What is read of a row of `chebloyd bench`.
+COLUMNS = ["cells", "iteration", "reused"]
+
 
 def call(*command, **options):
     """Runs a command and returns what it prints."""
@@ -32,9 +38,20 @@ def call(*command, **options):
     return subprocess.run([str(word) for word in command], **options).stdout
 
 
-def build():
-    """Builds what can be built and returns the programs: name to command."""
-    call("cargo", "build", "--release", "--bin", "chebloyd")
+def build_chebloyd():
+    """Builds chebloyd in every way and returns the programs: name to path."""
+    programs = {}
+    for name, flags in BUILDS.items():
+        target = ROOT / "target" if not flags else WORK / name
+        environment = os.environ | ({"RUSTFLAGS": flags} if flags else {})
+        command = ["cargo", "build", "--release", "--bin", "chebloyd", "--target-dir", target]
+        call(*command, env=environment)
+        programs[name] = target / "release" / "chebloyd"
+    return programs
+
+
+def build_peers():
+    """Builds what can be built of the others and returns the programs: name to command."""
     programs = {}
     if shutil.which("g++"):
         flags = ["-O3", "-march=native", "-I/usr/include/voro++"]
@@ -49,30 +66,33 @@ def build():
     return programs
 
 
-def sites(kind, count):
+def sites(kind, count, program):
     """The file of so many sites of a kind, made once."""
     file = WORK / f"{kind}-{count}.csv"
     if not file.exists():
         options = ["--sites", kind, "--count", count, "--moves", MOVES, "--save", file]
-        call(ROOT / "target/release/chebloyd", "bench", *options)
+        call(program, "bench", *options)
     return file
 
 
-def chebloyd(file):
-    """CPU microseconds per site for cells, and for a whole iteration with the minimizers."""
+def chebloyd(program, file):
+    """Column to CPU microseconds per site; without those that do not apply."""
     options = ["--points", file, "--threads", 1, "--repeat", 1, "--cpu"]
-    row = call(ROOT / "target/release/chebloyd", "bench", *options).splitlines()[1].split()
-    return float(row[4]), float(row[7])
+    stages = ["--stages", ",".join(COLUMNS)]
+    head, row = call(program, "bench", *options, *stages).splitlines()[:2]
+    # The columns' names follow three words, their values the name and the number of the sites.
+    cells = dict(zip(head.split()[3:], row.split()[2:]))
+    return {name: float(cells[name]) for name in COLUMNS if cells[name] != "-"}
 
 
-def race(file, programs, rounds):
-    """Program to its median, in CPU microseconds per site."""
+def race(file, builds, peers, rounds):
+    """Program, or build and column, to its median in CPU microseconds per site."""
     times = {}
     for turn in range(rounds):
-        cells, iteration = chebloyd(file)
-        times.setdefault("cells", []).append(cells)
-        times.setdefault("iteration", []).append(iteration)
-        for name, command in programs.items():
+        for build, program in builds.items():
+            for column, time in chebloyd(program, file).items():
+                times.setdefault((build, column), []).append(time)
+        for name, command in peers.items():
             if name != "SciPy" or turn < SCIPY_ROUNDS:
                 answer = call(*command, file).split()
                 assert abs(float(answer[1]) - 1) < 1e-6, f"{name}: the volumes sum to {answer[1]}"
@@ -80,26 +100,44 @@ def race(file, programs, rounds):
     return {name: statistics.median(values) for name, values in times.items()}
 
 
+def print_head(peers):
+    """Prints the columns' names."""
+    words = [f"{'':<16} {'chebloyd':<8}"]
+    words += [f"{column:>9}" for column in COLUMNS]
+    words += [f"{peer:>9} {'':<12}" for peer in peers]
+    print(*words)
+
+
+def print_rows(name, times, peers):
+    """Prints a row per build of chebloyd: its times, and those of the others with ratios to them."""
+    for build in BUILDS:
+        own = [times.get((build, column)) for column in COLUMNS]
+        words = [f"{name:<16} {build:<8}"]
+        words += [f"{'-' if time is None else f'{time:.2f}':>9}" for time in own]
+        for peer in peers:
+            ratios = ", ".join(f"{time / times[peer]:.2f}" for time in own[1:] if time)
+            words += [f"{times[peer]:>9.2f} {f'({ratios})':<12}"]
+        print(*words, flush=True)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--rounds", type=int, default=3)
+    parser.add_argument("--count", type=int, default=100_000, help="how many sites")
     parser.add_argument("--large", action="store_true", help="10^6 sites against Voro++, too")
     options = parser.parse_args()
     WORK.mkdir(parents=True, exist_ok=True)
-    programs = build()
-    print("CPU µs per site, one thread; in brackets, chebloyd's iteration relative to it")
-    print(f"{'':<16} {'cells':>7} {'iteration':>10}", *(f"{name:>16}" for name in programs))
-    counts = [100_000, 1_000_000] if options.large else [100_000]
+    builds, programs = build_chebloyd(), build_peers()
+    print("CPU µs per site, one thread; in brackets, relative to it, chebloyd's iteration without and")
+    print("with cells carried over")
+    print_head(programs)
+    counts = [options.count, 1_000_000] if options.large else [options.count]
     for count in counts:
         for kind in ["random", "relaxed", "lattice"]:
-            few = {name: programs[name] for name in programs if count < 1e6 or name == "Voro++"}
-            times = race(sites(kind, count), few, options.rounds)
-            row = f"{kind} {count}"
-            print(f"{row:<16} {times['cells']:>7.2f} {times['iteration']:>10.2f}", end=" ")
-            for name in few:
-                ratio = times["iteration"] / times[name]
-                print(f"{times[name]:>9.2f} ({ratio:.2f})", end=" ")
-            print(flush=True)
+            peers = {name: programs[name] for name in programs if count < 1e6 or name == "Voro++"}
+            file = sites(kind, count, builds["default"])
+            times = race(file, builds, peers, options.rounds)
+            print_rows(f"{kind} {count}", times, peers)
 
 
 if __name__ == "__main__":
