@@ -1,8 +1,9 @@
 //! Where sites may live: domains as signed sums of convex pieces.
 //!
-//! [`space`] is the door that the floors above knock at; [`cuboid`] and [`convex`] are convex solids,
-//! [`surface`] those bounded by triangles, [`tets`] those filled with tetrahedra, [`plane`] the domains of the plane. [`beyond`] gives facet labels their meaning,
-//! [`weighted`] domains a density, also one that follows from a wanted size of cells.
+//! [`space`] is the door that the floors above knock at; [`cuboid`] and [`convex`] are convex
+//! solids, [`surface`] those bounded by triangles, [`tets`] those filled with tetrahedra, [`plane`]
+//! the domains of the plane. [`beyond`] gives facet labels their meaning, [`weighted`] domains a
+//! density, also one that follows from a wanted size of cells.
 
 pub mod beyond;
 pub mod convex;

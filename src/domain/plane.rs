@@ -1,8 +1,8 @@
 //! Domains of the plane: rectangles and convex polygons.
 //!
 //! A domain is kept as one counter-clockwise convex polygon. Its edges are labelled as walls
-//! ([`Beyond::Wall`]): wall k of a rectangle is bottom, right, top, left for k = 0…3, of corners the side that joins
-//! corner k to the next one, of half-planes the half-plane k.
+//! ([`Beyond::Wall`]): wall k of a rectangle is bottom, right, top, left for k = 0…3, of corners
+//! the side that joins corner k to the next one, of half-planes the half-plane k.
 
 use nalgebra::{Point2, Vector2};
 use thiserror::Error;

@@ -1,10 +1,10 @@
 //! Shaded facets in space as pixels: a depth buffer.
 //!
 //! Every facet is filled row by row between the crossings of its loop with the row's middle, so
-//! neighboring facets leave no gap and loops need not be convex. Where a pixel is nearer to a crease
-//! of the facet's own rim than half a line's width it gets the line's color: lines are exactly as
-//! visible as their facets. The buffer is finer than the picture and averaged at the end, which smooths
-//! all edges.
+//! neighboring facets leave no gap and loops need not be convex. Where a pixel is nearer to a
+//! crease of the facet's own rim than half a line's width it gets the line's color: lines are
+//! exactly as visible as their facets. The buffer is finer than the picture and averaged at the
+//! end, which smooths all edges.
 
 use std::ops::Range;
 

@@ -6,9 +6,10 @@
 //!
 //! In space there is more than one loop. [`objective`] is the energy of all cells as a function of
 //! all sites; [`travel`] carries out a [`plan`]: it descends along that objective ([`descent`]) or
-//! by Lloyd's moves, gets out of local minima (`kick`: `noise`, `exchange`), and goes from few sites
-//! to many ([`levels`]). Its [`stand`] is all that a later process needs to go on. [`frames`] turn the
-//! axes along which distances are measured, as [`boundary_frames`] say or otherwise; [`outline`] is what files and pictures show of a cell.
+//! by Lloyd's moves, gets out of local minima (`kick`: `noise`, `exchange`), and goes from few
+//! sites to many ([`levels`]). Its [`stand`] is all that a later process needs to go on. [`frames`]
+//! turn the axes along which distances are measured, as [`boundary_frames`] say or otherwise;
+//! [`outline`] is what files and pictures show of a cell.
 
 pub mod boundary_frames;
 pub mod cell_memory;

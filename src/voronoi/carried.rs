@@ -6,10 +6,11 @@
 //! # What is rebuilt
 //!
 //! A cell is rebuilt if it has no pattern or its realization (`realize`) is in doubt. If a rebuilt
-//! cell has gained or lost a vertex, the cells around that vertex are rebuilt too; if it is itself in
-//! doubt, or was, all its neighbors are. This goes on until nothing is left to do. In the end the
-//! cells around any vertex of a carried cell hold that vertex as well, and are beyond doubt themselves. (Lists of neighbors that agree would not do: where a new edge between i and j
-//! opens in the middle of the facet between a and b, no list of a or b changes, and those of i and j
+//! cell has gained or lost a vertex, the cells around that vertex are rebuilt too; if it is itself
+//! in doubt, or was, all its neighbors are. This goes on until nothing is left to do. In the end
+//! the cells around any vertex of a carried cell hold that vertex as well, and are beyond doubt
+//! themselves. (Lists of neighbors that agree would not do: where a new edge between i and j opens
+//! in the middle of the facet between a and b, no list of a or b changes, and those of i and j
 //! agree as long as both ignore it.)
 //!
 //! # Why carried cells are right

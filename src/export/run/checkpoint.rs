@@ -1,7 +1,7 @@
 //! The sites of one iteration, to the bit: where a resumed run starts.
 //!
-//! `checkpoint.bin` is a line of JSON (its layout and counts) followed by the coordinates, site by site,
-//! as little-endian f64, and then by the numbers of the method's own memory, if it has any.
+//! `checkpoint.bin` is a line of JSON (its layout and counts) followed by the coordinates, site by
+//! site, as little-endian f64, and then by the numbers of the method's own memory, if it has any.
 //!
 //! Everything after a checkpoint can be computed again, so they need not be frequent: a
 //! [`Pace`] spaces them so that writing them takes little of a run's time.

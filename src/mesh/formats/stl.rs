@@ -2,8 +2,8 @@
 //!
 //! A file is binary if its length is the one its count announces (84 + 50 n bytes), even if it
 //! starts with `solid` as some programs have it; text if it starts with `solid` and no zero byte
-//! follows soon; binary with a wrong count otherwise. Equal corners (by bits, −0 as 0) become one vertex. Normals are
-//! passed over: the corners' order orients a triangle.
+//! follows soon; binary with a wrong count otherwise. Equal corners (by bits, −0 as 0) become one
+//! vertex. Normals are passed over: the corners' order orients a triangle.
 
 use nalgebra::Point3;
 
