@@ -9,6 +9,7 @@
 
 use nalgebra::{Point3, Rotation3, Vector3};
 
+use crate::chebyshev::chunks::{Bits, CHUNK};
 use crate::chebyshev::sight::Sight;
 use crate::geometry::faceted::{Faceted, Piece};
 use crate::geometry::half_space::HalfSpace;
@@ -16,6 +17,9 @@ use crate::geometry::label::Label;
 use crate::geometry::moments::Moments;
 use crate::geometry::polyhedron::Polyhedron;
 use crate::integrals::polynomial::Polynomial;
+
+/// Vertices whose edges are chosen together.
+const ROWS: usize = CHUNK / 3;
 
 /// A facet's constants.
 #[derive(Clone, Copy, Debug)]
@@ -138,16 +142,20 @@ impl Integrand {
         self.vertices.extend(vertices);
         self.assign_facets(piece.planes.iter().zip(&piece.labels));
         self.edges.reserve(piece.facets.len() * 3 / 2);
-        for (from, (facets, next)) in piece.facets.iter().zip(&piece.next).enumerate() {
-            let from = from as u32;
-            for slot in 0..3 {
-                let to = next[slot];
-                if from < to {
-                    self.push_edge([from, to], [facets[slot], facets[(slot + 2) % 3]]);
-                }
+        let rows = piece.facets.chunks(ROWS).zip(piece.next.chunks(ROWS));
+        let mut six_volumes = 0.0;
+        for (chunk, (facets, next)) in rows.enumerate() {
+            let first = (chunk * ROWS) as u32;
+            let (facets, ends) = (facets.as_flattened(), next.as_flattened());
+            for number in upward(next, first) {
+                // The facet on the right is the one before, in turn.
+                let (row, slot) = (number / 3, number % 3);
+                let right = if slot == 0 { number + 2 } else { number - 1 };
+                let ends = [first + row as u32, ends[number]];
+                six_volumes += self.push_edge(ends, [facets[number], facets[right]]);
             }
         }
-        self.volume /= 6.0;
+        self.volume = six_volumes / 6.0;
     }
 
     /// A facet that is not convex or not connected is the signed sum of the triangles on its edges
@@ -156,10 +164,11 @@ impl Integrand {
         self.vertices.clear();
         self.vertices.extend(piece.vertices.iter().map(Sight::of));
         self.assign_facets(piece.facets.iter().map(|(plane, label)| (plane, label)));
+        let mut six_volumes = 0.0;
         for edge in &piece.edges {
-            self.push_edge([edge.from, edge.to], [edge.left, edge.right]);
+            six_volumes += self.push_edge([edge.from, edge.to], [edge.left, edge.right]);
         }
-        self.volume /= 6.0;
+        self.volume = six_volumes / 6.0;
     }
 
     fn assign_facets<'a>(&mut self, planes: impl Iterator<Item = (&'a HalfSpace, &'a Label)>) {
@@ -170,17 +179,16 @@ impl Integrand {
             self.labels.push(*label);
         }
         self.edges.clear();
-        self.volume = 0.0;
     }
 
-    /// Adds an edge, and to `volume` six times that of the tetrahedra on it.
-    #[inline]
-    fn push_edge(&mut self, [from, to]: [u32; 2], [left, right]: [u32; 2]) {
+    /// Adds an edge and returns six times the volume of the tetrahedra on it.
+    #[inline(always)]
+    fn push_edge(&mut self, [from, to]: [u32; 2], [left, right]: [u32; 2]) -> f64 {
         let [a, b] = [from, to].map(|vertex| self.vertices[vertex as usize].point());
         let fan = a.cross(&b);
         let [on_left, on_right] = [left, right].map(|facet| &self.facets[facet as usize]);
         let (left_area, right_area) = (on_left.normal.dot(&fan), -on_right.normal.dot(&fan));
-        self.volume += left_area * on_left.offset + right_area * on_right.offset;
+        let six_volumes = left_area * on_left.offset + right_area * on_right.offset;
         self.edges.push(EdgeConstants {
             from,
             to,
@@ -189,5 +197,19 @@ impl Integrand {
             left_area,
             right_area,
         });
+        six_volumes
     }
+}
+
+/// Of the edges that leave [`ROWS`] vertices from number `first` on, the numbers of those that lead to a
+/// vertex of higher number.
+#[inline]
+fn upward(next: &[[u32; 3]], first: u32) -> Bits {
+    let mut bits = 0;
+    for (row, ends) in next.iter().take(ROWS).enumerate() {
+        let from = first + row as u32;
+        let [a, b, c] = ends.map(|end| u64::from(from < end));
+        bits |= (a | b << 1 | c << 2) << (3 * row);
+    }
+    Bits::of(bits)
 }

@@ -18,6 +18,8 @@ pub mod walk;
 pub(crate) mod weighted;
 pub(crate) mod weighted_borders;
 
+mod chunks;
+mod panorama;
 mod segments;
 mod sight;
 mod terms;

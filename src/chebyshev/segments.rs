@@ -5,6 +5,7 @@
 
 use nalgebra::Vector3;
 
+use crate::chebyshev::chunks::{CHUNK, chosen};
 use crate::chebyshev::interface::{Endpoint, Interface, Mark, diagonal_ray, pierced};
 use crate::chebyshev::visit::{FacetView, Visit};
 
@@ -41,10 +42,15 @@ impl Endpoints {
         self.has_spare = false;
     }
 
-    /// Whether there are no endpoints.
+    /// The interfaces that the facet's boundary crosses an odd number of times.
     #[inline]
-    pub(crate) fn is_empty(&self) -> bool {
-        self.seen == 0
+    fn odd(&self, facet: usize, spare: &[Spare]) -> u32 {
+        let odd = (self.seen ^ self.seen >> Interface::SLOTS) & STARTS;
+        if !self.has_spare {
+            return odd;
+        }
+        let own = spare.iter().filter(|one| one.facet == facet);
+        own.fold(odd, |set, one| set ^ 1 << one.endpoint.interface().number())
     }
 
     /// Adds an endpoint, or says that its place is taken and it has to be a spare one.
@@ -60,6 +66,12 @@ impl Endpoints {
         is_free
     }
 
+    /// The interfaces with a start and an end, one of each.
+    #[inline]
+    fn both(&self) -> u32 {
+        self.seen & self.seen >> Interface::SLOTS & STARTS
+    }
+
     /// One of the points, if there are any.
     fn any_point(&self) -> Option<Vector3<f64>> {
         let endpoint = (self.seen != 0).then(|| Endpoint::lowest(self.seen))?;
@@ -67,34 +79,40 @@ impl Endpoints {
     }
 }
 
-/// Reports the segments of a facet whose boundary crosses interfaces at `endpoints`, and at those
-/// of the `spare` ones that are the facet's. They are used up.
+/// Reports the segments of all facets, the numbers of which `view` shows. Their boundaries cross
+/// interfaces at `endpoints`, by facet, and at the `spare` ones. They are used up.
+///
+/// Which facets have diagonals, or segments at all, is what a processor cannot foresee: so sets of
+/// them are made without a branch first.
 #[inline]
-pub(crate) fn report_segments(
-    view: &FacetView<'_>,
-    endpoints: &mut Endpoints,
+pub(crate) fn report_segments<'a>(
+    view: impl Fn(usize) -> FacetView<'a>,
+    endpoints: &mut [Endpoints],
     spare: &mut Vec<Spare>,
     visitor: &mut impl Visit,
 ) {
-    let mut crossed = (endpoints.seen ^ endpoints.seen >> Interface::SLOTS) & STARTS;
-    if endpoints.has_spare {
-        let own = spare.iter().filter(|one| one.facet == view.number);
-        crossed = own.fold(crossed, |set, one| {
-            set ^ 1 << one.endpoint.interface().number()
-        });
+    for (chunk, endpoints) in endpoints.chunks_mut(CHUNK).enumerate() {
+        let first = chunk * CHUNK;
+        let crossed = |number: usize, all: &Endpoints| all.odd(first + number, spare) != 0;
+        for number in chosen(endpoints, crossed) {
+            add_diagonals(&view(first + number), &mut endpoints[number], spare);
+        }
+        for number in chosen(endpoints, |_, all| all.both() != 0) {
+            let view = view(first + number);
+            let Endpoints { marks, .. } = &endpoints[number];
+            let mut left = endpoints[number].both();
+            while left != 0 {
+                let interface = Interface::lowest(left);
+                let [u, v] = [false, true].map(|ends| Endpoint::of(interface, ends).number());
+                visitor.segment(&view, interface, &marks[u], &marks[v]);
+                left &= left - 1;
+            }
+        }
     }
-    if crossed != 0 {
-        add_diagonals(crossed, view, endpoints, spare);
-    }
-    let mut both = endpoints.seen & endpoints.seen >> Interface::SLOTS;
-    while both != 0 {
-        let interface = Interface::lowest(both);
-        let [u, v] = [false, true].map(|ends| Endpoint::of(interface, ends).number());
-        visitor.segment(view, interface, &endpoints.marks[u], &endpoints.marks[v]);
-        both &= both - 1;
-    }
-    if endpoints.has_spare {
-        report_spare(view, spare, visitor);
+    if !spare.is_empty() {
+        for facet in 0..endpoints.len() {
+            report_spare(&view(facet), spare, visitor);
+        }
     }
 }
 
@@ -122,13 +140,8 @@ fn report_spare(view: &FacetView<'_>, spare: &mut Vec<Spare>, visitor: &mut impl
 
 /// Adds the points in which diagonals pierce the facet, each an endpoint of three interfaces.
 #[inline]
-fn add_diagonals(
-    crossed: u32,
-    view: &FacetView<'_>,
-    endpoints: &mut Endpoints,
-    spare: &mut Vec<Spare>,
-) {
-    let inside = pierced(crossed);
+fn add_diagonals(view: &FacetView<'_>, endpoints: &mut Endpoints, spare: &mut Vec<Spare>) {
+    let inside = pierced(endpoints.odd(view.number, spare));
     let mut left = if inside.count_ones() == 4 {
         likelier(inside, view)
     } else {
@@ -140,31 +153,51 @@ fn add_diagonals(
         // Both change sign where the center lies beyond the facet.
         let reach = view.height / view.normal().dot(diagonal_ray(diagonal));
         let is_sound = (0.0..f64::INFINITY).contains(&reach);
-        let point = if is_sound {
-            None
-        } else {
-            endpoints.any_point()
-        };
-        for &(endpoint, sign) in Endpoint::at_diagonal(diagonal, view.height >= 0.0) {
-            let mark = if is_sound {
-                Mark {
-                    distance: reach,
-                    third: sign * reach,
-                }
-            } else {
-                // Rounding alone says that this diagonal pierces: its triangle has no area.
-                let point = point.unwrap_or_else(|| view.anchor.point());
-                endpoint.interface().mark(&point)
-            };
-            if !endpoints.add(endpoint, mark) {
-                let facet = view.number;
-                spare.push(Spare {
-                    facet,
-                    endpoint,
-                    mark,
-                });
-            }
+        if !is_sound {
+            add_flat_diagonal(diagonal, view, endpoints, spare);
+            continue;
         }
+        for &(endpoint, sign) in Endpoint::at_diagonal(diagonal, view.height >= 0.0) {
+            let mark = Mark {
+                distance: reach,
+                third: sign * reach,
+            };
+            enter(view.number, endpoint, mark, endpoints, spare);
+        }
+    }
+}
+
+/// Adds a diagonal that pierces the facet by rounding alone, so that its triangle has no area.
+#[cold]
+fn add_flat_diagonal(
+    diagonal: u8,
+    view: &FacetView<'_>,
+    endpoints: &mut Endpoints,
+    spare: &mut Vec<Spare>,
+) {
+    let point = endpoints.any_point();
+    let point = point.unwrap_or_else(|| view.anchor.point());
+    for &(endpoint, _) in Endpoint::at_diagonal(diagonal, view.height >= 0.0) {
+        let mark = endpoint.interface().mark(&point);
+        enter(view.number, endpoint, mark, endpoints, spare);
+    }
+}
+
+/// Adds an endpoint to a facet's, or to the spare ones where its place is taken.
+#[inline]
+pub(crate) fn enter(
+    facet: usize,
+    endpoint: Endpoint,
+    mark: Mark,
+    endpoints: &mut Endpoints,
+    spare: &mut Vec<Spare>,
+) {
+    if !endpoints.add(endpoint, mark) {
+        spare.push(Spare {
+            facet,
+            endpoint,
+            mark,
+        });
     }
 }
 

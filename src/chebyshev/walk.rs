@@ -14,37 +14,24 @@
 
 use nalgebra::Vector3;
 
+use crate::chebyshev::chunks::{CHUNK, chosen};
 use crate::chebyshev::integrand::{EdgeConstants, Integrand};
 use crate::chebyshev::interface::{Endpoint, Mark};
+use crate::chebyshev::panorama::{Panorama, VertexSight};
 use crate::chebyshev::sector::Sector;
-use crate::chebyshev::segments::{Endpoints, Spare, report_segments};
+use crate::chebyshev::segments::{Endpoints, Spare, enter, report_segments};
 use crate::chebyshev::sight::Sight;
-use crate::chebyshev::visit::{Corner, FacetView, Side, Visit};
+use crate::chebyshev::visit::{Corner, Visit};
 use crate::chebyshev::weighted::Places;
 
 /// The memory of a walk, to be reused from one center to the next.
 #[derive(Clone, Debug, Default)]
 pub struct WalkScratch {
-    vertices: Vec<VertexSight>,
-    facets: Vec<FacetSight>,
+    panorama: Panorama,
     endpoints: Vec<Endpoints>,
     spare: Vec<Spare>,
     /// For pieces with a density.
     pub(crate) places: Option<Places>,
-}
-
-/// A vertex as seen from the center.
-#[derive(Clone, Copy, Debug)]
-struct VertexSight {
-    sight: Sight,
-    sector: Sector,
-}
-
-/// A facet as seen from the center.
-#[derive(Clone, Copy, Debug)]
-struct FacetSight {
-    height: f64,
-    anchor: Sight,
 }
 
 /// Walks the surface of a piece as seen from `center` (in the piece's coordinates).
@@ -55,97 +42,78 @@ pub(crate) fn walk(
     scratch: &mut WalkScratch,
     visitor: &mut impl Visit,
 ) {
-    prepare(piece, center, &Sight::of(center), scratch);
-    for edge in &piece.edges {
-        let a = &scratch.vertices[edge.from as usize];
-        let b = &scratch.vertices[edge.to as usize];
-        let (from, to) = (a.sector, b.sector);
-        if from == to {
-            // The distance is convex along the edge, so no other sector comes between.
-            let sides = sides(piece, edge, &scratch.facets);
-            let ends = [&Corner::new(&a.sight, from), &Corner::new(&b.sight, from)];
-            visitor.share(&sides, from, 1.0, ends);
-        } else if let Some((end, mark)) = only_crossing(a, b) {
-            let sides = sides(piece, edge, &scratch.facets);
-            let between = corner(Endpoint::passing(from, to), &mark);
-            visitor.share(&sides, from, end, [&Corner::new(&a.sight, from), &between]);
-            visitor.share(
-                &sides,
-                to,
-                1.0 - end,
-                [&between, &Corner::new(&b.sight, to)],
-            );
-            note(
-                edge,
-                (from, to),
-                mark,
-                &mut scratch.endpoints,
-                &mut scratch.spare,
-            );
-        } else {
-            split_edge(piece, edge, scratch, visitor);
+    let WalkScratch {
+        panorama,
+        endpoints,
+        spare,
+        ..
+    } = scratch;
+    panorama.take(piece, center, &Sight::of(center));
+    clear(endpoints, piece.facets.len());
+    spare.clear();
+    for edges in piece.edges.chunks(CHUNK) {
+        let parted = chosen(edges, |_, edge| {
+            let [a, b] = panorama.ends(edge);
+            a.sector != b.sector
+        });
+        for number in parted.others(edges.len()) {
+            report_whole(piece, &edges[number], panorama, visitor);
+        }
+        for number in parted {
+            report_parted(piece, &edges[number], panorama, (endpoints, spare), visitor);
         }
     }
-    let endpoints = &mut scratch.endpoints[..piece.facets.len()];
-    for (number, endpoints) in endpoints.iter_mut().enumerate() {
-        if !endpoints.is_empty() {
-            let view = view(piece, number, &scratch.facets);
-            report_segments(&view, endpoints, &mut scratch.spare, visitor);
-        }
-    }
+    let endpoints = &mut endpoints[..piece.facets.len()];
+    let view = |number| panorama.facet(piece, number);
+    report_segments(view, endpoints, spare, visitor);
 }
 
-/// Looks at the piece from the center. Out of line, lest the compiler finds out how the lanes of
-/// `from` hang together and takes them one by one.
-#[inline(never)]
-fn prepare(piece: &Integrand, center: &Vector3<f64>, from: &Sight, scratch: &mut WalkScratch) {
-    scratch.vertices.clear();
-    scratch.vertices.extend(piece.vertices.iter().map(|vertex| {
-        let sight = vertex.from(from);
-        let sector = sight.sector();
-        VertexSight { sight, sector }
-    }));
-    let count = piece.facets.len();
-    if scratch.endpoints.len() < count {
-        scratch.endpoints.resize(count, Endpoints::default());
+/// Reports an edge within one sector. The Chebyshev distance is convex along the edge, so that no other
+/// sector comes between ends in the same one.
+#[inline(always)]
+fn report_whole(
+    piece: &Integrand,
+    edge: &EdgeConstants,
+    panorama: &Panorama,
+    visitor: &mut impl Visit,
+) {
+    let [a, b] = panorama.ends(edge);
+    let ends = [a, b].map(|end| Corner::new(&end.sight, a.sector));
+    let sides = panorama.sides(piece, edge);
+    visitor.share(&sides, a.sector, 1.0, ends.each_ref());
+}
+
+/// Reports the shares of an edge that runs through several sectors, and notes its crossings at both
+/// facets.
+#[inline(always)]
+fn report_parted(
+    piece: &Integrand,
+    edge: &EdgeConstants,
+    panorama: &Panorama,
+    (endpoints, spare): (&mut [Endpoints], &mut Vec<Spare>),
+    visitor: &mut impl Visit,
+) {
+    let [a, b] = panorama.ends(edge);
+    let (from, to) = (a.sector, b.sector);
+    let Some((end, mark)) = only_crossing(a, b) else {
+        return split_edge(piece, edge, panorama, (endpoints, spare), visitor);
+    };
+    let sides = panorama.sides(piece, edge);
+    let between = corner(Endpoint::passing(from, to), &mark);
+    let [a, b] = [a, b].map(|end| Corner::new(&end.sight, end.sector));
+    visitor.share(&sides, from, end, [&a, &between]);
+    visitor.share(&sides, to, 1.0 - end, [&between, &b]);
+    note(edge, (from, to), mark, endpoints, spare);
+}
+
+/// Forgets the endpoints of `count` facets.
+fn clear(endpoints: &mut Vec<Endpoints>, count: usize) {
+    if endpoints.len() < count {
+        endpoints.resize(count, Endpoints::default());
     }
-    for endpoints in &mut scratch.endpoints[..count] {
+    for endpoints in &mut endpoints[..count] {
         endpoints.clear();
     }
-    scratch.facets.clear();
-    scratch
-        .facets
-        .extend(piece.facets.iter().map(|facet| FacetSight {
-            height: facet.offset - facet.normal.dot(center),
-            anchor: facet.foot.from(from),
-        }));
-    scratch.spare.clear();
-}
-
-#[inline]
-fn view<'a>(piece: &'a Integrand, number: usize, facets: &'a [FacetSight]) -> FacetView<'a> {
-    let FacetSight { height, anchor } = &facets[number];
-    FacetView {
-        number,
-        piece,
-        anchor,
-        height: *height,
-        per_height: 1.0 / height,
-    }
-}
-
-/// The facets beside an edge.
-#[inline]
-fn sides<'a>(
-    piece: &'a Integrand,
-    edge: &EdgeConstants,
-    facets: &'a [FacetSight],
-) -> [Side<'a>; 2] {
-    let both = [(edge.left, edge.left_area), (edge.right, edge.right_area)];
-    both.map(|(facet, doubled_area)| Side {
-        facet: view(piece, facet as usize, facets),
-        doubled_area,
-    })
 }
 
 #[inline]
@@ -205,13 +173,7 @@ fn note(
         (edge.right, Endpoint::passing(to, from)),
     ] {
         let facet = facet as usize;
-        if !endpoints[facet].add(endpoint, mark) {
-            spare.push(Spare {
-                facet,
-                endpoint,
-                mark,
-            });
-        }
+        enter(facet, endpoint, mark, &mut endpoints[facet], spare);
     }
 }
 
@@ -220,34 +182,29 @@ fn note(
 fn split_edge(
     piece: &Integrand,
     edge: &EdgeConstants,
-    scratch: &mut WalkScratch,
+    panorama: &Panorama,
+    (endpoints, spare): (&mut [Endpoints], &mut Vec<Spare>),
     visitor: &mut impl Visit,
 ) {
-    let [a, b] = [edge.from, edge.to].map(|vertex| scratch.vertices[vertex as usize]);
+    let [a, b] = panorama.ends(edge);
     let (mut sector, goal) = (a.sector, b.sector);
-    let (a, b) = (a.sight, b.sight);
-    let sides = sides(piece, edge, &scratch.facets);
-    let (mut start, mut last) = (0.0, Corner::new(&a, sector));
+    let (a, b) = (&a.sight, &b.sight);
+    let sides = panorama.sides(piece, edge);
+    let (mut start, mut last) = (0.0, Corner::new(a, sector));
     while sector != goal {
-        let (end, following) = next_sector([&a, &b], sector, goal, start);
+        let (end, following) = next_sector([a, b], sector, goal, start);
         let endpoint = Endpoint::passing(sector, following);
-        let mark = mark_on([&a, &b], sector, endpoint.interface().third_axis(), end);
+        let mark = mark_on([a, b], sector, endpoint.interface().third_axis(), end);
         let next = corner(endpoint, &mark);
         visitor.share(&sides, sector, end - start, [&last, &next]);
-        note(
-            edge,
-            (sector, following),
-            mark,
-            &mut scratch.endpoints,
-            &mut scratch.spare,
-        );
+        note(edge, (sector, following), mark, endpoints, spare);
         (start, last, sector) = (end, next, following);
     }
     visitor.share(
         &sides,
         sector,
         1.0 - start,
-        [&last, &Corner::new(&b, sector)],
+        [&last, &Corner::new(b, sector)],
     );
 }
 
@@ -259,20 +216,23 @@ fn split_edge(
 fn next_sector([a, b]: [&Sight; 2], sector: Sector, goal: Sector, start: f64) -> (f64, Sector) {
     let value = a.distance(sector);
     let slope = b.distance(sector) - value;
-    let mut best = None;
-    let mut least = 1.0;
-    for other in sector.beside() {
+    let others = sector.beside();
+    // Which one comes first is what a processor cannot foresee: it is looked up.
+    let meets = others.map(|other| {
         let other_value = a.distance(other);
         let gain = b.distance(other) - other_value - slope;
-        let lead = value - other_value;
-        if gain > 0.0 && lead < least * gain {
-            (best, least) = (Some(other), lead / gain);
-        }
-    }
-    match best {
-        Some(other) => (least.max(start), other),
-        None if goal.axis() != sector.axis() => (1.0, goal),
+        let meet = (value - other_value) / gain;
+        if gain > 0.0 { meet } else { f64::INFINITY }
+    });
+    let one = usize::from(meets[1] < meets[0]);
+    let other = 2 + usize::from(meets[3] < meets[2]);
+    let first = [one, other][usize::from(meets[other] < meets[one])];
+    if meets[first] < 1.0 {
+        (meets[first].max(start), others[first])
+    } else if goal.axis() != sector.axis() {
+        (1.0, goal)
+    } else {
         // The opposite sector is the goal: go through the first one of another axis.
-        None => (1.0, sector.beside()[0]),
+        (1.0, others[0])
     }
 }
