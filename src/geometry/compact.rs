@@ -1,9 +1,8 @@
 //! Small convex polyhedra in fixed slots, for the many cuts that make a cell.
 //!
 //! A cell has some 16 facets and 27 vertices and sees twice as many on its way. So its vertices live
-//! in 64 slots, a bit each: sets of vertices are masks, nothing moves when others go, and an empty
-//! slot lies at the origin, where its numbers do no harm to sums over whole blocks. What does not fit
-//! is left to [`Polyhedron`].
+//! in 64 slots, a bit each: sets of vertices are masks, and nothing moves when others go. What does not
+//! fit is left to [`Polyhedron`].
 //!
 //! # Convention
 //!
@@ -30,8 +29,11 @@ pub(crate) const PLANES: usize = 256;
 /// The number of a facet without vertices; those with number at most 34.
 const UNSEEN: u8 = u8::MAX;
 
-/// Slots handled together.
+/// Slots handled at once.
 pub(crate) const BLOCK: usize = 4;
+
+/// Slots handled together: two blocks, so that loops seldom change their length.
+pub(crate) const ROW: usize = 2 * BLOCK;
 
 /// A convex polyhedron of at most 64 vertices.
 #[derive(Clone, Debug)]
@@ -39,7 +41,7 @@ pub struct Compact {
     pub(crate) x: [f64; SLOTS],
     pub(crate) y: [f64; SLOTS],
     pub(crate) z: [f64; SLOTS],
-    /// Squared distances from the origin.
+    /// Squared distances from the origin; zero in an empty slot.
     pub(crate) square: [f64; SLOTS],
     pub(crate) facets: [u8; EDGES],
     pub(crate) twins: [u8; EDGES],
@@ -135,12 +137,14 @@ impl Compact {
     /// The greatest squared distance of a vertex from the origin (L²).
     #[must_use]
     pub fn radius_squared(&self) -> f64 {
-        let blocks = self.square.as_chunks::<BLOCK>().0;
-        let far = blocks[..self.block_count()]
-            .iter()
-            .fold(f64x4::ZERO, |far, block| far.fast_max(f64x4::new(*block)));
-        let [a, b, c, d] = far.to_array();
-        a.max(b).max(c.max(d))
+        let rows = &self.square.as_chunks::<ROW>().0[..self.row_count()];
+        let far = rows.iter().fold([f64x4::ZERO; 2], |far, row| {
+            let [one, other] = blocks(row);
+            [far[0].fast_max(one), far[1].fast_max(other)]
+        });
+        let [a, b, c, d] = far[0].fast_max(far[1]).to_array();
+        let greater = |a: f64, b: f64| if a > b { a } else { b };
+        greater(greater(a, b), greater(c, d))
     }
 
     /// The slots in use whose vertices lie farther from the origin than the root of `square`.
@@ -148,25 +152,34 @@ impl Compact {
         slots(self.alive).filter(move |&slot| self.square[slot] > square)
     }
 
-    /// How many blocks hold all slots in use.
-    pub(crate) fn block_count(&self) -> usize {
-        (SLOTS - self.alive.leading_zeros() as usize).div_ceil(BLOCK)
+    /// How many rows hold all slots in use.
+    pub(crate) fn row_count(&self) -> usize {
+        (SLOTS - self.alive.leading_zeros() as usize).div_ceil(ROW)
     }
 
-    /// Empties the slots of a mask.
-    pub(crate) fn free(&mut self, mask: u64) {
-        for slot in slots(mask) {
-            (self.x[slot], self.y[slot], self.z[slot]) = (0.0, 0.0, 0.0);
-            self.square[slot] = 0.0;
+    /// Measures how far the vertices in use are from the origin.
+    pub(crate) fn measure(&mut self) {
+        for slot in 0..SLOTS {
+            let [x, y, z] = [self.x[slot], self.y[slot], self.z[slot]];
+            let is_alive = self.alive >> slot & 1 == 1;
+            self.square[slot] = if is_alive { x * x + y * y + z * z } else { 0.0 };
         }
-        self.alive &= !mask;
     }
 
-    fn clear(&mut self) {
-        self.free(self.alive);
+    /// Becomes empty.
+    pub(crate) fn clear(&mut self) {
+        self.square = [0.0; SLOTS];
+        self.alive = 0;
         self.planes.clear();
         self.labels.clear();
     }
+}
+
+/// The blocks of a row.
+#[inline]
+pub(crate) fn blocks(row: &[f64; ROW]) -> [f64x4; ROW / BLOCK] {
+    let [a, b, c, d, e, f, g, h] = *row;
+    [f64x4::new([a, b, c, d]), f64x4::new([e, f, g, h])]
 }
 
 /// The slots of a mask, in ascending order.

@@ -7,7 +7,7 @@
 use wide::f64x4;
 
 use crate::geometry::clip::Clip;
-use crate::geometry::compact::{BLOCK, Compact, EDGES, PLANES, SLOTS, slots};
+use crate::geometry::compact::{BLOCK, Compact, EDGES, PLANES, ROW, SLOTS, blocks, slots};
 use crate::geometry::half_space::HalfSpace;
 use crate::geometry::label::Label;
 
@@ -15,27 +15,17 @@ use crate::geometry::label::Label;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Full;
 
-/// The memory of [`Compact::clip`]: numbers by slot, then what is known of the crossings, the edges
-/// from a kept to a cut vertex.
+/// The memory of [`Compact::clip`].
 #[derive(Clone, Debug)]
 pub struct CompactScratch {
-    /// offset − normal · vertex: negative where a vertex is cut.
+    /// Per slot: offset − normal · vertex, negative where a vertex is cut.
     slack: [f64; SLOTS],
-    /// The edges as they leave the cut vertices.
+    /// The crossings: edges from a kept to a cut vertex, as they leave the cut one.
     edges: [u8; EDGES],
-    positions: [[f64; 3]; SLOTS],
-    /// The edges as they leave the kept vertices.
-    kept: [u8; SLOTS],
-    /// The facets on their left and right, seen from the kept vertices.
-    left: [u8; SLOTS],
-    right: [u8; SLOTS],
     /// Per facet: the crossing in which its counter-clockwise walk leaves the half-space. What an
-    /// earlier clip has left here is recognized by its left facet.
-    exit: [u8; PLANES],
-    /// The crossings around the new facet.
-    ring: [u8; SLOTS],
-    /// Where the new vertices of the ring go.
-    places: [u8; SLOTS],
+    /// earlier clip has left here is recognized by the facet on its left. The second half takes what
+    /// is to be forgotten.
+    exit: [u8; 2 * PLANES],
 }
 
 impl Default for CompactScratch {
@@ -43,13 +33,7 @@ impl Default for CompactScratch {
         Self {
             slack: [0.0; SLOTS],
             edges: [0; EDGES],
-            positions: [[0.0; 3]; SLOTS],
-            kept: [0; SLOTS],
-            left: [0; SLOTS],
-            right: [0; SLOTS],
-            exit: [0; PLANES],
-            ring: [0; SLOTS],
-            places: [0; SLOTS],
+            exit: [0; 2 * PLANES],
         }
     }
 }
@@ -71,7 +55,7 @@ impl Compact {
             return Ok(Clip::Unchanged);
         }
         if cut == self.alive {
-            self.free(cut);
+            self.clear();
             return Ok(Clip::Emptied);
         }
         self.cut(cut, half_space, label(), scratch)?;
@@ -83,14 +67,16 @@ impl Compact {
     fn classify(&self, half_space: &HalfSpace, scratch: &mut CompactScratch) -> u64 {
         let [a, b, c] = [0, 1, 2].map(|axis| f64x4::splat(half_space.normal[axis]));
         let offset = f64x4::splat(half_space.offset);
-        let [x, y, z] = [&self.x, &self.y, &self.z].map(|all| all.as_chunks::<BLOCK>().0);
-        let slack = scratch.slack.as_chunks_mut::<BLOCK>().0;
+        let [x, y, z] = [&self.x, &self.y, &self.z].map(|all| all.as_chunks::<ROW>().0);
+        let slack = scratch.slack.as_chunks_mut::<ROW>().0;
         let mut cut = 0;
-        for block in 0..self.block_count() {
-            let [x, y, z] = [x, y, z].map(|all| f64x4::new(all[block]));
-            let room = offset - (a * x + b * y + c * z);
-            slack[block] = room.to_array();
-            cut |= u64::from(room.to_bitmask()) << (BLOCK * block);
+        for row in 0..self.row_count() {
+            let [x, y, z] = [x[row], y[row], z[row]].map(|all| blocks(&all));
+            for block in 0..ROW / BLOCK {
+                let room = offset - (a * x[block] + b * y[block] + c * z[block]);
+                slack[row][BLOCK * block..][..BLOCK].copy_from_slice(&room.to_array());
+                cut |= u64::from(room.to_bitmask()) << (ROW * row + BLOCK * block);
+            }
         }
         cut & self.alive
     }
@@ -104,51 +90,107 @@ impl Compact {
         scratch: &mut CompactScratch,
     ) -> Result<(), Full> {
         let mut count = self.find_crossings(cut, scratch)?;
-        if !is_single_cycle(count, scratch) {
+        let mut added = self.join(count, scratch);
+        if added == 0 {
+            self.part(count, scratch);
             cut = self.repair(cut, scratch);
             count = self.find_crossings(cut, scratch)?;
-            let sound = is_single_cycle(count, scratch);
-            debug_assert!(sound, "{self:?}");
+            added = self.join(count, scratch);
+            debug_assert!(added != 0, "{self:?}");
         }
-        let added = self.find_places(cut, count, scratch)?;
-        let facet = self.planes.len() as u8;
         self.planes.push(*half_space);
         self.labels.push(label);
-        self.join(facet, count, scratch);
-        self.free(cut & !added);
-        self.alive |= added;
+        self.alive = self.alive & !cut | added;
         Ok(())
     }
 
-    /// Lists the crossings and enters each at the facet on its left.
+    /// Lists the crossings and enters each at the facet on its left; the cut vertices lose their
+    /// distances.
     #[inline]
-    fn find_crossings(&self, cut: u64, scratch: &mut CompactScratch) -> Result<usize, Full> {
+    fn find_crossings(&mut self, cut: u64, scratch: &mut CompactScratch) -> Result<usize, Full> {
         let mut count = 0;
         for slot in slots(cut) {
+            self.square[slot] = 0.0;
             for edge in 4 * slot..4 * slot + 3 {
+                let is_inner = cut >> (self.twins[edge] / 4) & 1;
+                // The edge runs from the kept to the cut vertex: its sides are those of the way back.
+                let left = usize::from(self.facets[edge]) | (PLANES * is_inner as usize);
                 scratch.edges[count % EDGES] = edge as u8;
-                count += usize::from(cut >> (self.twins[edge] / 4) & 1 == 0);
+                scratch.exit[left] = count as u8;
+                count += 1 - is_inner as usize;
             }
         }
-        if count > SLOTS {
+        if count > self.alive.count_zeros() as usize || self.planes.len() == PLANES {
+            self.measure();
             return Err(Full);
         }
-        for number in 0..count {
-            let edge = scratch.edges[number];
-            let back = self.twins[usize::from(edge)];
-            let (cut, kept) = (usize::from(edge / 4), usize::from(back / 4));
-            // The edge runs from the kept to the cut vertex: its sides are those of the way back.
-            let left = self.facets[usize::from(edge)];
-            scratch.left[number] = left;
-            scratch.right[number] = self.facets[(usize::from(edge) + 1) % EDGES];
-            scratch.kept[number] = back;
-            scratch.exit[usize::from(left)] = number as u8;
-            let inner = scratch.slack[kept];
-            let share = inner / (inner - scratch.slack[cut]);
-            let along = |all: &[f64; SLOTS]| all[kept] + (all[cut] - all[kept]) * share;
-            scratch.positions[number] = [along(&self.x), along(&self.y), along(&self.z)];
-        }
         Ok(count)
+    }
+
+    /// Puts a new vertex on every crossing, on the way around the new facet, and returns their slots:
+    /// none if the crossings, each followed by the next one around, are not a single cycle.
+    #[inline]
+    fn join(&mut self, count: usize, scratch: &CompactScratch) -> u64 {
+        let facet = self.planes.len() as u8;
+        let mut room = !self.alive;
+        let first = room.trailing_zeros() as u8;
+        let (mut number, mut place, mut last) = (0_u8, first, first);
+        for step in 1..=count {
+            let edge = scratch.edges[usize::from(number)];
+            let right = self.facets[(usize::from(edge) + 1) % EDGES];
+            number = scratch.exit[usize::from(right)];
+            room &= room - 1;
+            let is_last = number == 0;
+            // Meaningless where nothing follows.
+            let next = (room.trailing_zeros() as usize % SLOTS) as u8;
+            let following = if is_last { first } else { next };
+            self.put(place, edge, scratch);
+            let at = 4 * (usize::from(place) % SLOTS);
+            let left = self.facets[usize::from(edge)];
+            self.facets[at..at + 4].copy_from_slice(&[right, facet, left, right]);
+            // Edge 0 of a new vertex leads to the following one, whose edge 1 leads back.
+            let back = self.twins[usize::from(edge)];
+            self.twins[at..at + 4].copy_from_slice(&[4 * following + 1, 4 * last, back, 0]);
+            self.twins[usize::from(back)] = 4 * place + 2;
+            let follows = self.facets[usize::from(scratch.edges[usize::from(number)])] == right;
+            if !follows || usize::from(number) >= count {
+                return 0;
+            }
+            if is_last {
+                self.twins[(4 * usize::from(first) + 1) % EDGES] = 4 * place;
+                return if step == count {
+                    !self.alive & !room
+                } else {
+                    0
+                };
+            }
+            (last, place) = (place, following);
+        }
+        0
+    }
+
+    /// Puts a vertex where an edge that leaves a cut vertex crosses the plane.
+    #[inline]
+    fn put(&mut self, place: u8, edge: u8, scratch: &CompactScratch) {
+        let back = self.twins[usize::from(edge)];
+        let (cut, kept) = (usize::from(edge / 4), usize::from(back / 4));
+        let inner = scratch.slack[kept];
+        let share = inner / (inner - scratch.slack[cut]);
+        let along = |all: &[f64; SLOTS]| all[kept] + (all[cut] - all[kept]) * share;
+        let [x, y, z] = [along(&self.x), along(&self.y), along(&self.z)];
+        let slot = usize::from(place) % SLOTS;
+        (self.x[slot], self.y[slot], self.z[slot]) = (x, y, z);
+        self.square[slot] = x * x + y * y + z * z;
+    }
+
+    /// Takes back what an attempt to join has done to the vertices in use.
+    #[cold]
+    fn part(&mut self, count: usize, scratch: &CompactScratch) {
+        for &edge in &scratch.edges[..count] {
+            let back = self.twins[usize::from(edge)];
+            self.twins[usize::from(back)] = edge;
+        }
+        self.measure();
     }
 
     /// Makes the cut vertices one connected part with a connected rest, and returns them.
@@ -188,69 +230,4 @@ impl Compact {
         }
         reached
     }
-
-    /// Finds room for the new vertices, the lowest slots first, and returns these.
-    #[inline]
-    fn find_places(
-        &self,
-        cut: u64,
-        count: usize,
-        scratch: &mut CompactScratch,
-    ) -> Result<u64, Full> {
-        let free = cut | !self.alive;
-        let mut room = free;
-        for place in &mut scratch.places[..count] {
-            if room == 0 {
-                return Err(Full);
-            }
-            *place = room.trailing_zeros() as u8;
-            room &= room - 1;
-        }
-        if self.planes.len() == PLANES {
-            return Err(Full);
-        }
-        Ok(free & !room)
-    }
-
-    /// Puts a new vertex on every crossing and closes the ring.
-    #[inline]
-    fn join(&mut self, facet: u8, count: usize, scratch: &CompactScratch) {
-        let mut last = scratch.places[count - 1];
-        for step in 0..count {
-            let number = usize::from(scratch.ring[step]) % SLOTS;
-            let place = scratch.places[step];
-            let following = scratch.places[if step + 1 < count { step + 1 } else { 0 }];
-            let slot = usize::from(place) % SLOTS;
-            let [x, y, z] = scratch.positions[number];
-            (self.x[slot], self.y[slot], self.z[slot]) = (x, y, z);
-            self.square[slot] = x * x + y * y + z * z;
-            let (left, right, kept) = (
-                scratch.left[number],
-                scratch.right[number],
-                scratch.kept[number],
-            );
-            let first = 4 * slot;
-            self.facets[first..first + 4].copy_from_slice(&[right, facet, left, right]);
-            // Edge 0 of a new vertex leads to the following one, whose edge 1 leads back.
-            self.twins[first..first + 4].copy_from_slice(&[4 * following + 1, 4 * last, kept, 0]);
-            self.twins[usize::from(kept)] = 4 * place + 2;
-            last = place;
-        }
-    }
-}
-
-/// Whether the crossings, each followed by the next around the new facet, form one cycle.
-#[inline]
-fn is_single_cycle(count: usize, scratch: &mut CompactScratch) -> bool {
-    let mut number = 0;
-    for step in 0..count {
-        scratch.ring[step] = number as u8;
-        let right = scratch.right[number];
-        number = usize::from(scratch.exit[usize::from(right)]) % SLOTS;
-        let closed = number == 0 && step + 1 < count;
-        if number >= count || scratch.left[number] != right || closed {
-            return false;
-        }
-    }
-    number == 0 && count > 0
 }
