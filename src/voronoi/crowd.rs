@@ -6,14 +6,18 @@
 //! that finds near, with a margin for the rounding, is measured again in full.
 
 use nalgebra::Point3;
-use wide::f32x4;
+use wide::f32x8;
 
 use crate::geometry::bounds::Bounds;
 use crate::voronoi::candidate::{Candidate, Subtree};
 use crate::voronoi::index::SiteIndex;
 
 /// Sites handled together.
-const BLOCK: usize = 4;
+const BLOCK: usize = 8;
+
+/// Blocks whose sites are picked out together: as many as a set of bits holds. Fewer would have the
+/// processor guess too often when a set is empty.
+const BLOCKS: usize = u64::BITS as usize / BLOCK;
 
 /// Sites gathered at most: more would take longer to pass over than they are worth.
 const MOST: usize = 4096;
@@ -133,14 +137,14 @@ impl Crowd {
     /// Measures how far all sites are from `site`, for the visits to come.
     pub(crate) fn measure(&mut self, site: &Point3<f64>) {
         let here = (site - self.middle) / self.unit;
-        let [x, y, z] = [here.x, here.y, here.z].map(|along| f32x4::splat(along as f32));
+        let [x, y, z] = [here.x, here.y, here.z].map(|along| f32x8::splat(along as f32));
         let [xs, ys, zs] = self.positions.each_ref().map(|all| all.as_chunks().0);
         let there = xs.iter().zip(ys).zip(zs);
         for (squares, ((xs, ys), zs)) in self.squares.as_chunks_mut().0.iter_mut().zip(there) {
             let [x, y, z] = [
-                f32x4::new(*xs) - x,
-                f32x4::new(*ys) - y,
-                f32x4::new(*zs) - z,
+                f32x8::new(*xs) - x,
+                f32x8::new(*ys) - y,
+                f32x8::new(*zs) - z,
             ];
             *squares = (x * x + y * y + z * z).to_array();
         }
@@ -160,12 +164,22 @@ impl Crowd {
             return;
         }
         let reach = limit.sqrt() / self.unit + ROUNDING;
-        let most = f32x4::splat((reach * reach * (1.0 + ROUNDING)) as f32);
+        let most = f32x8::splat((reach * reach * (1.0 + ROUNDING)) as f32);
+        let seen = (above.max(0.0).sqrt() / self.unit - ROUNDING).max(0.0);
+        let least = f32x8::splat((seen * seen * (1.0 - ROUNDING)) as f32);
         let (blocks, _) = self.squares.as_chunks::<BLOCK>();
-        for (block, squares) in blocks.iter().enumerate() {
-            let mut found = !(most - f32x4::new(*squares)).to_bitmask() & 0b1111;
+        for (word, blocks) in blocks.chunks(BLOCKS).enumerate() {
+            let mut found = 0;
+            for (block, squares) in blocks.iter().enumerate() {
+                let squares = f32x8::new(*squares);
+                let (far, seen) = (
+                    (most - squares).to_bitmask(),
+                    (squares - least).to_bitmask(),
+                );
+                found |= u64::from(!(far | seen) & 0xff) << (block * BLOCK);
+            }
             while found != 0 {
-                let number = block * BLOCK + found.trailing_zeros() as usize;
+                let number = word * 64 + found.trailing_zeros() as usize;
                 found &= found - 1;
                 let Some(&(other, shift)) = self.places.get(number) else {
                     continue;
@@ -185,9 +199,11 @@ impl Crowd {
 
 /// The squared distance of two boxes (L²).
 fn gap_squared(one: &Bounds<3>, other: &Bounds<3>) -> f64 {
+    // Not f64::max, whose care for NaN costs more than the rest.
+    let greater = |a: f64, b: f64| if a > b { a } else { b };
     let gap = |axis: usize| {
-        let outside = (one.min[axis] - other.max[axis]).max(other.min[axis] - one.max[axis]);
-        outside.max(0.0)
+        let below = other.min[axis] - one.max[axis];
+        greater(greater(one.min[axis] - other.max[axis], below), 0.0)
     };
     gap(0) * gap(0) + gap(1) * gap(1) + gap(2) * gap(2)
 }

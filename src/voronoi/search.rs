@@ -15,7 +15,7 @@ use crate::voronoi::candidate::{Candidate, Subtree};
 use crate::voronoi::far::FarVertices;
 use crate::voronoi::index::SiteIndex;
 use crate::voronoi::shape::Shape;
-use crate::voronoi::surroundings::Surroundings;
+use crate::voronoi::surroundings::{DISORDER, Surroundings};
 
 /// Two sites in one place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -78,10 +78,11 @@ impl Search {
             return Err(Halt::Duplicate(task.duplicate(twin)));
         }
         for candidate in self.surroundings.near() {
-            if candidate.distance_squared >= task.needed {
+            if candidate.distance_squared < task.needed {
+                task.try_cut(candidate)?;
+            } else if candidate.distance_squared > DISORDER * task.needed {
                 break;
             }
-            task.try_cut(candidate)?;
         }
         if task.needed > seen {
             self.look_beyond(&mut task)?;

@@ -1,6 +1,7 @@
 //! What lies around a site: the near sites in order, and where to look for the others.
 
 use nalgebra::Point3;
+use wide::i32x4;
 
 use crate::voronoi::candidate::{Candidate, Subtree};
 use crate::voronoi::crowd::Crowd;
@@ -9,15 +10,25 @@ use crate::voronoi::index::SiteIndex;
 /// Near sites at most. More would take longer to sort than they are worth: the look is then too far.
 const MOST: usize = 256;
 
-/// The bits of a sorting key that number a candidate.
-const NUMBER: u64 = (1 << 12) - 1;
+/// The bits of a sorting key that number a candidate: as many as [`MOST`] takes.
+const NUMBER: i32 = 0xff;
+
+/// A near site may come after one that is farther by this factor, squared: keys hold the distance to
+/// 2⁻¹² only.
+pub(crate) const DISORDER: f64 = 1.001;
+
+/// Up to so many near sites are ranked by comparing all with all: there is no branch in that.
+const RANKED: usize = 64;
+
+/// Keys compared together, four at a time.
+const BLOCK: usize = 16;
 
 /// How often the first look is drawn in, each time to a quarter of its square, before it is given up.
 const DRAWN_IN: usize = 40;
 
 /// How much farther than a first look surroundings are gathered, squared: most cells find
 /// all that they need there.
-const GATHERED: f64 = 1.3;
+const GATHERED: f64 = 1.15;
 
 /// What has been found around a site.
 #[derive(Clone, Debug, Default)]
@@ -25,8 +36,10 @@ pub(crate) struct Surroundings {
     crowd: Crowd,
     /// The sites within the first look.
     candidates: Vec<Candidate>,
-    /// Those, nearest first, as sorting keys.
-    keys: Vec<u64>,
+    /// Their sorting keys.
+    keys: Vec<i32>,
+    /// Their numbers, nearest first.
+    order: Vec<u8>,
     /// Sites beyond the first look.
     others: Vec<Candidate>,
 }
@@ -47,7 +60,7 @@ impl Surroundings {
         let mut limit = limit.min(self.crowd.reach_squared);
         for _ in 0..DRAWN_IN {
             if self.look_within(index, place, &site, limit) {
-                self.keys.sort_unstable();
+                self.sort();
                 return limit;
             }
             limit *= 0.25;
@@ -56,12 +69,36 @@ impl Surroundings {
         -1.0
     }
 
-    /// The sites within the first look, nearest first.
+    /// The sites within the first look, nearest first but for [`DISORDER`].
     pub(crate) fn near(&self) -> impl Iterator<Item = &Candidate> {
-        let number = |key: &u64| (key & NUMBER) as usize;
-        self.keys
-            .iter()
-            .map(move |key| &self.candidates[number(key)])
+        let order = self.order.iter();
+        order.map(|&number| &self.candidates[usize::from(number)])
+    }
+
+    /// Orders the candidates by their keys, no two of which agree.
+    fn sort(&mut self) {
+        let count = self.keys.len();
+        self.order.clear();
+        if count > RANKED {
+            self.keys.sort_unstable();
+            let numbers = self.keys.iter().map(|key| (key & NUMBER) as u8);
+            self.order.extend(numbers);
+            return;
+        }
+        self.order.resize(count, 0);
+        self.keys.resize(count.next_multiple_of(BLOCK), i32::MAX);
+        let blocks = self.keys.as_chunks::<BLOCK>().0;
+        for (number, &key) in self.keys[..count].iter().enumerate() {
+            let mut less = i32x4::ZERO;
+            for block in blocks {
+                for &lanes in block.as_chunks().0 {
+                    less += i32x4::new(lanes).simd_lt(i32x4::splat(key));
+                }
+            }
+            // A comparison that holds is −1.
+            let rank = -less.to_array().iter().sum::<i32>();
+            self.order[rank as usize] = number as u8;
+        }
     }
 
     /// The gathered sites farther than the root of `seen` and within that of `needed`, in no order.
@@ -96,8 +133,8 @@ impl Surroundings {
         self.keys.clear();
         self.crowd
             .visit(index, (place, site), (-1.0, limit), |candidate| {
-                let number = self.candidates.len() as u64 & NUMBER;
-                let order = candidate.distance_squared.to_bits() & !NUMBER;
+                let number = self.candidates.len() as i32 & NUMBER;
+                let order = (candidate.distance_squared.to_bits() >> 32) as i32 & !NUMBER;
                 self.keys.push(order | number);
                 self.candidates.push(candidate);
             });
