@@ -79,14 +79,14 @@ impl<const D: usize> Search<D> {
         mut evaluate: impl FnMut(&SVector<f64, D>) -> J,
     ) -> Center<D> {
         let mut first = None;
-        let mut noted = |center: &SVector<f64, D>| {
+        let noted = |center: &SVector<f64, D>| {
             let jet: Jet<D> = evaluate(center).into();
             first.get_or_insert((jet.evaluation.value, jet.evaluation.gradient));
             jet
         };
         let (point, energy, evaluations) = match self.minimizer {
-            Minimizer::Newton => self.by_newton(&mut noted),
-            Minimizer::Lbfgsb => self.by_lbfgsb(&mut noted),
+            Minimizer::Newton => self.by_newton(noted),
+            Minimizer::Lbfgsb => self.by_lbfgsb(noted),
         };
         let (energy_at_site, gradient_at_site) = first.unwrap_or((energy, SVector::zeros()));
         Center {
@@ -108,7 +108,7 @@ impl<const D: usize> Search<D> {
 
     fn by_newton(
         &self,
-        evaluate: &mut dyn FnMut(&SVector<f64, D>) -> Jet<D>,
+        evaluate: impl FnMut(&SVector<f64, D>) -> Jet<D>,
     ) -> (SVector<f64, D>, f64, u32) {
         let (length, scale) = self.scales();
         let found = newton(
@@ -124,7 +124,7 @@ impl<const D: usize> Search<D> {
     /// In units of the cell, since L-BFGS-B first steps by the bare gradient.
     fn by_lbfgsb(
         &self,
-        evaluate: &mut dyn FnMut(&SVector<f64, D>) -> Jet<D>,
+        mut evaluate: impl FnMut(&SVector<f64, D>) -> Jet<D>,
     ) -> (SVector<f64, D>, f64, u32) {
         let (length, scale) = self.scales();
         let mut objective = |x: &[f64], gradient: &mut [f64]| {

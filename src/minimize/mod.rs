@@ -5,8 +5,9 @@
 //! that respects a box, so the two here are our own, and argmin is named nowhere else:
 //!
 //! * [`newton`]: two or three variables, exact Hessian, convex; one call per Voronoi cell. It
-//!   stands where `newton_state` says, steps (`newton_step`) by its quadratic model in the box (`box_quadratic`)
-//!   and tests the step (`backtracking`).
+//!   stands where `newton_state` says, steps (`newton_step`) by its quadratic model in the box
+//!   (`box_quadratic`) and tests the step (`backtracking`). Its loop is a plain one: an executor
+//!   would take longer than the steps.
 //! * [`lbfgsb`]: any number of variables, gradients only; the paper's choice for a cell, and the
 //!   solver of the global objective. It is asked through [`lbfgsb_options`], stands where
 //!   [`lbfgsb_state`] says, remembers its [`history`], and steps (`lbfgsb_step`) by the compact
@@ -14,7 +15,7 @@
 //!   (`subspace`) and a search along it (`line_search`).
 //!
 //! [`problem`] holds the words all speak: what an evaluation is, and why a run ended. `progress`
-//! carries either solver through argmin's executor.
+//! carries L-BFGS-B through argmin's executor.
 
 pub mod history;
 pub mod lbfgsb;

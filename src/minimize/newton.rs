@@ -2,6 +2,9 @@
 //!
 //! The steps themselves are made in `newton_step`.
 //!
+//! The loop is a plain one: a Voronoi cell takes three steps, and argmin's executor around them would
+//! take longer than these.
+//!
 //! # Conventions
 //!
 //! `scale` is what the gradient is measured by and `length` what a step is measured by: for a
@@ -17,14 +20,12 @@
 //! * An evaluation is spent only where it can tell something: the last step is taken on trust
 //!   once the steps before it show that what remains is below `step_tolerance`.
 
-use argmin::core::{Error, Executor, KV, Problem, Solver};
 use nalgebra::SVector;
 
 use crate::minimize::backtracking::{VALUE_ROUNDING, cut, is_accepted, is_finite};
 use crate::minimize::newton_state::NewtonState;
 use crate::minimize::newton_step::newton_step;
 use crate::minimize::problem::{Ended, Jet, Minimum};
-use crate::minimize::progress::Progress;
 
 /// Up to this many times the rounding of values, a gain that does not come is put down to it.
 const SMALL_GAIN: f64 = 1e3;
@@ -75,72 +76,29 @@ pub fn newton<const D: usize, J: Into<Jet<D>>>(
     options: &NewtonOptions,
 ) -> Minimum<D> {
     let solver = ProjectedNewton {
-        start: *start,
         lower: *lower,
         upper: *upper,
         options: *options,
     };
-    let objective = |point: &SVector<f64, D>| objective(point).into();
-    match Executor::new(objective, solver).ctrlc(false).run() {
-        Ok(result) => result.state.iterate.minimum(result.state.ended),
-        Err(_) => NewtonState::default().minimum(None),
+    let mut objective = |point: &SVector<f64, D>| objective(point).into();
+    let mut current = NewtonState::at(solver.projected(start), &mut objective);
+    let mut ended = if is_finite(&current.evaluation) {
+        solver.convergence(&current)
+    } else {
+        Some(Ended::NotFinite)
+    };
+    while ended.is_none() {
+        ended = solver.advance(&mut objective, &mut current);
     }
+    current.minimum(ended)
 }
 
 /// The solver: the question without its function.
 #[derive(Debug)]
 struct ProjectedNewton<const D: usize> {
-    start: SVector<f64, D>,
     lower: SVector<f64, D>,
     upper: SVector<f64, D>,
     options: NewtonOptions,
-}
-
-impl<const D: usize, F> Solver<F, Progress<NewtonState<D>>> for ProjectedNewton<D>
-where
-    F: FnMut(&SVector<f64, D>) -> Jet<D>,
-{
-    fn name(&self) -> &'static str {
-        "projected Newton"
-    }
-
-    fn init(
-        &mut self,
-        problem: &mut Problem<F>,
-        mut state: Progress<NewtonState<D>>,
-    ) -> Result<(Progress<NewtonState<D>>, Option<KV>), Error> {
-        let current = &mut state.iterate;
-        current.point = self.projected(&self.start);
-        if let Some(objective) = &mut problem.problem {
-            let jet = objective(&current.point);
-            (current.evaluation, current.third) = (jet.evaluation, jet.third);
-            current.evaluations = 1;
-        }
-        let ended = if is_finite(&current.evaluation) {
-            self.convergence(current)
-        } else {
-            Some(Ended::NotFinite)
-        };
-        if let Some(ended) = ended {
-            state.end(ended);
-        }
-        Ok((state, None))
-    }
-
-    fn next_iter(
-        &mut self,
-        problem: &mut Problem<F>,
-        mut state: Progress<NewtonState<D>>,
-    ) -> Result<(Progress<NewtonState<D>>, Option<KV>), Error> {
-        let ended = match &mut problem.problem {
-            Some(objective) => self.advance(objective, &mut state.iterate),
-            None => Some(Ended::NotFinite),
-        };
-        if let Some(ended) = ended {
-            state.end(ended);
-        }
-        Ok((state, None))
-    }
 }
 
 impl<const D: usize> ProjectedNewton<D> {

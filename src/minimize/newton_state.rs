@@ -2,8 +2,7 @@
 
 use nalgebra::{SMatrix, SVector};
 
-use crate::minimize::problem::{Ended, Evaluation, Minimum};
-use crate::minimize::progress::Iterate;
+use crate::minimize::problem::{Ended, Evaluation, Jet, Minimum};
 
 /// A point, the function there, and how the last step went.
 #[derive(Debug)]
@@ -20,35 +19,22 @@ pub(crate) struct NewtonState<const D: usize> {
     pub(crate) last_step: Option<f64>,
 }
 
-impl<const D: usize> Default for NewtonState<D> {
-    fn default() -> Self {
+impl<const D: usize> NewtonState<D> {
+    /// Where a run begins.
+    pub(crate) fn at(
+        point: SVector<f64, D>,
+        objective: &mut impl FnMut(&SVector<f64, D>) -> Jet<D>,
+    ) -> Self {
+        let Jet { evaluation, third } = objective(&point);
         Self {
-            point: SVector::zeros(),
-            evaluation: Evaluation {
-                value: f64::NAN,
-                gradient: SVector::zeros(),
-                hessian: SMatrix::zeros(),
-            },
-            third: None,
-            evaluations: 0,
+            point,
+            evaluation,
+            third,
+            evaluations: 1,
             last_step: None,
         }
     }
-}
 
-impl<const D: usize> Iterate for NewtonState<D> {
-    type Point = SVector<f64, D>;
-
-    fn point(&self) -> &SVector<f64, D> {
-        &self.point
-    }
-
-    fn value(&self) -> f64 {
-        self.evaluation.value
-    }
-}
-
-impl<const D: usize> NewtonState<D> {
     /// The answer, given why the run ended.
     pub(crate) fn minimum(&self, ended: Option<Ended>) -> Minimum<D> {
         Minimum {
