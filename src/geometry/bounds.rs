@@ -32,8 +32,12 @@ impl<const D: usize> Bounds<D> {
 
     /// Grows the box so that it holds `point`.
     pub fn include(&mut self, point: &Point<f64, D>) {
-        self.min = self.min.inf(point);
-        self.max = self.max.sup(point);
+        // Not f64::min and max, whose care for NaN costs more than the rest.
+        for axis in 0..D {
+            let (along, min, max) = (point[axis], self.min[axis], self.max[axis]);
+            self.min[axis] = if along < min { along } else { min };
+            self.max[axis] = if along > max { along } else { max };
+        }
     }
 
     /// `max − min` per axis (L).
