@@ -7,9 +7,11 @@ use std::process::ExitCode;
 use clap::Parser;
 
 use crate::cli::arguments::Arguments;
+use crate::cli::processor;
 
 fn main() -> ExitCode {
-    match cli::command::run(&Arguments::parse()) {
+    let ran = processor::check().and_then(|()| cli::command::run(&Arguments::parse()));
+    match ran {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
             // Where stderr is closed there is nobody to tell.

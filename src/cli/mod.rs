@@ -18,6 +18,7 @@ pub(crate) mod mass;
 pub(crate) mod measure;
 pub(crate) mod method_options;
 pub(crate) mod plot;
+pub(crate) mod processor;
 pub(crate) mod progress;
 mod question;
 pub(crate) mod relax;
