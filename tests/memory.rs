@@ -152,11 +152,13 @@ fn a_run_takes_little_memory_per_site() {
 
 #[test]
 fn a_run_that_carries_cells_takes_some_more() {
-    let bytes = per_site(|side| {
-        let (taken, is_carried) = run(near_sites(side), 4, false);
-        assert!(is_carried, "all of {side}³ cells were rebuilt");
-        taken
-    });
-    assert!(bytes > WITHOUT_REUSE, "{bytes}: no patterns were kept");
-    assert!(bytes <= WITH_REUSE, "{bytes} bytes per site");
+    for is_accelerated in [false, true] {
+        let bytes = per_site(|side| {
+            let (taken, is_carried) = run(near_sites(side), 4, is_accelerated);
+            assert!(is_carried, "all of {side}³ cells were rebuilt");
+            taken
+        });
+        assert!(bytes > WITHOUT_REUSE, "{bytes}: no patterns were kept");
+        assert!(bytes <= WITH_REUSE, "{bytes} bytes per site");
+    }
 }

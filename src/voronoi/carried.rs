@@ -123,15 +123,19 @@ impl Carried {
         self.rebuilt = rebuilt;
     }
 
+    /// Forgets all but how much memory may be taken.
+    pub(crate) fn forget(&mut self) {
+        *self = Self {
+            limit: self.limit,
+            ..Self::default()
+        };
+    }
+
     /// Gets to know where the sites are now; forgets the patterns if they are of no use any more.
     pub(crate) fn meet(&mut self, diagram: &Diagram<'_>, places: &[u32]) {
         let index = &diagram.index;
         if self.sites.len() != diagram.len() {
-            let limit = self.limit;
-            *self = Self {
-                limit,
-                ..Self::default()
-            };
+            self.forget();
             self.sites = (0..diagram.len()).map(|place| index.site(place)).collect();
             self.ranks = places.to_vec();
         }

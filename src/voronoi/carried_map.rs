@@ -68,7 +68,7 @@ impl Diagram<'_> {
             );
         }
         if chunks.iter().any(|chunk| chunk.duplicate.is_some()) {
-            *carried = Carried::default();
+            carried.forget();
             // Says which sites they are.
             return self.map(ask);
         }
@@ -111,7 +111,7 @@ fn visit<Answer>(
         }
         chunk.rebuilt |= 1 << cell;
     }
-    chunk.packed.close();
+    chunk.close();
     chunk
 }
 
@@ -143,6 +143,15 @@ impl<Answer> Chunk<Answer> {
             }
         }
         self.rebuilt |= wanted;
+        self.close();
+    }
+
+    /// Gives back the room that is not needed.
+    fn close(&mut self) {
+        // The same cells are marked from many sides.
+        self.marks.sort_unstable();
+        self.marks.dedup();
+        self.marks.shrink_to_fit();
         self.packed.close();
     }
 }
