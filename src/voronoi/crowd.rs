@@ -125,18 +125,20 @@ impl Crowd {
 
     fn add(&mut self, index: &SiteIndex, leaf: &Subtree) {
         let origin = self.middle - index.shifts()[leaf.shift as usize].by;
-        let places = index.places(leaf.node);
-        for (axis, coordinates) in self.positions.iter_mut().enumerate() {
-            let about = |place| (index.position(place)[axis] - origin[axis]) / self.unit;
-            coordinates.extend(places.clone().map(|place| about(place) as f32));
+        let per_unit = 1.0 / self.unit;
+        let [xs, ys, zs] = &mut self.positions;
+        for place in index.places(leaf.node) {
+            let about = (index.position(place) - origin) * per_unit;
+            xs.push(about.x as f32);
+            ys.push(about.y as f32);
+            zs.push(about.z as f32);
+            self.places.push((place as u32, leaf.shift));
         }
-        self.places
-            .extend(places.map(|place| (place as u32, leaf.shift)));
     }
 
     /// Measures how far all sites are from `site`, for the visits to come.
     pub(crate) fn measure(&mut self, site: &Point3<f64>) {
-        let here = (site - self.middle) / self.unit;
+        let here = (site - self.middle) * (1.0 / self.unit);
         let [x, y, z] = [here.x, here.y, here.z].map(|along| f32x8::splat(along as f32));
         let [xs, ys, zs] = self.positions.each_ref().map(|all| all.as_chunks().0);
         let there = xs.iter().zip(ys).zip(zs);
