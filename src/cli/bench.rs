@@ -9,10 +9,10 @@ use rayon::ThreadPoolBuilder;
 
 use chebloyd::domain::space::Domain;
 use chebloyd::relax::cell_memory::CellMemory;
+use chebloyd::relax::lloyd::LITTLE;
 use chebloyd::relax::record::Movement;
 use chebloyd::relax::space::Space;
 use chebloyd::relax::tessellation::{Minimizer, Norm, Question, Tessellation};
-use chebloyd::voronoi::carried::WORTH;
 use chebloyd::voronoi::diagram::{Diagram, DiagramError};
 
 use crate::cli::crowd::{Crowd, Kind};
@@ -42,15 +42,18 @@ enum Stage {
     Iteration,
     /// A whole iteration that carries over what the one before has left
     Reused,
+    /// The global objective with its gradient
+    Global,
 }
 
-const STAGES: [Stage; 6] = [
+const STAGES: [Stage; 7] = [
     Stage::Index,
     Stage::Cells,
     Stage::Prepare,
     Stage::Energy,
     Stage::Iteration,
     Stage::Reused,
+    Stage::Global,
 ];
 
 /// Time the stages of an iteration on this machine, per site
@@ -59,7 +62,8 @@ const STAGES: [Stage; 6] = [
 /// them for integrals, one energy with gradient and Hessian, and the whole iteration with the
 /// minimizer. "reused" is a whole iteration again, from where a move has led, which carries over
 /// cells from the one before it, and "rebuilt" the share of the cells that could not be carried;
-/// after moves that are too far for that there is neither. "MB" is the most memory that was
+/// after moves that are too far for that there is neither. "global" is the objective of all sites
+/// together with its gradient, what a step of quasi-newton takes, there too. "MB" is the most memory that was
 /// resident meanwhile, sites included, where the system tells it (Linux).
 #[derive(Debug, Args)]
 pub(crate) struct Options {
@@ -83,7 +87,7 @@ pub(crate) struct Options {
     #[arg(long, value_name = "STAGE", value_delimiter = ',', value_enum, default_values_t = STAGES)]
     stages: Vec<Stage>,
     /// How many Lloyd iterations make relaxed sites
-    #[arg(long, value_name = "M", default_value_t = 20)]
+    #[arg(long, value_name = "M", default_value_t = 50)]
     moves: usize,
     /// Print the CPU time of all threads together instead of the time passed, where the system
     /// tells it (Linux): it depends less on what else the machine does
@@ -176,10 +180,10 @@ struct Row {
 
 /// Times the stages in turn, `repeat` times over, so that a slow moment hits all of them.
 fn time(crowd: &Crowd, options: &Options) -> Result<Row, DiagramError> {
-    let (sites, space) = (&crowd.sites, Space::new(Box::new(crowd.domain)));
+    let (sites, mut space) = (&crowd.sites, Space::new(Box::new(crowd.domain)));
     let count = sites.len() as f64;
     let asked = |stage: &Stage| options.stages.contains(stage);
-    let moved = if asked(&Stage::Reused) {
+    let moved = if asked(&Stage::Reused) || asked(&Stage::Global) {
         moved(&space, sites)?
     } else {
         None
@@ -193,9 +197,14 @@ fn time(crowd: &Crowd, options: &Options) -> Result<Row, DiagramError> {
         {
             let sites = match (stage, &moved) {
                 (Stage::Reused, None) => continue,
-                (Stage::Reused, Some(moved)) => {
+                (Stage::Reused | Stage::Global, Some(moved)) => {
                     space.assess_near(sites, QUESTION)?;
                     moved
+                }
+                // Nothing shall be left from the time before.
+                (Stage::Global, None) => {
+                    space = Space::new(Box::new(crowd.domain));
+                    sites
                 }
                 _ => sites,
             };
@@ -219,7 +228,7 @@ fn moved(space: &Space, sites: &[Point3<f64>]) -> Result<Option<Vec<Point3<f64>>
     let cells = space.assess(sites, QUESTION)?;
     let targets: Vec<_> = cells.iter().map(|cell| cell.target).collect();
     let movement = Movement::between(space, sites, targets.iter());
-    let is_near = movement.percent::<3>(space.volume(), sites.len()) < 100.0 * WORTH;
+    let is_near = movement.percent::<3>(space.volume(), sites.len()) < LITTLE;
     Ok(is_near.then_some(targets))
 }
 
@@ -229,6 +238,10 @@ fn run_stage(stage: Stage, space: &Space, sites: &[Point3<f64>]) -> Result<u64, 
     let cells = match stage {
         Stage::Iteration => space.assess(sites, QUESTION)?,
         Stage::Reused => space.assess_near(sites, QUESTION)?,
+        Stage::Global => {
+            space.global(sites, QUESTION.order)?;
+            Vec::new()
+        }
         _ => {
             run_part(stage, domain, &Diagram::new(domain, sites)?)?;
             Vec::new()

@@ -11,10 +11,10 @@ use nalgebra::Point;
 use crate::relax::over_relaxation::{Moves, advance, look};
 use crate::relax::record::{Movement, Record};
 use crate::relax::tessellation::{Question, Tessellation};
-use crate::voronoi::carried::WORTH;
 
-/// Sites are near where they were after a movement below this (%).
-const LITTLE: f64 = 100.0 * WORTH;
+/// Cells are carried over after a movement below this (%): a fifth of them must be rebuilt then, and
+/// beyond it takes less to build them all.
+pub const LITTLE: f64 = 0.35;
 
 /// When to stop, and what to minimize.
 #[derive(Clone, Copy, Debug, PartialEq)]
