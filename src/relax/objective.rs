@@ -79,7 +79,8 @@ impl Space {
         let frame = self.frames().of(cell.site);
         memory.cell.load_in_frame(self.domain(), cell, frame);
         let (pieces, walk) = memory.cell.pieces();
-        let mut pushes = Vec::new();
+        let facets = pieces.iter().map(|piece| piece.integrand.facets.len());
+        let mut pushes = Vec::with_capacity(facets.sum());
         let mut own = Vector3::zeros();
         let inside = borders(
             pieces,
