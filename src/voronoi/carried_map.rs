@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use crate::voronoi::carried::Carried;
 use crate::voronoi::carry::{Carrier, Standing};
 use crate::voronoi::cell::Cell;
-use crate::voronoi::diagram::{Diagram, DiagramError};
+use crate::voronoi::diagram::{Diagram, DiagramError, bring_into_order};
 use crate::voronoi::packed::{CELLS, Packed};
 use crate::voronoi::search::Duplicate;
 
@@ -178,21 +178,18 @@ fn wanted<Answer>(chunks: &mut [Chunk<Answer>]) -> Option<Vec<u64>> {
 
 /// Leaves the records to `carried` and returns the answers in site order.
 fn settle<Answer>(carried: &mut Carried, chunks: Vec<Chunk<Answer>>) -> Vec<Answer> {
-    let sites = carried.numbers().sites;
-    let mut answers: Vec<Option<Answer>> = Vec::new();
-    answers.resize_with(sites.len(), || None);
+    let goals = carried.numbers().sites.to_vec();
+    let mut answers = Vec::with_capacity(goals.len());
     let mut packed = Vec::new();
     let mut rebuilt = 0;
-    let mut order = sites.iter();
     for chunk in chunks {
         rebuilt += chunk.rebuilt.count_ones() as usize;
-        for (answer, &site) in chunk.answers.into_iter().zip(order.by_ref()) {
-            answers[site as usize] = Some(answer);
-        }
+        answers.extend(chunk.answers);
         if carried.keeps() {
             packed.push(chunk.packed);
         }
     }
     carried.put(packed, rebuilt);
-    answers.into_iter().flatten().collect()
+    bring_into_order(&mut answers, goals);
+    answers
 }

@@ -22,8 +22,8 @@ const BLOCKS: usize = u64::BITS as usize / BLOCK;
 /// Sites gathered at most: more would take longer to pass over than they are worth.
 const MOST: usize = 4096;
 
-/// How often the reach is drawn in, each time to a quarter of its square, before it is given up.
-const DRAWN_IN: usize = 40;
+/// How often a reach is drawn in, each time to a quarter of its square, before it is given up.
+pub(crate) const DRAWN_IN: usize = 40;
 
 /// What single precision may do to a distance, in units: coordinates of at most a few units are good
 /// to 2⁻²², with room to spare.

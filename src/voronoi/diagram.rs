@@ -158,7 +158,7 @@ impl<'a> Diagram<'a> {
         if let Some(duplicate) = duplicate {
             return Err(self.duplicate(duplicate));
         }
-        self.bring_into_site_order(&mut answers);
+        bring_into_order(&mut answers, self.index.sites().to_vec());
         Ok(answers)
     }
 
@@ -198,18 +198,6 @@ impl<'a> Diagram<'a> {
         places
     }
 
-    /// Exchanges answers until each is at its site, without room for a second list.
-    fn bring_into_site_order<Answer>(&self, answers: &mut [Answer]) {
-        let mut goals = self.index.sites().to_vec();
-        for place in 0..answers.len() {
-            while goals[place] as usize != place {
-                let goal = goals[place] as usize;
-                answers.swap(place, goal);
-                goals.swap(place, goal);
-            }
-        }
-    }
-
     fn duplicate(&self, duplicate: Duplicate) -> DiagramError {
         let (first, second) = (duplicate.first as usize, duplicate.second as usize);
         let place = (0..self.len()).find(|&place| self.index.site(place) == duplicate.first);
@@ -218,6 +206,17 @@ impl<'a> Diagram<'a> {
             first,
             second,
             position,
+        }
+    }
+}
+
+/// Exchanges answers until each is where its goal tells, without room for a second list.
+pub(crate) fn bring_into_order<Answer>(answers: &mut [Answer], mut goals: Vec<u32>) {
+    for place in 0..answers.len() {
+        while goals[place] as usize != place {
+            let goal = goals[place] as usize;
+            answers.swap(place, goal);
+            goals.swap(place, goal);
         }
     }
 }

@@ -4,7 +4,7 @@ use nalgebra::Point3;
 use wide::i32x4;
 
 use crate::voronoi::candidate::{Candidate, Subtree};
-use crate::voronoi::crowd::Crowd;
+use crate::voronoi::crowd::{Crowd, DRAWN_IN};
 use crate::voronoi::index::SiteIndex;
 
 /// Near sites at most. More would take longer to sort than they are worth: the look is then too far.
@@ -22,9 +22,6 @@ const RANKED: usize = 64;
 
 /// Keys compared together, four at a time.
 const BLOCK: usize = 16;
-
-/// How often the first look is drawn in, each time to a quarter of its square, before it is given up.
-const DRAWN_IN: usize = 40;
 
 /// How much farther than a first look surroundings are gathered, squared: most cells find
 /// all that they need there.
