@@ -6,8 +6,7 @@
 //!
 //! * [`newton`]: two or three variables, exact Hessian, convex; one call per Voronoi cell. It
 //!   stands where `newton_state` says, steps (`newton_step`) by its quadratic model in the box
-//!   (`box_quadratic`) and tests the step (`backtracking`). Its loop is a plain one: an executor
-//!   would take longer than the steps.
+//!   (`box_quadratic`) and tests the step (`backtracking`). Its loop is a plain one, for speed.
 //! * [`lbfgsb`]: any number of variables, gradients only; the paper's choice for a cell, and the
 //!   solver of the global objective. It is asked through [`lbfgsb_options`], stands where
 //!   [`lbfgsb_state`] says, remembers its [`history`], and steps (`lbfgsb_step`) by the compact
