@@ -12,12 +12,11 @@ use chebloyd::relax::lloyd::{LloydOptions, lloyd};
 use chebloyd::relax::record::Record;
 use chebloyd::relax::space::Space;
 use chebloyd::relax::tessellation::{Minimizer, Norm, Question, Tessellation};
+use chebloyd::scene::random::Uniform;
 use chebloyd::voronoi::carried::Carried;
 use chebloyd::voronoi::cell::Cell;
 use chebloyd::voronoi::diagram::{Diagram, DiagramError};
 use nalgebra::{Point3, Vector3};
-use rand_chacha::ChaCha8Rng;
-use rand_core::{Rng, SeedableRng};
 use rayon::ThreadPoolBuilder;
 
 const QUESTION: Question = Question {
@@ -26,21 +25,9 @@ const QUESTION: Question = Question {
     minimizer: Minimizer::Newton,
 };
 
-struct Uniform(ChaCha8Rng);
-
-impl Uniform {
-    fn new(seed: u64) -> Self {
-        Self(ChaCha8Rng::seed_from_u64(seed))
-    }
-
-    fn number(&mut self) -> f64 {
-        (self.0.next_u64() >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    /// In [−1, 1]³.
-    fn step(&mut self) -> Vector3<f64> {
-        Vector3::from_fn(|_, _| 2.0 * self.number() - 1.0)
-    }
+/// A vector in [−1, 1]³.
+fn step(random: &mut Uniform) -> Vector3<f64> {
+    Vector3::from_fn(|_, _| 2.0 * random.number() - 1.0)
 }
 
 /// All bits of a cell, and what it is worth.
@@ -125,7 +112,7 @@ fn random_sites(domain: &dyn Domain, count: usize, seed: u64) -> Vec<Point3<f64>
     let mut random = Uniform::new(seed);
     let (bounds, mut sites) = (domain.bounds(), Vec::new());
     while sites.len() < count {
-        let inside = 0.5 * random.step().component_mul(&bounds.extent());
+        let inside = 0.5 * step(&mut random).component_mul(&bounds.extent());
         let site = bounds.center() + inside;
         if domain.contains(&site) {
             sites.push(site);
@@ -143,7 +130,7 @@ fn shaken(
 ) -> Vec<Point3<f64>> {
     let spacing = (domain.volume() / sites.len() as f64).cbrt();
     let moved = |site: &Point3<f64>| {
-        let there = site + random.step() * (share * spacing);
+        let there = site + step(random) * (share * spacing);
         let is_inside = domain.contains(&there);
         domain.wrap(if is_inside { &there } else { site })
     };
@@ -262,7 +249,7 @@ fn sites_beside_and_above_each_other_are_told_apart() {
     // Pairs at all distances down to rounding, and many sites on one sphere.
     for pair in 0..40 {
         let apart = 0.05 * 0.4_f64.powi(pair);
-        let there = sites[pair as usize] + random.step() * apart;
+        let there = sites[pair as usize] + step(&mut random) * apart;
         if domain.contains(&there) && there != sites[pair as usize] {
             sites.push(there);
         }
@@ -270,7 +257,7 @@ fn sites_beside_and_above_each_other_are_told_apart() {
     let middle = Point3::new(0.5, 0.5, 0.5);
     sites.retain(|site| (site - middle).norm() > 0.3);
     for _ in 0..100 {
-        sites.push(middle + random.step().normalize() * 0.2);
+        sites.push(middle + step(&mut random).normalize() * 0.2);
     }
     let mut from_before = Carried::default();
     for share in [0.0, 1e-15, 1e-12, 1e-8, 1e-5, 1e-4] {

@@ -12,39 +12,23 @@ use chebloyd::geometry::clip::{ClipScratch, clip};
 use chebloyd::geometry::half_space::HalfSpace;
 use chebloyd::geometry::moments::Moments;
 use chebloyd::geometry::polyhedron::Polyhedron;
+use chebloyd::scene::random::Uniform;
 use chebloyd::voronoi::cell::Cell;
 use chebloyd::voronoi::diagram::{Diagram, DiagramError};
 use nalgebra::{Point3, Vector3};
-use rand_chacha::ChaCha8Rng;
-use rand_core::{Rng, SeedableRng};
 
-struct Uniform(ChaCha8Rng);
-
-impl Uniform {
-    fn new(seed: u64) -> Self {
-        Self(ChaCha8Rng::seed_from_u64(seed))
-    }
-
-    fn number(&mut self) -> f64 {
-        (self.0.next_u64() >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    fn point(&mut self) -> Point3<f64> {
-        Point3::new(self.number(), self.number(), self.number())
-    }
-
-    fn points(&mut self, count: usize) -> Vec<Point3<f64>> {
-        (0..count).map(|_| self.point()).collect()
-    }
+fn points(random: &mut Uniform, count: usize) -> Vec<Point3<f64>> {
+    let unit = Cuboid::unit().bounds();
+    (0..count).map(|_| random.point(&unit)).collect()
 }
 
 /// A k×k×k lattice in the unit cube, each coordinate moved by up to ± noise.
 fn lattice(k: usize, noise: f64) -> Vec<Point3<f64>> {
-    let mut random = Uniform::new(k as u64);
+    let (unit, mut random) = (Cuboid::unit().bounds(), Uniform::new(k as u64));
     (0..k * k * k)
         .map(|n| {
             let cell = Vector3::new((n % k) as f64, (n / k % k) as f64, (n / k / k) as f64);
-            let shift = random.point().coords.add_scalar(-0.5) * (2.0 * noise);
+            let shift = random.point(&unit).coords.add_scalar(-0.5) * (2.0 * noise);
             Point3::from(cell.add_scalar(0.5) / k as f64 + shift)
         })
         .collect()
@@ -95,7 +79,7 @@ fn periodic(axes: [bool; 3]) -> Cuboid {
 #[test]
 fn random_cells_fill_every_domain() {
     for count in [1, 2, 3, 5, 20, 300, 3000] {
-        let sites = Uniform::new(count as u64).points(count);
+        let sites = points(&mut Uniform::new(count as u64), count);
         for axes in 0..8 {
             let domain = periodic([0, 1, 2].map(|axis| axes >> axis & 1 == 1));
             assert_fills(
@@ -143,27 +127,27 @@ fn flat_sets_and_sites_on_walls_fill_the_cube() {
     let on_plane = |p: Point3<f64>| Point3::new(p.x, p.y, 0.3);
     sets.push((
         "coplanar",
-        random.points(200).into_iter().map(on_plane).collect(),
+        points(&mut random, 200).into_iter().map(on_plane).collect(),
     ));
     let on_line = |p: Point3<f64>| Point3::new(p.x, 0.5 * p.x, 1.0 - p.x);
     sets.push((
         "collinear",
-        random.points(100).into_iter().map(on_line).collect(),
+        points(&mut random, 100).into_iter().map(on_line).collect(),
     ));
     let on_wall = |p: Point3<f64>| Point3::new(p.x, p.y, p.z.round());
     sets.push((
         "on walls",
-        random.points(200).into_iter().map(on_wall).collect(),
+        points(&mut random, 200).into_iter().map(on_wall).collect(),
     ));
     let corner = |k: u8| Point3::from([0, 1, 2].map(|axis| f64::from(k >> axis & 1)));
     sets.push(("in the corners", (0..8).map(corner).collect()));
     let on_edge = |p: Point3<f64>| Point3::new(p.x, 0.0, 1.0);
     sets.push((
         "on an edge",
-        random.points(50).into_iter().map(on_edge).collect(),
+        points(&mut random, 50).into_iter().map(on_edge).collect(),
     ));
     let direction = |p: Point3<f64>| (p.coords.add_scalar(-0.5)).normalize() * 0.4;
-    let sphere = random.points(500).into_iter().map(direction);
+    let sphere = points(&mut random, 500).into_iter().map(direction);
     let sphere = sphere.map(|d| Point3::from(d.add_scalar(0.5)));
     sets.push((
         "cospherical",
@@ -172,7 +156,10 @@ fn flat_sets_and_sites_on_walls_fill_the_cube() {
     let clustered = |p: Point3<f64>| Point3::from(p.coords * 1e-4);
     sets.push((
         "clustered",
-        random.points(500).into_iter().map(clustered).collect(),
+        points(&mut random, 500)
+            .into_iter()
+            .map(clustered)
+            .collect(),
     ));
     for (what, sites) in &sets {
         assert_fills(&Cuboid::unit(), sites, what);
@@ -222,14 +209,14 @@ fn assert_brute_force_agrees(sites: &[Point3<f64>], what: &str) {
 
 #[test]
 fn cells_agree_with_brute_force() {
-    assert_brute_force_agrees(&Uniform::new(11).points(150), "uniform");
+    assert_brute_force_agrees(&points(&mut Uniform::new(11), 150), "uniform");
 }
 
 #[test]
 fn crowded_and_lopsided_cells_agree_with_brute_force() {
     let mut random = Uniform::new(15);
     let mut of = |place: fn(Point3<f64>) -> Point3<f64>| -> Vec<Point3<f64>> {
-        random.points(400).into_iter().map(place).collect()
+        points(&mut random, 400).into_iter().map(place).collect()
     };
     let crowd = of(|p| Point3::from((p.coords * 0.1).add_scalar(0.4)));
     let with_others = [crowd.clone(), of(|p| p)[..20].to_vec()].concat();
@@ -257,7 +244,7 @@ fn crowded_and_lopsided_cells_agree_with_brute_force() {
 
 #[test]
 fn neighbors_are_mutual_across_periodic_sides_too() {
-    let sites = Uniform::new(12).points(400);
+    let sites = points(&mut Uniform::new(12), 400);
     for axes in [[false; 3], [true, false, true], [true; 3]] {
         let cells = cells(&periodic(axes), &sites, 1e-10);
         for (site, (_, neighbors)) in cells.iter().enumerate() {
@@ -306,7 +293,7 @@ fn lattices_have_the_facets_of_their_books() {
 
 #[test]
 fn any_number_of_threads_gives_the_same_bits() {
-    let sites = Uniform::new(13).points(2000);
+    let sites = points(&mut Uniform::new(13), 2000);
     let with = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(threads)
@@ -328,7 +315,7 @@ fn any_number_of_threads_gives_the_same_bits() {
 
 #[test]
 fn a_periodic_diagram_does_not_see_where_its_box_begins() {
-    let sites = Uniform::new(14).points(200);
+    let sites = points(&mut Uniform::new(14), 200);
     let domain = periodic([true; 3]);
     let moved = sites
         .iter()
@@ -422,7 +409,7 @@ fn the_octahedron_given_by_half_spaces_has_its_volume() {
 #[test]
 fn answers_are_told_in_site_order_however_many_there_are() {
     let domain = Cuboid::unit();
-    let sites = Uniform::new(11).points(5000);
+    let sites = points(&mut Uniform::new(11), 5000);
     let diagram = Diagram::new(&domain, &sites).expect("sites in the cube");
     let volume = |(): &mut (), cell: Cell<'_>| Moments::of(cell.polyhedron).volume;
     let expected = diagram.map(volume).expect("distinct sites");
