@@ -2,6 +2,9 @@
 //!
 //! Without a look, an older one would end the program in the middle of its work.
 
+use std::fs::File;
+use std::io::{BufRead, BufReader};
+
 use crate::cli::failure::Failure;
 
 /// What `.cargo/config.toml` asks for, by the names of Linux, and what the compiler calls it.
@@ -13,8 +16,8 @@ const NEEDED: [(&str, bool); 3] = [
 
 /// Refuses a processor that the program was not built for, where the system tells (Linux on x86).
 pub(crate) fn check() -> Result<(), Failure> {
-    let told = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
-    match missing(&told) {
+    let told = File::open("/proc/cpuinfo").ok().map(BufReader::new);
+    match told.and_then(missing) {
         Some(feature) => Err(Failure::run(format!(
             "this program was built for processors with {feature}, which this one lacks; build it \
              anew with `RUSTFLAGS= cargo build --release`"
@@ -23,9 +26,11 @@ pub(crate) fn check() -> Result<(), Failure> {
     }
 }
 
-/// The first feature that is needed and not among the flags that the system tells.
-fn missing(told: &str) -> Option<&'static str> {
-    let flags = told.lines().find(|line| line.starts_with("flags"))?;
+/// The first feature that is needed and not among the flags that the system tells. Nothing is read
+/// after the first processor's: the system takes its time to tell of many.
+fn missing(told: impl BufRead) -> Option<&'static str> {
+    let mut lines = told.lines().map_while(Result::ok);
+    let flags = lines.find(|line| line.starts_with("flags"))?;
     let has = |feature: &str| flags.split_whitespace().any(|flag| flag == feature);
     let needed = NEEDED.iter().filter(|(_, is_needed)| *is_needed);
     needed
@@ -39,9 +44,12 @@ mod tests {
 
     #[test]
     fn a_processor_without_flags_is_told_what_it_lacks() {
-        assert_eq!(missing("flags\t\t: fpu sse2 fma avx2 bmi2\n"), None);
-        let lacks = missing("processor: 0\nflags\t\t: fpu sse2\n");
+        assert_eq!(
+            missing("flags\t\t: fpu sse2 fma avx2 bmi2\n".as_bytes()),
+            None
+        );
+        let lacks = missing("processor: 0\nflags\t\t: fpu sse2\n".as_bytes());
         assert_eq!(lacks.is_some(), cfg!(target_feature = "avx2"));
-        assert_eq!(missing("Features: neon\n"), None);
+        assert_eq!(missing("Features: neon\n".as_bytes()), None);
     }
 }
