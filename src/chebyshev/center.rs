@@ -1,20 +1,23 @@
 //! The center of a cell: the minimizer of its Chebyshev energy within bounds.
 //!
 //! E is convex in the center (for pieces that sum to a set), so Newton's method with the exact
-//! Hessian finds it in two to five evaluations, one less where the third derivative is known.
+//! Hessian finds it in two to five evaluations; in one to three for p = 1, where the energy is
+//! known as a polynomial nearby (`quartic`).
 //! L-BFGS-B, which knows gradients only, is the choice of \[BL\] section 3.5. The search is the same
 //! in the plane and in space.
 
 use std::ops::ControlFlow;
 
-use nalgebra::{SVector, Vector3};
+use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 use crate::chebyshev::energy::{SignedPiece, energy_jet};
+use crate::chebyshev::quartic::fourth;
 use crate::chebyshev::walk::WalkScratch;
 use crate::geometry::bounds::Bounds;
 use crate::minimize::lbfgsb::lbfgsb;
 use crate::minimize::lbfgsb_options::LbfgsbOptions;
-use crate::minimize::newton::{NewtonOptions, newton};
+use crate::minimize::newton::{NewtonOptions, minimize};
+use crate::minimize::objective::{Objective, Plain};
 use crate::minimize::problem::Jet;
 
 /// The projected gradient at which L-BFGS-B stops, relative to that of a step of the cell's size.
@@ -76,19 +79,22 @@ impl<const D: usize> Search<D> {
     #[must_use]
     pub fn center<J: Into<Jet<D>>>(
         &self,
-        mut evaluate: impl FnMut(&SVector<f64, D>) -> J,
+        evaluate: impl FnMut(&SVector<f64, D>) -> J,
     ) -> Center<D> {
-        let mut first = None;
-        let noted = |center: &SVector<f64, D>| {
-            let jet: Jet<D> = evaluate(center).into();
-            first.get_or_insert((jet.evaluation.value, jet.evaluation.gradient));
-            jet
+        self.center_of(Plain(evaluate))
+    }
+
+    /// As [`Search::center`], for energies that may know what lies ahead of a center.
+    pub(crate) fn center_of(&self, energy: impl Objective<D>) -> Center<D> {
+        let mut noted = Noted {
+            energy,
+            first: None,
         };
         let (point, energy, evaluations) = match self.minimizer {
-            Minimizer::Newton => self.by_newton(noted),
-            Minimizer::Lbfgsb => self.by_lbfgsb(noted),
+            Minimizer::Newton => self.by_newton(&mut noted),
+            Minimizer::Lbfgsb => self.by_lbfgsb(&mut noted),
         };
-        let (energy_at_site, gradient_at_site) = first.unwrap_or((energy, SVector::zeros()));
+        let (energy_at_site, gradient_at_site) = noted.first.unwrap_or((energy, SVector::zeros()));
         Center {
             point,
             energy,
@@ -106,13 +112,10 @@ impl<const D: usize> Search<D> {
         (length, scale)
     }
 
-    fn by_newton(
-        &self,
-        evaluate: impl FnMut(&SVector<f64, D>) -> Jet<D>,
-    ) -> (SVector<f64, D>, f64, u32) {
+    fn by_newton(&self, energy: &mut impl Objective<D>) -> (SVector<f64, D>, f64, u32) {
         let (length, scale) = self.scales();
-        let found = newton(
-            evaluate,
+        let found = minimize(
+            energy,
             &SVector::zeros(),
             &self.bounds.min.coords,
             &self.bounds.max.coords,
@@ -122,13 +125,12 @@ impl<const D: usize> Search<D> {
     }
 
     /// In units of the cell, since L-BFGS-B first steps by the bare gradient.
-    fn by_lbfgsb(
-        &self,
-        mut evaluate: impl FnMut(&SVector<f64, D>) -> Jet<D>,
-    ) -> (SVector<f64, D>, f64, u32) {
+    fn by_lbfgsb(&self, energy: &mut impl Objective<D>) -> (SVector<f64, D>, f64, u32) {
         let (length, scale) = self.scales();
         let mut objective = |x: &[f64], gradient: &mut [f64]| {
-            let evaluation = evaluate(&(SVector::from_column_slice(x) * length)).evaluation;
+            let evaluation = energy
+                .jet(&(SVector::from_column_slice(x) * length))
+                .evaluation;
             gradient.copy_from_slice((evaluation.gradient / scale).as_slice());
             evaluation.value / (scale * length)
         };
@@ -156,15 +158,59 @@ impl<const D: usize> Search<D> {
             // A box without room holds nothing but the site.
             Err(_) => (
                 SVector::zeros(),
-                evaluate(&SVector::zeros()).evaluation.value,
+                energy.jet(&SVector::zeros()).evaluation.value,
                 1,
             ),
         }
     }
 }
 
+/// An energy, and what it was first.
+struct Noted<const D: usize, Energy> {
+    energy: Energy,
+    first: Option<(f64, SVector<f64, D>)>,
+}
+
+impl<const D: usize, Energy: Objective<D>> Objective<D> for Noted<D, Energy> {
+    fn jet(&mut self, center: &SVector<f64, D>) -> Jet<D> {
+        let jet = self.energy.jet(center);
+        (self.first).get_or_insert((jet.evaluation.value, jet.evaluation.gradient));
+        jet
+    }
+
+    fn fourth(&mut self, step: &SVector<f64, D>) -> Option<SMatrix<f64, D, D>> {
+        self.energy.fourth(step)
+    }
+}
+
+/// The energy of signed pieces.
+struct EnergyOf<'a> {
+    pieces: &'a [SignedPiece],
+    order: u32,
+    scratch: &'a mut WalkScratch,
+}
+
+impl Objective<3> for EnergyOf<'_> {
+    fn jet(&mut self, center: &Vector3<f64>) -> Jet<3> {
+        energy_jet(self.pieces, center, self.order, self.scratch)
+    }
+
+    fn fourth(&mut self, step: &Vector3<f64>) -> Option<Matrix3<f64>> {
+        let [SignedPiece { sign, integrand }] = self.pieces else {
+            return None;
+        };
+        let is_plain = self.order == 1 && integrand.density.is_none();
+        let fourth = is_plain.then(|| fourth(integrand, step, self.scratch))?;
+        fourth.map(|fourth| fourth * *sign)
+    }
+}
+
 /// The center of signed pieces in coordinates about their site.
 #[must_use]
 pub fn center(pieces: &[SignedPiece], search: &Search<3>, scratch: &mut WalkScratch) -> Center<3> {
-    search.center(|center: &Vector3<f64>| energy_jet(pieces, center, search.order, scratch))
+    search.center_of(EnergyOf {
+        pieces,
+        order: search.order,
+        scratch,
+    })
 }

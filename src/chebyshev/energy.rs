@@ -267,7 +267,7 @@ impl Visit for Power {
 }
 
 /// Σ (A/√2) w wᵀ over the interfaces, from 4/√2 times their areas.
-fn interface_hessian(areas: &[f64; Interface::SLOTS]) -> Matrix3<f64> {
+pub(crate) fn interface_hessian(areas: &[f64; Interface::SLOTS]) -> Matrix3<f64> {
     let mut hessian = Matrix3::zeros();
     for (number, (i, j)) in [(0, 1), (0, 2), (1, 2)].into_iter().enumerate() {
         // On + + and − − the directions of w differ, on + − and − + they agree.

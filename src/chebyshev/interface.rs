@@ -28,6 +28,19 @@ pub(crate) struct Mark {
     pub(crate) third: f64,
 }
 
+/// How fast the crossing of an interface with an edge slides along that edge.
+///
+/// A center that moves by δ, of which δ_l and δ_r are the parts along the interface's two sectors
+/// and δ_t that along the third axis, takes the interface with it: the crossing's mark changes by
+/// −(δ_l + (δ_l − δ_r) distance, δ_t + (δ_l − δ_r) third).
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Drift {
+    /// Of the first sector's distance.
+    pub(crate) distance: f64,
+    /// Of the coordinate along the third axis.
+    pub(crate) third: f64,
+}
+
 /// An interface, and what a point of it is to a segment with the interface's first sector on its
 /// left: the interface's number for the segment's start, [`Interface::SLOTS`] more for its end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -100,10 +113,10 @@ impl Interface {
         usize::from(self.0) % Self::SLOTS
     }
 
-    /// The first interface of a set that has one.
+    /// The one of a number.
     #[inline]
-    pub(crate) fn lowest(set: u32) -> Self {
-        Self(set.trailing_zeros() as u8)
+    pub(crate) fn of_number(number: usize) -> Self {
+        Self(number as u8)
     }
 }
 
@@ -167,6 +180,12 @@ impl Endpoint {
     #[inline]
     pub(crate) fn interface(self) -> Interface {
         Interface(self.0 % Interface::SLOTS as u8)
+    }
+
+    /// +1 for a start, −1 for an end.
+    #[inline]
+    pub(crate) fn sign(self) -> f64 {
+        [1.0, -1.0][self.number() / Interface::SLOTS]
     }
 
     /// Whether it is a start.

@@ -20,6 +20,7 @@ pub(crate) mod weighted_borders;
 
 mod chunks;
 mod panorama;
+mod quartic;
 mod segments;
 mod sight;
 mod terms;

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use crate::chebyshev::integrand::{EdgeConstants, Integrand};
+use crate::chebyshev::integrand::{EdgeConstants, FacetConstants, Integrand};
 use crate::chebyshev::sector::Sector;
 use crate::chebyshev::sight::Sight;
 use crate::chebyshev::visit::{FacetView, Side};
@@ -49,6 +49,19 @@ impl Panorama {
                 anchor: facet.foot.from(from),
             }
         }));
+    }
+
+    /// Whether all vertices stay in their sectors, and the center below or above every facet, where
+    /// the center moves by `step`, which is `from`. Sectors are convex: what is so at both ends of the
+    /// step is so all along.
+    #[inline]
+    pub(crate) fn stays(&self, piece: &Integrand, step: &Vector3<f64>, from: &Sight) -> bool {
+        let is_in_sector = |vertex: &VertexSight| vertex.sight.from(from).sector() == vertex.sector;
+        let keeps_its_side = |(sight, facet): (&FacetSight, &FacetConstants)| {
+            sight.per_height * facet.normal.dot(step) < 1.0
+        };
+        self.vertices.iter().all(is_in_sector)
+            && self.facets.iter().zip(&piece.facets).all(keeps_its_side)
     }
 
     /// The vertices at the ends of an edge.

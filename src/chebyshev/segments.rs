@@ -5,8 +5,8 @@
 
 use nalgebra::Vector3;
 
-use crate::chebyshev::chunks::{CHUNK, chosen};
-use crate::chebyshev::interface::{Endpoint, Interface, Mark, diagonal_ray, pierced};
+use crate::chebyshev::chunks::{Bits, CHUNK, chosen};
+use crate::chebyshev::interface::{Drift, Endpoint, Interface, Mark, diagonal_ray, pierced};
 use crate::chebyshev::visit::{FacetView, Visit};
 
 /// The endpoints that are starts.
@@ -17,10 +17,49 @@ const STARTS: u32 = (1 << Interface::SLOTS) - 1;
 pub(crate) struct Endpoints {
     /// The endpoints there are, as a set of bits.
     seen: u32,
+    /// Those of them at diagonals.
+    at_diagonals: u32,
     /// Whether there are spare ones elsewhere.
     has_spare: bool,
+    /// Whether a diagonal pierces the facet by rounding alone.
+    has_flat_diagonal: bool,
     /// Meaningless where nothing was seen.
     marks: [Mark; Endpoint::SLOTS],
+    /// Meaningless but where a crossing was seen.
+    drifts: [Drift; Endpoint::SLOTS],
+}
+
+/// Which segments there are: per facet a set of interfaces, those of some facets in one word.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Segments(Vec<u64>);
+
+impl Segments {
+    /// Facets that share a word.
+    const FACETS: usize = CHUNK / Interface::SLOTS;
+
+    /// Takes up the segments between endpoints, by facet.
+    #[inline]
+    fn take(&mut self, endpoints: &[Endpoints]) {
+        self.0.clear();
+        self.0.extend(endpoints.chunks(Self::FACETS).map(|chunk| {
+            let sets = chunk.iter().enumerate();
+            sets.fold(0, |word, (place, one)| {
+                word | u64::from(one.both()) << (place * Interface::SLOTS)
+            })
+        }));
+    }
+
+    /// The numbers of the facets, and the interfaces.
+    #[inline]
+    pub(crate) fn all(&self) -> impl Iterator<Item = (usize, Interface)> + '_ {
+        let words = self.0.iter().enumerate();
+        words.flat_map(|(chunk, &word)| {
+            Bits::of(word).map(move |bit| {
+                let facet = chunk * Self::FACETS + bit / Interface::SLOTS;
+                (facet, Interface::of_number(bit % Interface::SLOTS))
+            })
+        })
+    }
 }
 
 /// A second start or end on an interface of a facet. A convex facet has none but by rounding.
@@ -39,7 +78,40 @@ impl Endpoints {
     #[inline]
     pub(crate) fn clear(&mut self) {
         self.seen = 0;
+        self.at_diagonals = 0;
         self.has_spare = false;
+        self.has_flat_diagonal = false;
+    }
+
+    /// Whether rounding alone has added endpoints.
+    #[inline]
+    pub(crate) fn are_rounded(&self) -> bool {
+        self.has_spare || self.has_flat_diagonal
+    }
+
+    /// The mark of an endpoint that was seen.
+    #[inline]
+    pub(crate) fn mark(&self, endpoint: Endpoint) -> &Mark {
+        &self.marks[endpoint.number()]
+    }
+
+    /// Whether an endpoint that was seen is at a diagonal.
+    #[inline]
+    pub(crate) fn is_at_diagonal(&self, endpoint: Endpoint) -> bool {
+        self.at_diagonals & endpoint.bit() != 0
+    }
+
+    /// How an endpoint that was seen slides along its edge; meaningless at a diagonal.
+    #[inline]
+    pub(crate) fn drift(&self, endpoint: Endpoint) -> &Drift {
+        &self.drifts[endpoint.number()]
+    }
+
+    /// Adds a crossing with an edge, or says that its place is taken.
+    #[inline]
+    fn add_crossing(&mut self, endpoint: Endpoint, mark: Mark, drift: Drift) -> bool {
+        self.drifts[endpoint.number()] = drift;
+        self.add(endpoint, mark)
     }
 
     /// The interfaces that the facet's boundary crosses an odd number of times.
@@ -55,7 +127,7 @@ impl Endpoints {
 
     /// Adds an endpoint, or says that its place is taken and it has to be a spare one.
     #[inline]
-    pub(crate) fn add(&mut self, endpoint: Endpoint, mark: Mark) -> bool {
+    fn add(&mut self, endpoint: Endpoint, mark: Mark) -> bool {
         let is_free = self.seen & endpoint.bit() == 0;
         if is_free {
             self.seen |= endpoint.bit();
@@ -88,7 +160,7 @@ impl Endpoints {
 pub(crate) fn report_segments<'a>(
     view: impl Fn(usize) -> FacetView<'a>,
     endpoints: &mut [Endpoints],
-    spare: &mut Vec<Spare>,
+    (segments, spare): (&mut Segments, &mut Vec<Spare>),
     visitor: &mut impl Visit,
 ) {
     for (chunk, endpoints) in endpoints.chunks_mut(CHUNK).enumerate() {
@@ -97,17 +169,13 @@ pub(crate) fn report_segments<'a>(
         for number in chosen(endpoints, crossed) {
             add_diagonals(&view(first + number), &mut endpoints[number], spare);
         }
-        for number in chosen(endpoints, |_, all| all.both() != 0) {
-            let view = view(first + number);
-            let Endpoints { marks, .. } = &endpoints[number];
-            let mut left = endpoints[number].both();
-            while left != 0 {
-                let interface = Interface::lowest(left);
-                let [u, v] = [false, true].map(|ends| Endpoint::of(interface, ends).number());
-                visitor.segment(&view, interface, &marks[u], &marks[v]);
-                left &= left - 1;
-            }
-        }
+    }
+    segments.take(endpoints);
+    for (facet, interface) in segments.all() {
+        let view = view(facet);
+        let Endpoints { marks, .. } = &endpoints[facet];
+        let [u, v] = [false, true].map(|ends| Endpoint::of(interface, ends).number());
+        visitor.segment(&view, interface, &marks[u], &marks[v]);
     }
     if !spare.is_empty() {
         for facet in 0..endpoints.len() {
@@ -162,7 +230,10 @@ fn add_diagonals(view: &FacetView<'_>, endpoints: &mut Endpoints, spare: &mut Ve
                 distance: reach,
                 third: sign * reach,
             };
-            enter(view.number, endpoint, mark, endpoints, spare);
+            endpoints.at_diagonals |= endpoint.bit();
+            if !endpoints.add(endpoint, mark) {
+                put_aside(view.number, endpoint, mark, spare);
+            }
         }
     }
 }
@@ -179,26 +250,34 @@ fn add_flat_diagonal(
     let point = point.unwrap_or_else(|| view.anchor.point());
     for &(endpoint, _) in Endpoint::at_diagonal(diagonal, view.height >= 0.0) {
         let mark = endpoint.interface().mark(&point);
-        enter(view.number, endpoint, mark, endpoints, spare);
+        if !endpoints.add(endpoint, mark) {
+            put_aside(view.number, endpoint, mark, spare);
+        }
     }
+    endpoints.has_flat_diagonal = true;
 }
 
-/// Adds an endpoint to a facet's, or to the spare ones where its place is taken.
+/// Adds a crossing with an edge to a facet's endpoints, or to the spare ones.
 #[inline]
 pub(crate) fn enter(
     facet: usize,
-    endpoint: Endpoint,
-    mark: Mark,
+    (endpoint, mark, drift): (Endpoint, Mark, Drift),
     endpoints: &mut Endpoints,
     spare: &mut Vec<Spare>,
 ) {
-    if !endpoints.add(endpoint, mark) {
-        spare.push(Spare {
-            facet,
-            endpoint,
-            mark,
-        });
+    if !endpoints.add_crossing(endpoint, mark, drift) {
+        put_aside(facet, endpoint, mark, spare);
     }
+}
+
+/// Adds a spare endpoint.
+#[cold]
+fn put_aside(facet: usize, endpoint: Endpoint, mark: Mark, spare: &mut Vec<Spare>) {
+    spare.push(Spare {
+        facet,
+        endpoint,
+        mark,
+    });
 }
 
 /// The facet spans a whole sector: the one in the middle of the four diagonals, or the opposite.

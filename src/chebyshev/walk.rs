@@ -16,10 +16,10 @@ use nalgebra::Vector3;
 
 use crate::chebyshev::chunks::{CHUNK, chosen};
 use crate::chebyshev::integrand::{EdgeConstants, Integrand};
-use crate::chebyshev::interface::{Endpoint, Mark};
+use crate::chebyshev::interface::{Drift, Endpoint, Mark};
 use crate::chebyshev::panorama::{Panorama, VertexSight};
 use crate::chebyshev::sector::Sector;
-use crate::chebyshev::segments::{Endpoints, Spare, enter, report_segments};
+use crate::chebyshev::segments::{Endpoints, Segments, Spare, enter, report_segments};
 use crate::chebyshev::sight::Sight;
 use crate::chebyshev::visit::{Corner, Visit};
 use crate::chebyshev::weighted::Places;
@@ -27,11 +27,19 @@ use crate::chebyshev::weighted::Places;
 /// The memory of a walk, to be reused from one center to the next.
 #[derive(Clone, Debug, Default)]
 pub struct WalkScratch {
-    panorama: Panorama,
-    endpoints: Vec<Endpoints>,
+    pub(crate) panorama: Panorama,
+    pub(crate) endpoints: Vec<Endpoints>,
+    pub(crate) segments: Segments,
     spare: Vec<Spare>,
     /// For pieces with a density.
     pub(crate) places: Option<Places>,
+}
+
+impl WalkScratch {
+    /// Whether rounding alone has added endpoints in the last walk, which was one of `piece`.
+    pub(crate) fn are_rounded(&self, piece: &Integrand) -> bool {
+        (self.endpoints.iter().take(piece.facets.len())).any(Endpoints::are_rounded)
+    }
 }
 
 /// Walks the surface of a piece as seen from `center` (in the piece's coordinates).
@@ -45,6 +53,7 @@ pub(crate) fn walk(
     let WalkScratch {
         panorama,
         endpoints,
+        segments,
         spare,
         ..
     } = scratch;
@@ -65,7 +74,7 @@ pub(crate) fn walk(
     }
     let endpoints = &mut endpoints[..piece.facets.len()];
     let view = |number| panorama.facet(piece, number);
-    report_segments(view, endpoints, spare, visitor);
+    report_segments(view, endpoints, (segments, spare), visitor);
 }
 
 /// Reports an edge within one sector. The Chebyshev distance is convex along the edge, so that no other
@@ -95,7 +104,7 @@ fn report_parted(
 ) {
     let [a, b] = panorama.ends(edge);
     let (from, to) = (a.sector, b.sector);
-    let Some((end, mark)) = only_crossing(a, b) else {
+    let Some((end, mark, drift)) = only_crossing(a, b) else {
         return split_edge(piece, edge, panorama, (endpoints, spare), visitor);
     };
     let sides = panorama.sides(piece, edge);
@@ -103,7 +112,7 @@ fn report_parted(
     let [a, b] = [a, b].map(|end| Corner::new(&end.sight, end.sector));
     visitor.share(&sides, from, end, [&a, &between]);
     visitor.share(&sides, to, 1.0 - end, [&between, &b]);
-    note(edge, (from, to), mark, endpoints, spare);
+    note(edge, (from, to), (mark, drift), endpoints, spare);
 }
 
 /// Forgets the endpoints of `count` facets.
@@ -129,12 +138,13 @@ fn corner(endpoint: Endpoint, mark: &Mark) -> Corner {
 /// That is so where both distances agree and are the largest: the Chebyshev distance is convex, so
 /// a sector that has it at two points has it everywhere between them.
 #[inline]
-fn only_crossing(a: &VertexSight, b: &VertexSight) -> Option<(f64, Mark)> {
+fn only_crossing(a: &VertexSight, b: &VertexSight) -> Option<(f64, Mark, Drift)> {
     let (from, to) = (a.sector, b.sector);
     let (a, b) = (&a.sight, &b.sight);
     let fall = a.distance(from) - a.distance(to);
     let rise = b.distance(to) - b.distance(from);
-    let third = Endpoint::passing(from, to).interface().third_axis();
+    let endpoint = Endpoint::passing(from, to);
+    let third = endpoint.interface().third_axis();
     // Both of the mark's numbers times (fall + rise): what decides need not wait for a quotient.
     let distance = a.distance(from) * rise + b.distance(from) * fall;
     let along = a.along(third) * rise + b.along(third) * fall;
@@ -146,7 +156,21 @@ fn only_crossing(a: &VertexSight, b: &VertexSight) -> Option<(f64, Mark)> {
         distance: distance * scale,
         third: along * scale,
     };
-    scale.is_finite().then_some((fall * scale, mark))
+    let drift = drift_of([a, b], endpoint, scale);
+    scale.is_finite().then_some((fall * scale, mark, drift))
+}
+
+/// How the crossing slides along the edge from `a` to `b`, for `scale` the inverse of how much the
+/// distance of the sector ahead gains, along the whole edge, on that of the one behind.
+#[inline]
+fn drift_of([a, b]: [&Sight; 2], endpoint: Endpoint, scale: f64) -> Drift {
+    let interface = endpoint.interface();
+    let (left, third) = (interface.sectors().0, interface.third_axis());
+    let scale = endpoint.sign() * scale;
+    Drift {
+        distance: (b.distance(left) - a.distance(left)) * scale,
+        third: (b.along(third) - a.along(third)) * scale,
+    }
 }
 
 /// The point at `end` along the edge from `a` to `b`, on an interface of `sector`.
@@ -164,7 +188,7 @@ fn mark_on([a, b]: [&Sight; 2], sector: Sector, third: usize, end: f64) -> Mark 
 fn note(
     edge: &EdgeConstants,
     (from, to): (Sector, Sector),
-    mark: Mark,
+    (mark, drift): (Mark, Drift),
     endpoints: &mut [Endpoints],
     spare: &mut Vec<Spare>,
 ) {
@@ -173,7 +197,7 @@ fn note(
         (edge.right, Endpoint::passing(to, from)),
     ] {
         let facet = facet as usize;
-        enter(facet, endpoint, mark, &mut endpoints[facet], spare);
+        enter(facet, (endpoint, mark, drift), &mut endpoints[facet], spare);
     }
 }
 
@@ -197,7 +221,12 @@ fn split_edge(
         let mark = mark_on([a, b], sector, endpoint.interface().third_axis(), end);
         let next = corner(endpoint, &mark);
         visitor.share(&sides, sector, end - start, [&last, &next]);
-        note(edge, (sector, following), mark, endpoints, spare);
+        let gain =
+            b.distance(following) - a.distance(following) - b.distance(sector) + a.distance(sector);
+        // Where rounding alone makes the passage, nobody can tell how it slides.
+        let scale = if gain > 0.0 { 1.0 / gain } else { f64::NAN };
+        let drift = drift_of([a, b], endpoint, scale);
+        note(edge, (sector, following), (mark, drift), endpoints, spare);
         (start, last, sector) = (end, next, following);
     }
     visitor.share(

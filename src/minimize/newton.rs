@@ -18,13 +18,15 @@
 //!   slope decides instead (the approximate Wolfe condition of Hager & Zhang, SIAM J. Optim. 16,
 //!   2005, eq. 4.1). Trials that are not finite are rejected.
 //! * An evaluation is spent only where it can tell something: the last step is taken on trust
-//!   once the steps before it show that what remains is below `step_tolerance`.
+//!   once the steps before it show that what remains is below `step_tolerance`; and where the
+//!   function is known to be one polynomial as far as the minimum, that is found `ahead`.
 
 use nalgebra::SVector;
 
 use crate::minimize::backtracking::{VALUE_ROUNDING, cut, is_accepted, is_finite};
-use crate::minimize::newton_state::NewtonState;
+use crate::minimize::newton_state::{NewtonState, predicted};
 use crate::minimize::newton_step::newton_step;
+use crate::minimize::objective::{Objective, Plain};
 use crate::minimize::problem::{Ended, Jet, Minimum};
 
 /// Up to this many times the rounding of values, a gain that does not come is put down to it.
@@ -69,7 +71,18 @@ impl NewtonOptions {
 /// The start is moved into the box first. The function may be only piecewise twice
 /// differentiable. Where `lower > upper` the upper bound counts.
 pub fn newton<const D: usize, J: Into<Jet<D>>>(
-    mut objective: impl FnMut(&SVector<f64, D>) -> J,
+    objective: impl FnMut(&SVector<f64, D>) -> J,
+    start: &SVector<f64, D>,
+    lower: &SVector<f64, D>,
+    upper: &SVector<f64, D>,
+    options: &NewtonOptions,
+) -> Minimum<D> {
+    minimize(&mut Plain(objective), start, lower, upper, options)
+}
+
+/// As [`newton`], for functions that may know what lies ahead.
+pub fn minimize<const D: usize>(
+    objective: &mut impl Objective<D>,
     start: &SVector<f64, D>,
     lower: &SVector<f64, D>,
     upper: &SVector<f64, D>,
@@ -80,44 +93,48 @@ pub fn newton<const D: usize, J: Into<Jet<D>>>(
         upper: *upper,
         options: *options,
     };
-    let mut objective = |point: &SVector<f64, D>| objective(point).into();
-    let mut current = NewtonState::at(solver.projected(start), &mut objective);
-    let mut ended = if is_finite(&current.evaluation) {
+    let mut current = NewtonState::at(solver.projected(start), objective);
+    let mut ended = if is_finite(&current.jet.evaluation) {
         solver.convergence(&current)
     } else {
         Some(Ended::NotFinite)
     };
     while ended.is_none() {
-        ended = solver.advance(&mut objective, &mut current);
+        ended = solver.advance(objective, &mut current);
     }
     current.minimum(ended)
 }
 
 /// The solver: the question without its function.
 #[derive(Debug)]
-struct ProjectedNewton<const D: usize> {
-    lower: SVector<f64, D>,
-    upper: SVector<f64, D>,
-    options: NewtonOptions,
+pub(crate) struct ProjectedNewton<const D: usize> {
+    pub(crate) lower: SVector<f64, D>,
+    pub(crate) upper: SVector<f64, D>,
+    pub(crate) options: NewtonOptions,
 }
 
 impl<const D: usize> ProjectedNewton<D> {
     /// One Newton step with its search; a reason if it was the last.
     fn advance(
         &self,
-        objective: &mut impl FnMut(&SVector<f64, D>) -> Jet<D>,
+        objective: &mut impl Objective<D>,
         current: &mut NewtonState<D>,
     ) -> Option<Ended> {
-        let Some(step) = self.step(current) else {
+        let Some(step) = self.step(&current.point, &current.jet) else {
             return Some(Ended::NoDescent);
         };
         let size = step.amax();
         if is_lost(&step, &current.point) || self.is_noise(current, &step) {
             return Some(Ended::AtRounding);
         }
-        if self.is_negligible(size, current) {
-            current.evaluation = current.predicted(&step);
+        let has_third = current.jet.third.is_some();
+        if (current.last_step).is_some_and(|last| self.is_negligible(size, last, has_third)) {
+            current.jet.evaluation = predicted(&current.jet.evaluation, &step);
             current.point = self.moved(&current.point, &step, 1.0);
+            return Some(Ended::StepNegligible);
+        }
+        if let Some((point, evaluation)) = self.ahead(objective, current, &step) {
+            (current.point, current.jet.evaluation) = (point, evaluation);
             return Some(Ended::StepNegligible);
         }
         match self.search(objective, current, &step) {
@@ -127,34 +144,28 @@ impl<const D: usize> ProjectedNewton<D> {
         self.convergence(current)
     }
 
-    /// The next step within the box and the largest step.
-    fn step(&self, current: &NewtonState<D>) -> Option<SVector<f64, D>> {
+    /// The next step within the box and the largest step, from where the function is `jet`.
+    pub(crate) fn step(&self, point: &SVector<f64, D>, jet: &Jet<D>) -> Option<SVector<f64, D>> {
         let length = self.options.length;
         let longest = SVector::repeat(length);
-        let lower = (self.lower - current.point).sup(&-longest);
-        let upper = (self.upper - current.point).inf(&longest);
-        let (evaluation, third) = (&current.evaluation, current.third.as_ref());
-        newton_step(evaluation, third, length, &lower, &upper)
+        let lower = (self.lower - point).sup(&-longest);
+        let upper = (self.upper - point).inf(&longest);
+        newton_step(jet, length, &lower, &upper)
     }
 
-    /// Whether what `size` leaves is below the tolerance, if the steps go on shrinking at least
-    /// as fast as the last two did; with third derivatives, if their ratio squares at least.
-    fn is_negligible(&self, size: f64, current: &NewtonState<D>) -> bool {
+    /// Whether what a step of `size` after one of `last` leaves is below the tolerance, if the steps
+    /// go on shrinking at least as fast as these two did; with third derivatives, if their ratio
+    /// squares at least.
+    pub(crate) fn is_negligible(&self, size: f64, last: f64, has_third: bool) -> bool {
         let tolerance = self.options.step_tolerance * self.options.length;
-        current.last_step.is_some_and(|last| {
-            let ratio = size / last;
-            let shrinks_to = if current.third.is_some() {
-                ratio * ratio
-            } else {
-                ratio
-            };
-            ratio < 1.0 && size * shrinks_to <= tolerance
-        })
+        let ratio = size / last;
+        let shrinks_to = if has_third { ratio * ratio } else { ratio };
+        ratio < 1.0 && size * shrinks_to <= tolerance
     }
 
     /// Whether the steps have stopped shrinking and gain nothing that rounding would leave.
     fn is_noise(&self, current: &NewtonState<D>, step: &SVector<f64, D>) -> bool {
-        let evaluation = &current.evaluation;
+        let evaluation = &current.jet.evaluation;
         let gain = -evaluation.gradient.dot(step);
         current
             .last_step
@@ -165,11 +176,11 @@ impl<const D: usize> ProjectedNewton<D> {
     /// Cuts the step until it is accepted and returns the fraction taken.
     fn search(
         &self,
-        objective: &mut impl FnMut(&SVector<f64, D>) -> Jet<D>,
+        objective: &mut impl Objective<D>,
         current: &mut NewtonState<D>,
         step: &SVector<f64, D>,
     ) -> Result<f64, Ended> {
-        let start = current.evaluation;
+        let start = current.jet.evaluation;
         let slope = start.gradient.dot(step);
         let mut fraction = 1.0;
         for _ in 0..MAX_CUTS {
@@ -180,11 +191,11 @@ impl<const D: usize> ProjectedNewton<D> {
             let Jet {
                 evaluation: trial,
                 third,
-            } = objective(&point);
+            } = objective.jet(&point);
             current.evaluations += 1;
             if is_accepted(&start, &trial, step, fraction * slope) {
                 current.point = point;
-                (current.evaluation, current.third) = (trial, third);
+                (current.jet.evaluation, current.jet.third) = (trial, third);
                 return Ok(fraction);
             }
             if -fraction * slope <= VALUE_ROUNDING * start.value.abs() {
@@ -200,7 +211,7 @@ impl<const D: usize> ProjectedNewton<D> {
     }
 
     /// `point + fraction · step`, exactly on a bound where the whole step ends on it.
-    fn moved(
+    pub(crate) fn moved(
         &self,
         point: &SVector<f64, D>,
         step: &SVector<f64, D>,
@@ -224,10 +235,7 @@ impl<const D: usize> ProjectedNewton<D> {
 
     /// Whether the run is over at `current`.
     fn convergence(&self, current: &NewtonState<D>) -> Option<Ended> {
-        let size = (0..D).fold(0.0_f64, |size, axis| {
-            size.max(self.free_slope(current, axis).abs())
-        });
-        if size <= self.options.gradient_tolerance * self.options.scale {
+        if self.is_flat(&current.point, &current.jet.evaluation.gradient) {
             Some(Ended::GradientSmall)
         } else if current.evaluations >= self.options.max_evaluations {
             Some(Ended::EvaluationLimit)
@@ -236,12 +244,15 @@ impl<const D: usize> ProjectedNewton<D> {
         }
     }
 
-    /// The gradient along `axis`, zero where it pushes against a bound.
-    fn free_slope(&self, current: &NewtonState<D>, axis: usize) -> f64 {
-        let slope = current.evaluation.gradient[axis];
-        let at_lower = current.point[axis] <= self.lower[axis] && slope > 0.0;
-        let at_upper = current.point[axis] >= self.upper[axis] && slope < 0.0;
-        if at_lower || at_upper { 0.0 } else { slope }
+    /// Whether the projected gradient is small.
+    pub(crate) fn is_flat(&self, point: &SVector<f64, D>, gradient: &SVector<f64, D>) -> bool {
+        let tolerance = self.options.gradient_tolerance * self.options.scale;
+        (0..D).all(|axis| {
+            let slope = gradient[axis];
+            let at_lower = point[axis] <= self.lower[axis] && slope > 0.0;
+            let at_upper = point[axis] >= self.upper[axis] && slope < 0.0;
+            at_lower || at_upper || slope.abs() <= tolerance
+        })
     }
 }
 

@@ -1,7 +1,8 @@
 //! Where a run of Newton's method stands between two steps.
 
-use nalgebra::{SMatrix, SVector};
+use nalgebra::SVector;
 
+use crate::minimize::objective::Objective;
 use crate::minimize::problem::{Ended, Evaluation, Jet, Minimum};
 
 /// A point, the function there, and how the last step went.
@@ -10,9 +11,7 @@ pub(crate) struct NewtonState<const D: usize> {
     /// `x`, inside the box.
     pub(crate) point: SVector<f64, D>,
     /// The function there.
-    pub(crate) evaluation: Evaluation<D>,
-    /// The derivative of the Hessian there by each variable, where it is known.
-    pub(crate) third: Option<[SMatrix<f64, D, D>; D]>,
+    pub(crate) jet: Jet<D>,
     /// Evaluations so far.
     pub(crate) evaluations: u32,
     /// The largest component of the last step, if it was a full one.
@@ -21,15 +20,11 @@ pub(crate) struct NewtonState<const D: usize> {
 
 impl<const D: usize> NewtonState<D> {
     /// Where a run begins.
-    pub(crate) fn at(
-        point: SVector<f64, D>,
-        objective: &mut impl FnMut(&SVector<f64, D>) -> Jet<D>,
-    ) -> Self {
-        let Jet { evaluation, third } = objective(&point);
+    pub(crate) fn at(point: SVector<f64, D>, objective: &mut impl Objective<D>) -> Self {
+        let jet = objective.jet(&point);
         Self {
             point,
-            evaluation,
-            third,
+            jet,
             evaluations: 1,
             last_step: None,
         }
@@ -39,25 +34,23 @@ impl<const D: usize> NewtonState<D> {
     pub(crate) fn minimum(&self, ended: Option<Ended>) -> Minimum<D> {
         Minimum {
             point: self.point,
-            value: self.evaluation.value,
-            gradient: self.evaluation.gradient,
+            value: self.jet.evaluation.value,
+            gradient: self.jet.evaluation.gradient,
             evaluations: self.evaluations,
             ended: ended.unwrap_or(Ended::NotFinite),
         }
     }
+}
 
-    /// The model's value and gradient after `step`.
-    pub(crate) fn predicted(&self, step: &SVector<f64, D>) -> Evaluation<D> {
-        let Evaluation {
-            value,
-            gradient,
-            hessian,
-        } = self.evaluation;
-        let bend = hessian * step;
-        Evaluation {
-            value: value + gradient.dot(step) + 0.5 * bend.dot(step),
-            gradient: gradient + bend,
-            hessian,
-        }
+/// The quadratic model's value and gradient after `step`.
+pub(crate) fn predicted<const D: usize>(
+    from: &Evaluation<D>,
+    step: &SVector<f64, D>,
+) -> Evaluation<D> {
+    let bend = from.hessian * step;
+    Evaluation {
+        value: from.value + from.gradient.dot(step) + 0.5 * bend.dot(step),
+        gradient: from.gradient + bend,
+        hessian: from.hessian,
     }
 }
