@@ -10,15 +10,17 @@
 //!
 //! On a triangle with corner distances δ, with λ_v the barycentric coordinates,
 //! ∫ d^p λ_v dA = 2 A p!/(p+3)! · h_p(δ, δ_v): three weights, whose sum is ∫ d^p dA and whose
-//! mean of the corners is ∫ d^p y dA. The energy itself is Σ_f H_f/(3+p) ∫_f d∞^p dA, H_f the
+//! mean of the corners is ∫ d^p y dA (for p = 1 see `linear_borders`). The energy itself is Σ_f H_f/(3+p) ∫_f d∞^p dA, H_f the
 //! site's height below the facet, since d∞^p is homogeneous about the site. Where pieces have a
 //! density, the same integrals with it inside come from `weighted_borders`.
 
 use nalgebra::Vector3;
+use wide::f64x4;
 
 use crate::chebyshev::energy::{SignedPiece, tetrahedron};
 use crate::chebyshev::integrand::Integrand;
 use crate::chebyshev::interface::{Interface, Mark};
+use crate::chebyshev::linear_borders::LinearSums;
 use crate::chebyshev::sector::Sector;
 use crate::chebyshev::visit::{Corner, FacetView, Side, Visit};
 use crate::chebyshev::walk::{WalkScratch, walk};
@@ -75,8 +77,8 @@ pub fn borders<'a>(
         total.gradient += Vector3::from([0, 1, 2].map(slope)) * (f64::from(order) * sign);
         let planes = integrand.facets.iter().zip(&integrand.labels);
         for ((plane, &label), sums) in planes.zip(&scratch.facets) {
-            if sums.weight.abs() > 0.0 && is_bisector(label) {
-                let (weight, first) = (sums.weight * sign, sums.first * *sign);
+            let (weight, first) = (sums.weight() * sign, sums.first() * *sign);
+            if weight.abs() > 0.0 && is_bisector(label) {
                 let distance = 2.0 * plane.offset;
                 visit(Push {
                     label,
@@ -97,15 +99,21 @@ fn plain(
     facets: &mut Vec<FacetSums>,
 ) -> (f64, [f64; Sector::SLOTS]) {
     reset(facets, integrand);
-    let mut sums = Sums {
-        order,
-        volumes: [0.0; Sector::SLOTS],
-        facets,
+    let volumes = if order == 1 {
+        let mut sums = LinearSums::new(facets);
+        walk(integrand, &Vector3::zeros(), walked, &mut sums);
+        sums.volumes
+    } else {
+        let mut sums = Sums {
+            order,
+            volumes: [0.0; Sector::SLOTS],
+            facets,
+        };
+        walk(integrand, &Vector3::zeros(), walked, &mut sums);
+        sums.volumes
     };
-    walk(integrand, &Vector3::zeros(), walked, &mut sums);
-    let volumes = sums.volumes;
     let planes = integrand.facets.iter().zip(facets);
-    let heights = planes.map(|(plane, sums)| sums.weight * plane.offset);
+    let heights = planes.map(|(plane, sums)| sums.weight() * plane.offset);
     let value = heights.sum::<f64>() / (3.0 + f64::from(order));
     (value, volumes)
 }
@@ -135,11 +143,24 @@ fn reset(facets: &mut Vec<FacetSums>, integrand: &Integrand) {
     facets.resize(integrand.facets.len(), FacetSums::default());
 }
 
-/// ∫ d∞^p dA and ∫ d∞^p y dA over one facet.
+/// ∫ d∞^p y dA and ∫ d∞^p dA over one facet.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct FacetSums {
-    pub(crate) weight: f64,
-    pub(crate) first: Vector3<f64>,
+pub(crate) struct FacetSums(pub(crate) f64x4);
+
+impl FacetSums {
+    /// Adds to both.
+    pub(crate) fn add(&mut self, weight: f64, first: &Vector3<f64>) {
+        self.0 += f64x4::new([first.x, first.y, first.z, weight]);
+    }
+
+    fn weight(&self) -> f64 {
+        self.0.to_array()[3]
+    }
+
+    fn first(&self) -> Vector3<f64> {
+        let [x, y, z, _] = self.0.to_array();
+        Vector3::new(x, y, z)
+    }
 }
 
 /// The sums of a walk: per sector ∫ d∞^{p−1} dV, and per facet its own.
@@ -162,8 +183,8 @@ impl Sums<'_> {
         let (weights, slope) = self.weights_of_power(doubled_area, distances);
         self.volumes[sector.number()] += doubled_area * facet.height * slope;
         let sums = &mut self.facets[facet.number];
-        sums.weight += weights[0] + weights[1] + weights[2];
-        sums.first += corners[0] * weights[0] + corners[1] * weights[1] + corners[2] * weights[2];
+        let first = corners[0] * weights[0] + corners[1] * weights[1] + corners[2] * weights[2];
+        sums.add(weights[0] + weights[1] + weights[2], &first);
     }
 
     fn weights_of_power(&self, doubled_area: f64, distances: [f64; 3]) -> ([f64; 3], f64) {
@@ -179,60 +200,23 @@ impl Sums<'_> {
 }
 
 impl Visit for Sums<'_> {
-    #[inline]
     fn share(&mut self, sides: &[Side<'_>; 2], sector: Sector, part: f64, ends: [&Corner; 2]) {
-        let [a, b] = ends;
-        if self.order != 1 {
-            for Side {
-                facet,
-                doubled_area,
-            } in sides
-            {
-                let corners = [&facet.anchor.point(), &a.point, &b.point];
-                self.add(facet, sector, part * doubled_area, corners);
-            }
-            return;
-        }
-        // The three weights are (δ + their sum) · area / 12; what both sides share comes first.
-        let far = a.distance + b.distance;
-        let middle = a.point + b.point;
-        let moment = a.point * a.distance + b.point * b.distance;
-        let mut volume = 0.0;
         for Side {
             facet,
             doubled_area,
         } in sides
         {
-            let (share, anchor) = (part * doubled_area, facet.anchor.point());
-            let near = facet.anchor.distance(sector);
-            let sum = near + far;
-            let sums = &mut self.facets[facet.number];
-            sums.weight += share / 6.0 * sum;
-            sums.first += (anchor * (sum + near) + middle * sum + moment) * (share / 24.0);
-            volume += share * facet.height;
+            let corners = [&facet.anchor.point(), &ends[0].point, &ends[1].point];
+            self.add(facet, sector, part * doubled_area, corners);
         }
-        self.volumes[sector.number()] += volume / 6.0;
     }
 
-    #[inline]
     fn segment(&mut self, facet: &FacetView<'_>, interface: Interface, u: &Mark, v: &Mark) {
         let (left, right) = interface.sectors();
         let [u, v] = [u, v].map(|mark| interface.point(mark));
         let (doubled_area, anchor) = (facet.doubled_area(&u, &v), facet.anchor.point());
-        if self.order != 1 {
-            let corners = [&anchor, &u, &v];
-            self.add(facet, left, doubled_area, corners);
-            self.add(facet, right, -doubled_area, corners);
-            return;
-        }
-        // At u and v both distances agree and cancel.
-        let difference = facet.anchor.distance(left) - facet.anchor.distance(right);
-        let share = doubled_area * difference;
-        let sums = &mut self.facets[facet.number];
-        sums.weight += share / 6.0;
-        sums.first += (anchor * 2.0 + u + v) * (share / 24.0);
-        let volume = doubled_area * facet.height / 6.0;
-        self.volumes[left.number()] += volume;
-        self.volumes[right.number()] -= volume;
+        let corners = [&anchor, &u, &v];
+        self.add(facet, left, doubled_area, corners);
+        self.add(facet, right, -doubled_area, corners);
     }
 }

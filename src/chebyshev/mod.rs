@@ -19,6 +19,7 @@ pub(crate) mod weighted;
 pub(crate) mod weighted_borders;
 
 mod chunks;
+mod linear_borders;
 mod panorama;
 mod quartic;
 mod segments;

@@ -92,9 +92,7 @@ impl<'a> WeightedSums<'a> {
         let area = sign * doubled_area / 2.0;
         let weight = area * self.table.sum(&places.flat[axis]);
         let first = [0, 1, 2].map(|coordinate| self.table.sum(&places.first[axis][coordinate]));
-        let sums = &mut self.facets[facet.number];
-        sums.weight += weight;
-        sums.first += Vector3::from(first) * area;
+        self.facets[facet.number].add(weight, &(Vector3::from(first) * area));
     }
 }
 

@@ -180,7 +180,7 @@ struct Row {
 
 /// Times the stages in turn, `repeat` times over, so that a slow moment hits all of them.
 fn time(crowd: &Crowd, options: &Options) -> Result<Row, DiagramError> {
-    let (sites, mut space) = (&crowd.sites, Space::new(Box::new(crowd.domain)));
+    let (sites, space) = (&crowd.sites, Space::new(Box::new(crowd.domain)));
     let count = sites.len() as f64;
     let asked = |stage: &Stage| options.stages.contains(stage);
     let moved = if asked(&Stage::Reused) || asked(&Stage::Global) {
@@ -201,15 +201,10 @@ fn time(crowd: &Crowd, options: &Options) -> Result<Row, DiagramError> {
                     space.assess_near(sites, QUESTION)?;
                     moved
                 }
-                // Nothing shall be left from the time before.
-                (Stage::Global, None) => {
-                    space = Space::new(Box::new(crowd.domain));
-                    sites
-                }
                 _ => sites,
             };
             let watch = Watch::start(options.cpu);
-            let evaluations = run_stage(stage, &space, sites)?;
+            let evaluations = run_stage(stage, &space, sites, moved.is_some())?;
             let spent = watch.seconds() * 1e6 / count;
             let shortest = &mut row.microseconds[number];
             *shortest = Some(shortest.map_or(spent, |shortest| shortest.min(spent)));
@@ -233,13 +228,22 @@ fn moved(space: &Space, sites: &[Point3<f64>]) -> Result<Option<Vec<Point3<f64>>
 }
 
 /// Does the work up to a stage and returns how many energies were evaluated.
-fn run_stage(stage: Stage, space: &Space, sites: &[Point3<f64>]) -> Result<u64, DiagramError> {
+fn run_stage(
+    stage: Stage,
+    space: &Space,
+    sites: &[Point3<f64>],
+    is_near: bool,
+) -> Result<u64, DiagramError> {
     let domain = space.domain();
     let cells = match stage {
         Stage::Iteration => space.assess(sites, QUESTION)?,
         Stage::Reused => space.assess_near(sites, QUESTION)?,
         Stage::Global => {
-            space.global(sites, QUESTION.order)?;
+            if is_near {
+                space.global_near(sites, QUESTION.order)?;
+            } else {
+                space.global(sites, QUESTION.order)?;
+            }
             Vec::new()
         }
         _ => {

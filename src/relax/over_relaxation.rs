@@ -60,9 +60,12 @@ pub(crate) fn advance<const D: usize, Space: Tessellation<D>>(
     moves: Moves,
 ) -> Result<Moved<D>, Space::Error> {
     let targets: Vec<_> = cells.iter().map(|cell| cell.target).collect();
-    let look_at = |there: Vec<Point<f64, D>>| {
+    let is_near = |there: &[Point<f64, D>]| {
         let movement = Movement::between(space, sites, there.iter());
-        let is_near = movement.percent::<D>(space.volume(), sites.len()) < moves.little;
+        movement.percent::<D>(space.volume(), sites.len()) < moves.little
+    };
+    let look_at = |there: Vec<Point<f64, D>>| {
+        let is_near = is_near(&there);
         look(space, there, moves.question, is_near)
     };
     if !moves.is_accelerated {
@@ -77,7 +80,11 @@ pub(crate) fn advance<const D: usize, Space: Tessellation<D>>(
     let Ok(tried) = look_at(far) else {
         return look_at(targets);
     };
-    let least = space.energy(&targets, moves.question)?;
+    let least = if is_near(&targets) {
+        space.energy_near(&targets, moves.question)?
+    } else {
+        space.energy(&targets, moves.question)?
+    };
     let compared = tried.evaluations + sites.len() as u64;
     if total(&tried.cells) <= least {
         return Ok(Moved {

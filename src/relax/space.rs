@@ -65,13 +65,18 @@ impl Space {
         self.lock().rebuilt()
     }
 
-    /// As [`Diagram::map_carried`], with what the last such diagram has left.
-    pub(crate) fn map_carried<Memory: Default, Answer: Send>(
+    /// As [`Diagram::map`], or for near sites as [`Diagram::map_carried`] with what the last such
+    /// diagram has left.
+    pub(crate) fn map<Memory: Default, Answer: Send>(
         &self,
         sites: &[Point3<f64>],
+        is_near: bool,
         ask: impl Fn(&mut Memory, Cell<'_>) -> Answer + Sync,
     ) -> Result<Vec<Answer>, DiagramError> {
         let diagram = Diagram::new(self.domain(), sites)?;
+        if !is_near {
+            return diagram.map(ask);
+        }
         // Taken out meanwhile: no lock is held while threads are at work.
         let mut carried = std::mem::take(&mut *self.lock());
         let answers = diagram.map_carried(&mut carried, ask);
@@ -84,14 +89,29 @@ impl Space {
         memory.load_in_frame(self.domain(), cell, self.frames.of(cell.site));
     }
 
-    fn assess_cell(
+    fn assess_all(
         &self,
-        memory: &mut CellMemory,
-        cell: &Cell<'_>,
+        sites: &[Point3<f64>],
         question: Question,
-    ) -> Assessment<3> {
-        self.load(memory, cell);
-        memory.assess(self.domain(), cell, question)
+        is_near: bool,
+    ) -> Result<Vec<Assessment<3>>, DiagramError> {
+        self.map(sites, is_near, |memory: &mut CellMemory, cell| {
+            self.load(memory, &cell);
+            memory.assess(self.domain(), &cell, question)
+        })
+    }
+
+    fn total_energy(
+        &self,
+        sites: &[Point3<f64>],
+        question: Question,
+        is_near: bool,
+    ) -> Result<f64, DiagramError> {
+        let energies = self.map(sites, is_near, |memory: &mut CellMemory, cell| {
+            self.load(memory, &cell);
+            memory.energy_at_site(question)
+        })?;
+        Ok(energies.iter().sum())
     }
 
     fn lock(&self) -> MutexGuard<'_, Carried> {
@@ -109,8 +129,7 @@ impl Space {
         sites: &[Point3<f64>],
         question: Question,
     ) -> Result<Vec<CellFigures<3>>, DiagramError> {
-        let diagram = Diagram::new(self.domain(), sites)?;
-        diagram.map(|memory: &mut CellMemory, cell| {
+        self.map(sites, false, |memory: &mut CellMemory, cell| {
             self.load(memory, &cell);
             memory.figures(self.domain(), &cell, question)
         })
@@ -138,11 +157,11 @@ impl Tessellation<3> for Space {
     }
 
     fn energy(&self, sites: &[Point3<f64>], question: Question) -> Result<f64, DiagramError> {
-        let energies = self.map_carried(sites, |memory: &mut CellMemory, cell| {
-            self.load(memory, &cell);
-            memory.energy_at_site(question)
-        })?;
-        Ok(energies.iter().sum())
+        self.total_energy(sites, question, false)
+    }
+
+    fn energy_near(&self, sites: &[Point3<f64>], question: Question) -> Result<f64, DiagramError> {
+        self.total_energy(sites, question, true)
     }
 
     fn assess(
@@ -150,8 +169,7 @@ impl Tessellation<3> for Space {
         sites: &[Point3<f64>],
         question: Question,
     ) -> Result<Vec<Assessment<3>>, DiagramError> {
-        let diagram = Diagram::new(self.domain(), sites)?;
-        diagram.map(|memory: &mut CellMemory, cell| self.assess_cell(memory, &cell, question))
+        self.assess_all(sites, question, false)
     }
 
     fn assess_near(
@@ -159,8 +177,6 @@ impl Tessellation<3> for Space {
         sites: &[Point3<f64>],
         question: Question,
     ) -> Result<Vec<Assessment<3>>, DiagramError> {
-        self.map_carried(sites, |memory: &mut CellMemory, cell| {
-            self.assess_cell(memory, &cell, question)
-        })
+        self.assess_all(sites, question, true)
     }
 }

@@ -65,6 +65,14 @@ pub trait Tessellation<const D: usize>: Sync {
     /// When the sites have no diagram.
     fn energy(&self, sites: &[Point<f64, D>], question: Question) -> Result<f64, Self::Error>;
 
+    /// As [`Tessellation::energy`] where sites have moved little since they were last asked this way.
+    ///
+    /// # Errors
+    /// When the sites have no diagram.
+    fn energy_near(&self, sites: &[Point<f64, D>], question: Question) -> Result<f64, Self::Error> {
+        self.energy(sites, question)
+    }
+
     /// Assesses the cells of all `sites`, in site order.
     ///
     /// # Errors
