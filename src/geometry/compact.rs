@@ -109,13 +109,19 @@ impl Compact {
             }
         }
         let firsts = &firsts[..count];
+        // Which planes have a facet is what a processor cannot foresee: all are written, and those
+        // without one overwritten.
+        other.planes.extend_from_slice(&self.planes);
+        other.labels.extend_from_slice(&self.labels);
+        let mut seen = 0;
         for ((plane, label), number) in self.planes.iter().zip(&self.labels).zip(&mut numbers) {
-            if *number != UNSEEN {
-                *number = other.planes.len() as u8;
-                other.planes.push(*plane);
-                other.labels.push(*label);
-            }
+            let is_seen = *number != UNSEEN;
+            (other.planes[seen], other.labels[seen]) = (*plane, *label);
+            *number = seen as u8;
+            seen += usize::from(is_seen);
         }
+        other.planes.truncate(seen);
+        other.labels.truncate(seen);
         for (coordinates, all) in [
             (&mut other.x, &self.x),
             (&mut other.y, &self.y),

@@ -1,7 +1,7 @@
 //! What lies around a site: the near sites in order, and where to look for the others.
 
 use nalgebra::Point3;
-use wide::i32x4;
+use wide::i32x8;
 
 use crate::voronoi::candidate::{Candidate, Subtree};
 use crate::voronoi::crowd::{Crowd, DRAWN_IN};
@@ -20,7 +20,7 @@ pub(crate) const DISORDER: f64 = 1.001;
 /// Up to so many near sites are ranked by comparing all with all: there is no branch in that.
 const RANKED: usize = 64;
 
-/// Keys compared together, four at a time.
+/// Keys compared together, eight at a time.
 const BLOCK: usize = 16;
 
 /// How much farther than a first look surroundings are gathered, squared: most cells find
@@ -86,10 +86,10 @@ impl Surroundings {
         self.keys.resize(count.next_multiple_of(BLOCK), i32::MAX);
         let blocks = self.keys.as_chunks::<BLOCK>().0;
         for (number, &key) in self.keys[..count].iter().enumerate() {
-            let mut less = i32x4::ZERO;
+            let mut less = i32x8::ZERO;
             for block in blocks {
                 for &lanes in block.as_chunks().0 {
-                    less += i32x4::new(lanes).simd_lt(i32x4::splat(key));
+                    less += i32x8::new(lanes).simd_lt(i32x8::splat(key));
                 }
             }
             // A comparison that holds is −1.
