@@ -5,7 +5,7 @@ use nalgebra::{Point3, Vector3};
 use crate::voronoi::index::SiteIndex;
 
 /// A site, or a periodic image of one, near another.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Candidate {
     /// The way to it (L).
     pub(crate) displacement: Vector3<f64>,

@@ -6,7 +6,7 @@
 //! that finds near, with a margin for the rounding, is measured again in full.
 
 use nalgebra::Point3;
-use wide::f32x8;
+use wide::{f32x8, u16x8};
 
 use crate::geometry::bounds::Bounds;
 use crate::voronoi::candidate::{Candidate, Subtree};
@@ -14,10 +14,6 @@ use crate::voronoi::index::SiteIndex;
 
 /// Sites handled together.
 const BLOCK: usize = 8;
-
-/// Blocks whose sites are picked out together: as many as a set of bits holds. Fewer would have the
-/// processor guess too often when a set is empty.
-const BLOCKS: usize = u64::BITS as usize / BLOCK;
 
 /// Sites gathered at most: more would take longer to pass over than they are worth.
 const MOST: usize = 4096;
@@ -43,6 +39,8 @@ pub(crate) struct Crowd {
     places: Vec<(u32, u32)>,
     /// Their squared distances from the site that looks, in units.
     squares: Vec<f32>,
+    /// The numbers of those that are near, and room for a block beyond them.
+    numbers: Vec<u16>,
     /// What has not been gathered, nearest to the node first.
     pub(crate) beyond: Vec<Subtree>,
     /// The squared distance from the node within which all has been gathered (L²).
@@ -81,6 +79,7 @@ impl Crowd {
             coordinates.resize(padded, f32::INFINITY);
         }
         self.squares.resize(padded, 0.0);
+        self.numbers.resize(padded + BLOCK, 0);
     }
 
     fn gather_within(&mut self, index: &SiteIndex, around: &Bounds<3>) -> bool {
@@ -152,51 +151,95 @@ impl Crowd {
         }
     }
 
-    /// Visits the gathered sites whose squared distance from `site` exceeds `above` and is at most
+    /// Finds the gathered sites whose squared distance from `site` exceeds `above` and is at most
     /// `limit`. The site in `place` and its images are left out. Needs a measure from the same site.
-    #[inline]
-    pub(crate) fn visit(
-        &self,
+    ///
+    /// Which sites are near is what a processor cannot foresee: all is written, and what is not wanted
+    /// overwritten.
+    pub(crate) fn find(
+        &mut self,
         index: &SiteIndex,
         (place, site): (usize, &Point3<f64>),
         (above, limit): (f64, f64),
-        mut visit: impl FnMut(Candidate),
+        found: &mut Found,
     ) {
+        found.count = 0;
         if limit < 0.0 {
             return;
         }
+        let count = self.list_near(above, limit);
+        let numbers = &self.numbers[..count];
+        if found.room.len() <= count {
+            found.room.resize(2 * count + 1, Candidate::default());
+        }
+        for &number in numbers {
+            // Lanes beyond the last site are infinitely far.
+            let (other, shift) = self.places[usize::from(number)];
+            let by = &index.shifts()[shift as usize].by;
+            let candidate = Candidate::new(index, site, (other as usize, shift), by);
+            let square = candidate.distance_squared;
+            found.room[found.count] = candidate;
+            let is_wanted = (other as usize != place) & (above < square) & (square <= limit);
+            found.count += usize::from(is_wanted);
+        }
+    }
+
+    /// Lists the numbers of the gathered sites that are, as far as single precision can tell, neither
+    /// nearer nor farther than this; returns how many these are.
+    fn list_near(&mut self, above: f64, limit: f64) -> usize {
         let reach = limit.sqrt() / self.unit + ROUNDING;
         let most = f32x8::splat((reach * reach * (1.0 + ROUNDING)) as f32);
         let seen = (above.max(0.0).sqrt() / self.unit - ROUNDING).max(0.0);
         let least = f32x8::splat((seen * seen * (1.0 - ROUNDING)) as f32);
         let (blocks, _) = self.squares.as_chunks::<BLOCK>();
-        for (word, blocks) in blocks.chunks(BLOCKS).enumerate() {
-            let mut found = 0;
-            for (block, squares) in blocks.iter().enumerate() {
-                let squares = f32x8::new(*squares);
-                let (far, seen) = (
-                    (most - squares).to_bitmask(),
-                    (squares - least).to_bitmask(),
-                );
-                found |= u64::from(!(far | seen) & 0xff) << (block * BLOCK);
-            }
-            while found != 0 {
-                let number = word * 64 + found.trailing_zeros() as usize;
-                found &= found - 1;
-                let Some(&(other, shift)) = self.places.get(number) else {
-                    continue;
-                };
-                if other as usize == place {
-                    continue;
-                }
-                let by = &index.shifts()[shift as usize].by;
-                let candidate = Candidate::new(index, site, (other as usize, shift), by);
-                if above < candidate.distance_squared && candidate.distance_squared <= limit {
-                    visit(candidate);
-                }
-            }
+        let mut count = 0;
+        for (block, squares) in blocks.iter().enumerate() {
+            let squares = f32x8::new(*squares);
+            let [far, seen] = [most - squares, squares - least].map(f32x8::to_bitmask);
+            let lanes = &LANES[(far | seen) as usize & 0xff];
+            let Some(room) = self.numbers[count..].first_chunk_mut::<BLOCK>() else {
+                break;
+            };
+            *room = (u16x8::splat((block * BLOCK) as u16) + u16x8::new(*lanes)).to_array();
+            count += BLOCK - (far | seen).count_ones() as usize;
         }
+        count
     }
+}
+
+/// What has been found around a site.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Found {
+    /// The candidates, and room beyond them.
+    room: Vec<Candidate>,
+    count: usize,
+}
+
+impl Found {
+    /// The candidates.
+    pub(crate) fn candidates(&self) -> &[Candidate] {
+        &self.room[..self.count]
+    }
+}
+
+/// Per set of lanes, as bits: the lanes that are not in it, in ascending order.
+static LANES: [[u16; BLOCK]; 1 << BLOCK] = lanes_table();
+
+const fn lanes_table() -> [[u16; BLOCK]; 1 << BLOCK] {
+    let mut table = [[0; BLOCK]; 1 << BLOCK];
+    let mut set = 0;
+    while set < table.len() {
+        let (mut lane, mut count) = (0, 0);
+        while lane < BLOCK {
+            if set >> lane & 1 == 0 {
+                table[set][count] = lane as u16;
+                count += 1;
+            }
+            lane += 1;
+        }
+        set += 1;
+    }
+    table
 }
 
 /// The squared distance of two boxes (L²).

@@ -4,7 +4,7 @@ use nalgebra::Point3;
 use wide::i32x8;
 
 use crate::voronoi::candidate::{Candidate, Subtree};
-use crate::voronoi::crowd::{Crowd, DRAWN_IN};
+use crate::voronoi::crowd::{Crowd, DRAWN_IN, Found};
 use crate::voronoi::index::SiteIndex;
 
 /// Near sites at most. More would take longer to sort than they are worth: the look is then too far.
@@ -32,13 +32,13 @@ const GATHERED: f64 = 1.15;
 pub(crate) struct Surroundings {
     crowd: Crowd,
     /// The sites within the first look.
-    candidates: Vec<Candidate>,
+    near: Found,
     /// Their sorting keys.
     keys: Vec<i32>,
     /// Their numbers, nearest first.
     order: Vec<u8>,
     /// Sites beyond the first look.
-    others: Vec<Candidate>,
+    others: Found,
 }
 
 impl Surroundings {
@@ -69,7 +69,8 @@ impl Surroundings {
     /// The sites within the first look, nearest first but for [`DISORDER`].
     pub(crate) fn near(&self) -> impl Iterator<Item = &Candidate> {
         let order = self.order.iter();
-        order.map(|&number| &self.candidates[usize::from(number)])
+        let candidates = self.near.candidates();
+        order.map(|&number| &candidates[usize::from(number)])
     }
 
     /// Orders the candidates by their keys, no two of which agree.
@@ -105,13 +106,11 @@ impl Surroundings {
         place: usize,
         (seen, needed): (f64, f64),
     ) -> &[Candidate] {
-        self.others.clear();
         let site = index.position(place);
+        let from = (place, &site);
         self.crowd
-            .visit(index, (place, &site), (seen, needed), |candidate| {
-                self.others.push(candidate);
-            });
-        &self.others
+            .find(index, from, (seen, needed), &mut self.others);
+        self.others.candidates()
     }
 
     /// What has not been gathered, the nearest to the neighborhood first; the gaps are those to it.
@@ -126,15 +125,18 @@ impl Surroundings {
         site: &Point3<f64>,
         limit: f64,
     ) -> bool {
-        self.candidates.clear();
+        let range = (-1.0, limit);
+        self.crowd.find(index, (place, site), range, &mut self.near);
+        let near = self.near.candidates();
+        if near.len() > MOST {
+            return false;
+        }
         self.keys.clear();
-        self.crowd
-            .visit(index, (place, site), (-1.0, limit), |candidate| {
-                let number = self.candidates.len() as i32 & NUMBER;
+        self.keys
+            .extend(near.iter().enumerate().map(|(number, candidate)| {
                 let order = (candidate.distance_squared.to_bits() >> 32) as i32 & !NUMBER;
-                self.keys.push(order | number);
-                self.candidates.push(candidate);
-            });
-        self.keys.len() <= MOST
+                order | number as i32
+            }));
+        true
     }
 }
