@@ -53,15 +53,29 @@ impl Panorama {
 
     /// Whether all vertices stay in their sectors, and the center below or above every facet, where
     /// the center moves by `step`, which is `from`. Sectors are convex: what is so at both ends of the
-    /// step is so all along.
+    /// step is so all along. If they do, `lowerings` are the shares by which heights below facets shrink.
     #[inline]
-    pub(crate) fn stays(&self, piece: &Integrand, step: &Vector3<f64>, from: &Sight) -> bool {
-        let is_in_sector = |vertex: &VertexSight| vertex.sight.from(from).sector() == vertex.sector;
-        let keeps_its_side = |(sight, facet): (&FacetSight, &FacetConstants)| {
-            sight.per_height * facet.normal.dot(step) < 1.0
+    pub(crate) fn stays(
+        &self,
+        piece: &Integrand,
+        (step, from): (&Vector3<f64>, &Sight),
+        lowerings: &mut Vec<f64>,
+    ) -> bool {
+        let is_in_sector = |vertex: &VertexSight| {
+            let there = vertex.sight.point() - step;
+            let most = vertex.sight.distance(vertex.sector) - from.distance(vertex.sector);
+            (there.x.abs() <= most) & (there.y.abs() <= most) & (there.z.abs() <= most)
         };
-        self.vertices.iter().all(is_in_sector)
-            && self.facets.iter().zip(&piece.facets).all(keeps_its_side)
+        if !self.vertices.iter().all(is_in_sector) {
+            return false;
+        }
+        lowerings.clear();
+        lowerings.extend(self.facets.iter().zip(&piece.facets).map(
+            |(sight, facet): (&FacetSight, &FacetConstants)| {
+                sight.per_height * facet.normal.dot(step)
+            },
+        ));
+        lowerings.iter().all(|&lowering| lowering < 1.0)
     }
 
     /// The vertices at the ends of an edge.

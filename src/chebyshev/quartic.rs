@@ -13,6 +13,7 @@
 //! The determinants of the marks' changes are all of second degree in δ that there is.
 
 use nalgebra::{Matrix3, Vector3};
+use wide::f64x2;
 
 use crate::chebyshev::energy::interface_hessian;
 use crate::chebyshev::integrand::Integrand;
@@ -27,21 +28,17 @@ use crate::chebyshev::walk::WalkScratch;
 pub(crate) fn fourth(
     piece: &Integrand,
     step: &Vector3<f64>,
-    scratch: &WalkScratch,
+    scratch: &mut WalkScratch,
 ) -> Option<Matrix3<f64>> {
     let from = Sight::of(step);
-    if !scratch.panorama.stays(piece, step, &from) {
-        return None;
-    }
-    if scratch.are_rounded(piece) {
+    let lowerings = &mut scratch.lowerings;
+    if !scratch.panorama.stays(piece, (step, &from), lowerings) || scratch.are_rounded(piece) {
         return None;
     }
     let ways = ways(&from);
     let (mut areas, mut is_sound) = ([0.0; Interface::SLOTS], true);
     for (facet, interface) in scratch.segments.all() {
-        let endpoints = &scratch.endpoints[facet];
-        let facet = scratch.panorama.facet(piece, facet);
-        let lowering = facet.normal().dot(step) * facet.per_height;
+        let (endpoints, lowering) = (&scratch.endpoints[facet], scratch.lowerings[facet]);
         let way = &ways[interface.number()];
         let [u, v] = [false, true].map(|ends| {
             let endpoint = Endpoint::of(interface, ends);
@@ -58,22 +55,20 @@ pub(crate) fn fourth(
 /// The center's step as an interface sees it.
 #[derive(Clone, Copy, Default)]
 struct Way {
-    /// Along the first sector.
-    along: f64,
-    /// Along the third axis.
-    third: f64,
-    /// Along the first sector less that along the second.
-    across: f64,
+    /// Along the first sector and along the third axis.
+    within: f64x2,
+    /// Along the first sector less that along the second, twice.
+    across: f64x2,
 }
 
 fn ways(step: &Sight) -> [Way; Interface::SLOTS] {
     let mut ways = [Way::default(); Interface::SLOTS];
     for interface in Interface::all() {
         let (left, right) = interface.sectors();
+        let [along, third] = [step.distance(left), step.along(interface.third_axis())];
         ways[interface.number()] = Way {
-            along: step.distance(left),
-            third: step.along(interface.third_axis()),
-            across: step.distance(left) - step.distance(right),
+            within: f64x2::new([along, third]),
+            across: f64x2::splat(along - step.distance(right)),
         };
     }
     ways
@@ -85,24 +80,14 @@ impl Way {
     #[inline]
     fn change(&self, endpoints: &Endpoints, endpoint: Endpoint, lowering: f64) -> Mark {
         let (mark, drift) = (endpoints.mark(endpoint), endpoints.drift(endpoint));
-        let is_at_diagonal = endpoints.is_at_diagonal(endpoint);
-        let slid = [
-            self.along + self.across * drift.distance,
-            self.third + self.across * drift.third,
-        ];
-        let lowered = [lowering * mark.distance, lowering * mark.third];
-        Mark {
-            distance: -either(is_at_diagonal, lowered[0], slid[0]),
-            third: -either(is_at_diagonal, lowered[1], slid[1]),
-        }
+        let slid = self.within + self.across * f64x2::new([drift.distance, drift.third]);
+        let lowered = f64x2::splat(lowering) * f64x2::new([mark.distance, mark.third]);
+        // All bits or none, to choose without a branch.
+        let mask = u64::from(endpoints.is_at_diagonal(endpoint)).wrapping_neg();
+        let is_at_diagonal = f64x2::splat(f64::from_bits(mask));
+        let [distance, third] = (-is_at_diagonal.bitselect(lowered, slid)).to_array();
+        Mark { distance, third }
     }
-}
-
-/// One of two numbers, without a branch.
-#[inline]
-fn either(is_first: bool, first: f64, second: f64) -> f64 {
-    let mask = u64::from(is_first).wrapping_neg();
-    f64::from_bits(mask & first.to_bits() | !mask & second.to_bits())
 }
 
 /// Whether a point is still on its interface, and not beyond a diagonal, after its mark's change.

@@ -31,6 +31,8 @@ pub struct WalkScratch {
     pub(crate) endpoints: Vec<Endpoints>,
     pub(crate) segments: Segments,
     spare: Vec<Spare>,
+    /// Per facet, by which share a step of the center has last lowered the height below it.
+    pub(crate) lowerings: Vec<f64>,
     /// For pieces with a density.
     pub(crate) places: Option<Places>,
 }
