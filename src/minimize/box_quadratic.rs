@@ -3,12 +3,12 @@
 //! `q(d) = g·d + ½ dᵀHd` over `lower ≤ d ≤ upper` with `lower ≤ 0 ≤ upper`, by the primal
 //! active-set method (Nocedal & Wright, *Numerical Optimization*, 2nd ed., Algorithm 16.3), where
 //! a constraint is one variable held at a bound. Mostly the unconstrained minimizer lies inside
-//! and one factorization does. Every iterate is feasible and no higher than the one
+//! and one inversion does. Every iterate is feasible and no higher than the one
 //! before, so stopping early still leaves a descent step.
 
 use nalgebra::{SMatrix, SVector};
 
-use crate::minimize::factor::Factor;
+use crate::minimize::inverse::Inverse;
 
 /// Changes of the set of held variables before the best step so far is taken. Three variables
 /// have 27 such sets and each is met at most once; in practice two or three are.
@@ -24,19 +24,19 @@ const SHIFT_GROWTH: f64 = 100.0;
 /// Attempts to do so; 100^20 spans everything from rounding to the trace and beyond.
 const MAX_SHIFTS: usize = 20;
 
-/// The Hessian, shifted as little as makes it positive definite, and its factor.
+/// The Hessian, shifted as little as makes it positive definite, and its inverse.
 pub(crate) fn positive_definite<const D: usize>(
     hessian: &SMatrix<f64, D, D>,
     gradient: &SVector<f64, D>,
     length: f64,
-) -> Option<(SMatrix<f64, D, D>, Factor<D>)> {
+) -> Option<(SMatrix<f64, D, D>, Inverse<D>)> {
     let mut shift = (SHIFT_OF_TRACE * hessian.trace().abs())
         .max(SHIFT_OF_GRADIENT * gradient.amax() / length)
         .max(f64::MIN_POSITIVE);
     for _ in 0..MAX_SHIFTS {
         let shifted = hessian + SMatrix::from_diagonal_element(shift);
-        if let Some(factor) = Factor::of(&shifted) {
-            return Some((shifted, factor));
+        if let Some(inverse) = Inverse::of(&shifted) {
+            return Some((shifted, inverse));
         }
         shift *= SHIFT_GROWTH;
     }
@@ -45,15 +45,15 @@ pub(crate) fn positive_definite<const D: usize>(
 
 /// The minimizer of `g·d + ½ dᵀHd` over the box, for a positive definite `H`.
 ///
-/// The first factorization is the caller's, who had to find out that `H` is positive definite.
+/// The first inversion is the caller's, who had to find out that `H` is positive definite.
 pub(crate) fn minimize_quadratic<const D: usize>(
     hessian: &SMatrix<f64, D, D>,
-    factor: &Factor<D>,
+    inverse: &Inverse<D>,
     gradient: &SVector<f64, D>,
     lower: &SVector<f64, D>,
     upper: &SVector<f64, D>,
 ) -> SVector<f64, D> {
-    let free = factor.solve(&-gradient);
+    let free = inverse.solve(&-gradient);
     if (0..D).all(|axis| lower[axis] <= free[axis] && free[axis] <= upper[axis]) {
         return free;
     }
@@ -101,7 +101,7 @@ fn remaining_step<const D: usize>(
         matrix[(axis, axis)] = 1.0;
         right[axis] = 0.0;
     }
-    Factor::of(&matrix).map_or_else(SVector::zeros, |factor| factor.solve(&right))
+    Inverse::of(&matrix).map_or_else(SVector::zeros, |inverse| inverse.solve(&right))
 }
 
 /// Goes along `rest` as far as the box allows and returns the variable that blocked it.
@@ -158,11 +158,11 @@ mod tests {
     #[test]
     fn a_corner_of_the_box_is_found_past_a_correlated_minimum() {
         let hessian = SMatrix::<f64, 2, 2>::new(2.0, 1.9, 1.9, 2.0);
-        let factor = Factor::of(&hessian).unwrap();
+        let inverse = Inverse::of(&hessian).unwrap();
         let gradient = SVector::<f64, 2>::new(-3.0, 1.0);
         let lower = SVector::repeat(-1.0);
         let upper = SVector::repeat(0.5);
-        let step = minimize_quadratic(&hessian, &factor, &gradient, &lower, &upper);
+        let step = minimize_quadratic(&hessian, &inverse, &gradient, &lower, &upper);
         // By hand: x = 0.5 is active, then y = −(1 + 1.9·0.5)/2 = −0.975.
         assert!((step - SVector::<f64, 2>::new(0.5, -0.975)).norm() < 1e-14);
     }

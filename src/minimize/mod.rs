@@ -31,7 +31,7 @@ mod backtracking;
 mod box_quadratic;
 mod cauchy;
 mod compact;
-mod factor;
+mod inverse;
 mod lbfgsb_step;
 mod line_search;
 mod newton_state;

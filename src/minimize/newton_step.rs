@@ -17,7 +17,7 @@
 use nalgebra::{SMatrix, SVector};
 
 use crate::minimize::box_quadratic::{minimize_quadratic, positive_definite};
-use crate::minimize::factor::Factor;
+use crate::minimize::inverse::Inverse;
 use crate::minimize::problem::{Evaluation, Jet};
 
 /// Up to this share of Newton's step the correction by the third derivative is trusted.
@@ -34,14 +34,14 @@ pub(crate) fn newton_step<const D: usize>(
     let Evaluation {
         gradient, hessian, ..
     } = &jet.evaluation;
-    let (shifted, factor) = positive_definite(hessian, gradient, length)?;
-    let step = minimize_quadratic(&shifted, &factor, gradient, lower, upper);
+    let (shifted, inverse) = positive_definite(hessian, gradient, length)?;
+    let step = minimize_quadratic(&shifted, &inverse, gradient, lower, upper);
     let is_inside = |step: &SVector<f64, D>| {
         (0..D).all(|axis| lower[axis] < step[axis] && step[axis] < upper[axis])
     };
     let corrected = (jet.third.as_ref())
         .filter(|_| is_inside(&step))
-        .and_then(|third| corrected(&step, gradient, third, &factor))
+        .and_then(|third| corrected(&step, gradient, third, &inverse))
         .filter(is_inside);
     Some(corrected.unwrap_or(step))
 }
@@ -51,13 +51,13 @@ fn corrected<const D: usize>(
     step: &SVector<f64, D>,
     gradient: &SVector<f64, D>,
     third: &[SMatrix<f64, D, D>; D],
-    factor: &Factor<D>,
+    inverse: &Inverse<D>,
 ) -> Option<SVector<f64, D>> {
     let mut bend = SVector::zeros();
     for (along, share) in third.iter().zip(step.iter()) {
         bend += along * step * *share;
     }
-    let corrected = step - factor.solve(&bend) * 0.5;
+    let corrected = step - inverse.solve(&bend) * 0.5;
     let is_small = (corrected - step).amax() <= LARGEST_CORRECTION * step.amax();
     let is_downhill = gradient.dot(&corrected) <= LARGEST_CORRECTION * gradient.dot(step);
     (is_small && is_downhill).then_some(corrected)
