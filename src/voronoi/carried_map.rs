@@ -85,7 +85,7 @@ fn visit<Answer>(
     mut ask: impl FnMut(Cell<'_>) -> Answer,
 ) -> Chunk<Answer> {
     let mut chunk = Chunk {
-        packed: Packed::default(),
+        packed: Packed::with_room_of(old),
         answers: Vec::with_capacity(CELLS),
         rebuilt: 0,
         marks: Vec::new(),
@@ -125,7 +125,8 @@ impl<Answer> Chunk<Answer> {
         wanted: u64,
         mut ask: impl FnMut(Cell<'_>) -> Answer,
     ) {
-        let old = std::mem::take(&mut self.packed);
+        let room = Packed::with_room_of(&self.packed);
+        let old = std::mem::replace(&mut self.packed, room);
         for cell in 0..self.answers.len() {
             let record = old.record(cell);
             if wanted >> cell & 1 == 0 {

@@ -41,8 +41,10 @@ pub(crate) struct Crowd {
     squares: Vec<f32>,
     /// The numbers of those that are near, and room for a block beyond them.
     numbers: Vec<u16>,
-    /// What has not been gathered, nearest to the node first.
-    pub(crate) beyond: Vec<Subtree>,
+    /// What has not been gathered.
+    beyond: Vec<Subtree>,
+    /// Whether that is sorted, nearest to the node first.
+    is_sorted: bool,
     /// The squared distance from the node within which all has been gathered (L²).
     pub(crate) reach_squared: f64,
     stack: Vec<Subtree>,
@@ -70,16 +72,29 @@ impl Crowd {
                 self.reach_squared = -1.0;
             }
         }
-        self.beyond.sort_unstable_by(|a, b| {
-            let by_gap = a.gap_squared.total_cmp(&b.gap_squared);
-            by_gap.then_with(|| (a.shift, a.node).cmp(&(b.shift, b.node)))
-        });
+        self.is_sorted = false;
         let padded = self.places.len().next_multiple_of(BLOCK);
         for coordinates in &mut self.positions {
             coordinates.resize(padded, f32::INFINITY);
         }
         self.squares.resize(padded, 0.0);
         self.numbers.resize(padded + BLOCK, 0);
+    }
+
+    /// What has not been gathered, nearest to the node first; nothing if all of it is farther from the
+    /// node than the root of `needed`.
+    pub(crate) fn beyond(&mut self, needed: f64) -> &[Subtree] {
+        if needed <= self.reach_squared {
+            return &[];
+        }
+        if !self.is_sorted {
+            self.beyond.sort_unstable_by(|a, b| {
+                let by_gap = a.gap_squared.total_cmp(&b.gap_squared);
+                by_gap.then_with(|| (a.shift, a.node).cmp(&(b.shift, b.node)))
+            });
+            self.is_sorted = true;
+        }
+        &self.beyond
     }
 
     fn gather_within(&mut self, index: &SiteIndex, around: &Bounds<3>) -> bool {

@@ -11,6 +11,9 @@ use crate::voronoi::pattern::Pattern;
 /// Cells in one piece of memory: as many as a mask has bits.
 pub(crate) const CELLS: usize = 64;
 
+/// Unused memory of up to one part in so many is kept.
+const SLACK: usize = 16;
+
 /// In place of the number of an image: the facet is a wall.
 const WALL: u8 = u8::MAX;
 
@@ -65,6 +68,15 @@ pub(crate) fn image_of(number: u8) -> [i8; 3] {
 }
 
 impl Packed {
+    /// No records, but room for as much as `old` has and a little more.
+    pub(crate) fn with_room_of(old: &Self) -> Self {
+        let room = old.bytes.len();
+        Self {
+            bytes: Vec::with_capacity(room + room / SLACK),
+            ends: Vec::with_capacity(old.ends.len()),
+        }
+    }
+
     /// Whether there are no records.
     pub(crate) fn is_empty(&self) -> bool {
         self.ends.is_empty()
@@ -112,9 +124,11 @@ impl Packed {
         self.ends.push(self.bytes.len() as u32);
     }
 
-    /// Gives back unused memory.
+    /// Gives back unused memory, if it is much.
     pub(crate) fn close(&mut self) {
-        self.bytes.shrink_to_fit();
+        if self.bytes.capacity() - self.bytes.len() > self.bytes.len() / SLACK {
+            self.bytes.shrink_to_fit();
+        }
         self.ends.shrink_to_fit();
     }
 

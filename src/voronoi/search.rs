@@ -102,7 +102,7 @@ impl Search {
         for candidate in surroundings.gathered(task.index, task.place, range) {
             task.try_far(candidate, far)?;
         }
-        for subtree in surroundings.beyond() {
+        for subtree in surroundings.beyond(task.needed) {
             if subtree.gap_squared >= task.needed {
                 break;
             }

@@ -113,9 +113,10 @@ impl Surroundings {
         self.others.candidates()
     }
 
-    /// What has not been gathered, the nearest to the neighborhood first; the gaps are those to it.
-    pub(crate) fn beyond(&self) -> &[Subtree] {
-        &self.crowd.beyond
+    /// What has not been gathered and may be nearer to the neighborhood than the root of `needed`,
+    /// nearest first; the gaps are those to the neighborhood.
+    pub(crate) fn beyond(&mut self, needed: f64) -> &[Subtree] {
+        self.crowd.beyond(needed)
     }
 
     fn look_within(
