@@ -20,6 +20,25 @@ const CUBOID_FACETS: [[u32; 3]; 8] = [
     [1, 3, 5],
 ];
 
+/// Corner of a cuboid → the corners at the ends of its edges.
+const CUBOID_NEXT: [[u32; 3]; 8] = cuboid_next();
+
+const fn cuboid_next() -> [[u32; 3]; 8] {
+    let mut next = [[0; 3]; 8];
+    let mut corner = 0;
+    while corner < 8 {
+        let mut slot = 0;
+        while slot < 3 {
+            // Edge k lies on facets k and k + 2, so it runs along the axis of facet k + 1.
+            let axis = CUBOID_FACETS[corner][(slot + 1) % 3] / 2;
+            next[corner][slot] = corner as u32 ^ (1 << axis);
+            slot += 1;
+        }
+        corner += 1;
+    }
+    next
+}
+
 /// Corner → facets (named by the opposite corner), counter-clockwise from outside, when the edges
 /// from corner 0 to 1, 2, 3 form a right-handed frame.
 const TETRAHEDRON_FACETS: [[usize; 3]; 4] = [[1, 3, 2], [0, 2, 3], [0, 3, 1], [0, 1, 2]];
@@ -36,25 +55,16 @@ impl Polyhedron {
     /// Becomes the axis-aligned box, as [`Polyhedron::cuboid`], keeping its memory.
     pub fn assign_cuboid(&mut self, bounds: &Bounds<3>, labels: [Label; 6]) {
         self.clear();
-        for (corner, facets) in CUBOID_FACETS.iter().enumerate() {
-            let pick = |axis: usize| {
-                let end = if corner >> axis & 1 == 1 {
-                    &bounds.max
-                } else {
-                    &bounds.min
-                };
-                end[axis]
-            };
-            let next = facets.map(|_| 0);
-            self.push(Point3::new(pick(0), pick(1), pick(2)), *facets, next);
-        }
-        for corner in 0..8 {
-            for slot in 0..3 {
-                // Edge k lies on facets k and k + 2, so it runs along the axis of facet k + 1.
-                let axis = CUBOID_FACETS[corner][(slot + 1) % 3] / 2;
-                self.next[corner][slot] = corner as u32 ^ (1 << axis);
-            }
-        }
+        let ends = |axis: usize| [bounds.min[axis], bounds.max[axis]];
+        let along = |axis: usize| -> [f64; 8] {
+            let ends = ends(axis);
+            std::array::from_fn(|corner| ends[corner >> axis & 1])
+        };
+        self.x.extend(along(0));
+        self.y.extend(along(1));
+        self.z.extend(along(2));
+        self.facets.extend_from_slice(&CUBOID_FACETS);
+        self.next.extend_from_slice(&CUBOID_NEXT);
         for axis in 0..3 {
             let mut normal = Vector3::zeros();
             normal[axis] = 1.0;
