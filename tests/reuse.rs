@@ -311,6 +311,29 @@ fn neither_threads_nor_carrying_shows_in_the_sites() {
     }
 }
 
+#[test]
+fn the_objective_of_near_sites_is_that_of_any() {
+    let space = Space::new(Box::new(Cuboid::unit()));
+    let mut sites = random_sites(space.domain(), 800, 12);
+    for turn in 0..4 {
+        let near = space.global_near(&sites, 1).unwrap();
+        let fresh = Space::new(Box::new(Cuboid::unit()));
+        assert_eq!(near, fresh.global_near(&sites, 1).unwrap(), "{turn}");
+        let cold = space.global(&sites, 1).unwrap();
+        let difference = (near.energy - cold.energy).abs();
+        assert!(difference < 1e-13 * cold.energy, "{turn}: {difference:e}");
+        // Gradients are sums of volumes of about 1/800.
+        for (one, other) in near.gradient.iter().zip(&cold.gradient) {
+            assert!((one - other).amax() < 1e-15, "{turn}");
+        }
+        assert!(turn == 0 || space.rebuilt() < 400, "{}", space.rebuilt());
+        let cells = space.assess(&sites, QUESTION).unwrap();
+        for (site, cell) in sites.iter_mut().zip(&cells) {
+            *site += (cell.target - *site) * 0.02;
+        }
+    }
+}
+
 fn check_resumption(is_accelerated: bool) {
     let options = LloydOptions {
         iterations: 60,
