@@ -10,9 +10,10 @@
 //!
 //! On a triangle with corner distances δ, with λ_v the barycentric coordinates,
 //! ∫ d^p λ_v dA = 2 A p!/(p+3)! · h_p(δ, δ_v): three weights, whose sum is ∫ d^p dA and whose
-//! mean of the corners is ∫ d^p y dA (for p = 1 see `linear_borders`). The energy itself is Σ_f H_f/(3+p) ∫_f d∞^p dA, H_f the
-//! site's height below the facet, since d∞^p is homogeneous about the site. Where pieces have a
-//! density, the same integrals with it inside come from `weighted_borders`.
+//! mean of the corners is ∫ d^p y dA (for p = 1 see `linear_borders`). The energy itself is
+//! Σ_f H_f/(3+p) ∫_f d∞^p dA, H_f the site's height below the facet, since d∞^p is homogeneous about
+//! the site. Where pieces have a density, the same integrals with it inside come from
+//! `weighted_borders`.
 
 use nalgebra::Vector3;
 use wide::f64x4;

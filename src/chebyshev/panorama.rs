@@ -53,7 +53,8 @@ impl Panorama {
 
     /// Whether all vertices stay in their sectors, and the center below or above every facet, where
     /// the center moves by `step`, which is `from`. Sectors are convex: what is so at both ends of the
-    /// step is so all along. If they do, `lowerings` are the shares by which heights below facets shrink.
+    /// step is so all along. If they do, `lowerings` are the shares by which the heights below facets
+    /// shrink.
     #[inline]
     pub(crate) fn stays(
         &self,

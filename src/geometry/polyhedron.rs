@@ -53,7 +53,8 @@ fn ends(numbers: &[f64]) -> (f64, f64) {
             include(lane, number);
         }
     }
-    // The last block, once more where it begins: that is sooner done than a loop of a length that a processor cannot foresee.
+    // The last block, once more where it begins: that is sooner done than a loop of a length that a
+    // processor cannot foresee.
     if let Some(block) = numbers.last_chunk::<LANES>() {
         for (lane, &number) in block.iter().enumerate() {
             include(lane, number);
