@@ -63,8 +63,9 @@ const STAGES: [Stage; 7] = [
 /// minimizer. "reused" is a whole iteration again, from where a move has led, which carries over
 /// cells from the one before it, and "rebuilt" the share of the cells that could not be carried;
 /// after moves that are too far for that there is neither. "global" is the objective of all sites
-/// together with its gradient, what a step of quasi-newton takes, there too. "MB" is the most memory that was
-/// resident meanwhile, sites included, where the system tells it (Linux).
+/// together with its gradient, what a step of quasi-newton takes, with cells carried over likewise.
+/// "MB" is the most memory that was resident meanwhile, sites included, where the system tells it
+/// (Linux).
 #[derive(Debug, Args)]
 pub(crate) struct Options {
     /// How many sites
