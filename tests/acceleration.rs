@@ -148,9 +148,8 @@ fn half_the_moves_end_lower() {
         let given = sites_in(&space, 300, seed);
         let last = |options: &LloydOptions| run(&space, &given, options).pop().unwrap().0;
         let plain = last(&options(60, LINF, false));
-        let accelerated = last(&options(30, LINF, true));
+        let accelerated = last(&options(27, LINF, true));
         assert!(accelerated.energy_percent < plain.energy_percent);
-        // They also evaluate what is not made.
-        assert!(accelerated.evaluations < 1.2 * plain.evaluations);
+        assert!(accelerated.evaluations < plain.evaluations);
     }
 }
