@@ -57,7 +57,7 @@ pub(crate) fn fourth(
 struct Way {
     /// Along the first sector and along the third axis.
     within: f64x2,
-    /// Along the first sector less that along the second, twice.
+    /// Along the first sector less that along the second, in both lanes.
     across: f64x2,
 }
 

@@ -107,11 +107,10 @@ impl Endpoints {
         &self.drifts[endpoint.number()]
     }
 
-    /// Adds a crossing with an edge, or says that its place is taken.
+    /// Notes how a crossing slides along its edge.
     #[inline]
-    fn add_crossing(&mut self, endpoint: Endpoint, mark: Mark, drift: Drift) -> bool {
+    pub(crate) fn note_drift(&mut self, endpoint: Endpoint, drift: Drift) {
         self.drifts[endpoint.number()] = drift;
-        self.add(endpoint, mark)
     }
 
     /// The interfaces that the facet's boundary crosses an odd number of times.
@@ -231,9 +230,7 @@ fn add_diagonals(view: &FacetView<'_>, endpoints: &mut Endpoints, spare: &mut Ve
                 third: sign * reach,
             };
             endpoints.at_diagonals |= endpoint.bit();
-            if !endpoints.add(endpoint, mark) {
-                put_aside(view.number, endpoint, mark, spare);
-            }
+            enter(view.number, endpoint, mark, endpoints, spare);
         }
     }
 }
@@ -250,34 +247,27 @@ fn add_flat_diagonal(
     let point = point.unwrap_or_else(|| view.anchor.point());
     for &(endpoint, _) in Endpoint::at_diagonal(diagonal, view.height >= 0.0) {
         let mark = endpoint.interface().mark(&point);
-        if !endpoints.add(endpoint, mark) {
-            put_aside(view.number, endpoint, mark, spare);
-        }
+        enter(view.number, endpoint, mark, endpoints, spare);
     }
     endpoints.has_flat_diagonal = true;
 }
 
-/// Adds a crossing with an edge to a facet's endpoints, or to the spare ones.
+/// Adds an endpoint to a facet's, or to the spare ones where its place is taken.
 #[inline]
 pub(crate) fn enter(
     facet: usize,
-    (endpoint, mark, drift): (Endpoint, Mark, Drift),
+    endpoint: Endpoint,
+    mark: Mark,
     endpoints: &mut Endpoints,
     spare: &mut Vec<Spare>,
 ) {
-    if !endpoints.add_crossing(endpoint, mark, drift) {
-        put_aside(facet, endpoint, mark, spare);
+    if !endpoints.add(endpoint, mark) {
+        spare.push(Spare {
+            facet,
+            endpoint,
+            mark,
+        });
     }
-}
-
-/// Adds a spare endpoint.
-#[cold]
-fn put_aside(facet: usize, endpoint: Endpoint, mark: Mark, spare: &mut Vec<Spare>) {
-    spare.push(Spare {
-        facet,
-        endpoint,
-        mark,
-    });
 }
 
 /// The facet spans a whole sector: the one in the middle of the four diagonals, or the opposite.

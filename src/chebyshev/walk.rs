@@ -199,7 +199,8 @@ fn note(
         (edge.right, Endpoint::passing(to, from)),
     ] {
         let facet = facet as usize;
-        enter(facet, (endpoint, mark, drift), &mut endpoints[facet], spare);
+        endpoints[facet].note_drift(endpoint, drift);
+        enter(facet, endpoint, mark, &mut endpoints[facet], spare);
     }
 }
 

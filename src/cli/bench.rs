@@ -223,8 +223,7 @@ fn time(crowd: &Crowd, options: &Options) -> Result<Row, DiagramError> {
 fn moved(space: &Space, sites: &[Point3<f64>]) -> Result<Option<Vec<Point3<f64>>>, DiagramError> {
     let cells = space.assess(sites, QUESTION)?;
     let targets: Vec<_> = cells.iter().map(|cell| cell.target).collect();
-    let movement = Movement::between(space, sites, targets.iter());
-    let is_near = movement.percent::<3>(space.volume(), sites.len()) < LITTLE;
+    let is_near = Movement::percent_between(space, sites, &targets) < LITTLE;
     Ok(is_near.then_some(targets))
 }
 

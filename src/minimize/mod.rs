@@ -15,7 +15,7 @@
 //!   (`subspace`) and a search along it (`line_search`).
 //!
 //! [`problem`] holds the words all speak: what an evaluation is, and why a run ended; an
-//! [`objective`] is a function that may know more than its values. `progress`
+//! `objective` is a function that may know more than its values. `progress`
 //! carries L-BFGS-B through argmin's executor.
 
 pub mod history;
@@ -23,7 +23,7 @@ pub mod lbfgsb;
 pub mod lbfgsb_options;
 pub mod lbfgsb_state;
 pub mod newton;
-pub mod objective;
+pub(crate) mod objective;
 pub mod problem;
 
 mod ahead;

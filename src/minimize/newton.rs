@@ -81,7 +81,7 @@ pub fn newton<const D: usize, J: Into<Jet<D>>>(
 }
 
 /// As [`newton`], for functions that may know what lies ahead.
-pub fn minimize<const D: usize>(
+pub(crate) fn minimize<const D: usize>(
     objective: &mut impl Objective<D>,
     start: &SVector<f64, D>,
     lower: &SVector<f64, D>,
@@ -188,14 +188,11 @@ impl<const D: usize> ProjectedNewton<D> {
                 return Err(Ended::EvaluationLimit);
             }
             let point = self.moved(&current.point, step, fraction);
-            let Jet {
-                evaluation: trial,
-                third,
-            } = objective.jet(&point);
+            let jet = objective.jet(&point);
+            let trial = jet.evaluation;
             current.evaluations += 1;
             if is_accepted(&start, &trial, step, fraction * slope) {
-                current.point = point;
-                (current.jet.evaluation, current.jet.third) = (trial, third);
+                (current.point, current.jet) = (point, jet);
                 return Ok(fraction);
             }
             if -fraction * slope <= VALUE_ROUNDING * start.value.abs() {

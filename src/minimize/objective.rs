@@ -5,7 +5,7 @@ use nalgebra::{SMatrix, SVector};
 use crate::minimize::problem::Jet;
 
 /// A function to minimize.
-pub trait Objective<const D: usize> {
+pub(crate) trait Objective<const D: usize> {
     /// Value and derivatives at `point`.
     fn jet(&mut self, point: &SVector<f64, D>) -> Jet<D>;
 

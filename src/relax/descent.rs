@@ -171,8 +171,7 @@ fn at_trial(
     sites: &[Point3<f64>],
     order: u32,
 ) -> Result<Global, DiagramError> {
-    let movement = Movement::between(space, before, sites.iter());
-    if movement.percent::<3>(space.volume(), sites.len()) < LITTLE {
+    if Movement::percent_between(space, before, sites) < LITTLE {
         space.global_near(sites, order)
     } else {
         space.global(sites, order)

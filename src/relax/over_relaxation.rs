@@ -60,10 +60,8 @@ pub(crate) fn advance<const D: usize, Space: Tessellation<D>>(
     moves: Moves,
 ) -> Result<Moved<D>, Space::Error> {
     let targets: Vec<_> = cells.iter().map(|cell| cell.target).collect();
-    let is_near = |there: &[Point<f64, D>]| {
-        let movement = Movement::between(space, sites, there.iter());
-        movement.percent::<D>(space.volume(), sites.len()) < moves.little
-    };
+    let is_near =
+        |there: &[Point<f64, D>]| Movement::percent_between(space, sites, there) < moves.little;
     let look_at = |there: Vec<Point<f64, D>>| {
         let is_near = is_near(&there);
         look(space, there, moves.question, is_near)

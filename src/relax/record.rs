@@ -78,6 +78,16 @@ impl Movement {
         movement
     }
 
+    /// The [`percent`](Self::percent) of the movement of `sites` to as many `targets`.
+    pub fn percent_between<const D: usize>(
+        space: &impl Tessellation<D>,
+        sites: &[Point<f64, D>],
+        targets: &[Point<f64, D>],
+    ) -> f64 {
+        let movement = Self::between(space, sites, targets.iter());
+        movement.percent::<D>(space.volume(), sites.len())
+    }
+
     /// 100 · mean / diagonal of a cube of the mean of `count` cells' volumes.
     #[must_use]
     pub fn percent<const D: usize>(&self, volume: f64, count: usize) -> f64 {

@@ -188,8 +188,10 @@ impl Crowd {
             found.room.resize(2 * count + 1, Candidate::default());
         }
         for &number in numbers {
-            // Lanes beyond the last site are infinitely far.
-            let (other, shift) = self.places[usize::from(number)];
+            // Lanes beyond the last site hold none. They are infinitely far, but so may the limit be.
+            let Some(&(other, shift)) = self.places.get(usize::from(number)) else {
+                continue;
+            };
             let by = &index.shifts()[shift as usize].by;
             let candidate = Candidate::new(index, site, (other as usize, shift), by);
             let square = candidate.distance_squared;
