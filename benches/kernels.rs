@@ -36,7 +36,7 @@ fn cells(sites: &[Point3<f64>]) -> Vec<Polyhedron> {
     let domain = Cuboid::unit();
     let diagram = Diagram::new(&domain, sites).expect("random sites have a diagram");
     diagram
-        .map(|(): &mut (), cell| cell.polyhedron.clone())
+        .map(|(): &mut (), cell| cell.polyhedron().clone())
         .expect("random sites are distinct")
 }
 

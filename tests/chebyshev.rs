@@ -259,9 +259,9 @@ fn ties_at_lattice_cells_change_nothing() {
         let diagram = Diagram::new(&domain, &sites).unwrap();
         let answers = diagram
             .map(|(): &mut (), cell| {
-                let here = evaluate(cell.polyhedron, &Vector3::zeros(), 1);
-                let cubic = evaluate(cell.polyhedron, &Vector3::zeros(), 3);
-                (here, cubic, Moments::of(cell.polyhedron).volume)
+                let here = evaluate(cell.polyhedron(), &Vector3::zeros(), 1);
+                let cubic = evaluate(cell.polyhedron(), &Vector3::zeros(), 3);
+                (here, cubic, Moments::of(cell.polyhedron()).volume)
             })
             .unwrap();
         let tolerance = 1e-13 + 10.0 * noise;

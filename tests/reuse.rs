@@ -43,9 +43,9 @@ fn digest(domain: &dyn Domain, memory: &mut CellMemory, cell: &Cell<'_>) -> Dige
     memory.load(domain, cell);
     let bits = |corner: Point3<f64>| [corner.x, corner.y, corner.z].map(f64::to_bits);
     Digest {
-        labels: cell.polyhedron.facets().map(|f| f.label()).collect(),
+        labels: cell.polyhedron().facets().map(|f| f.label()).collect(),
         corners: cell
-            .polyhedron
+            .polyhedron()
             .facets()
             .flat_map(|f| f.corners())
             .map(bits)

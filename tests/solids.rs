@@ -156,10 +156,10 @@ fn fill(domain: &SurfaceSolid, sites: &[Point3<f64>]) -> (f64, [usize; 3]) {
             |(clipped, scratch): &mut (ClippedCell, PieceScratch), cell| {
                 let mut volume = 0.0;
                 let mut add = |sign: f64, piece: Piece<'_>| volume += sign * piece.moments().volume;
-                domain.pieces(&cell.position, cell.polyhedron, scratch, &mut add);
+                domain.pieces(&cell.position, cell.polyhedron(), scratch, &mut add);
                 (
                     volume,
-                    clipped.meet(domain, &cell.position, cell.polyhedron),
+                    clipped.meet(domain, &cell.position, cell.polyhedron()),
                 )
             },
         )
@@ -238,7 +238,7 @@ fn a_cell_is_worth_the_same_by_its_boundary_and_by_shadows() {
                     let mut whole = Vec::new();
                     domain.pieces(
                         &cell.position,
-                        cell.polyhedron,
+                        cell.polyhedron(),
                         scratch,
                         &mut |sign, piece| {
                             whole.push(signed(sign, piece));
@@ -246,7 +246,7 @@ fn a_cell_is_worth_the_same_by_its_boundary_and_by_shadows() {
                     );
                     let mut parts = Vec::new();
                     let memory = (&mut scratch.piece, &mut scratch.clip);
-                    let (at, cell) = (&cell.position, cell.polyhedron);
+                    let (at, cell) = (&cell.position, cell.polyhedron());
                     shadows(
                         domain.surface(),
                         tree,
@@ -454,8 +454,8 @@ fn wall_area(domain: &SurfaceSolid, diagram: &Diagram<'_>) -> f64 {
                 }
             });
         };
-        domain.pieces(&cell.position, cell.polyhedron, scratch, &mut add);
-        let least = 1e-11 * cell.polyhedron.radius_squared();
+        domain.pieces(&cell.position, cell.polyhedron(), scratch, &mut add);
+        let least = 1e-11 * cell.polyhedron().radius_squared();
         assert!(inner.amax() < least && all.amax() < least, "{inner} {all}");
         walls.values().map(Vector3::norm).sum::<f64>()
     });

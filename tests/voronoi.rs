@@ -50,10 +50,10 @@ fn octahedron() -> ConvexPolyhedron {
 /// Per cell: its volume and its neighbors across facets of at least `least` area.
 fn cells(domain: &dyn Domain, sites: &[Point3<f64>], least: f64) -> Vec<(f64, BTreeSet<Beyond>)> {
     let ask = |(): &mut (), cell: chebloyd::voronoi::cell::Cell<'_>| {
-        let facets = cell.polyhedron.facets();
+        let facets = cell.polyhedron().facets();
         let large = facets.filter(|facet| facet.area_vector().norm() > least);
         let neighbors = large.map(|facet| Beyond::of(facet.label())).collect();
-        (Moments::of(cell.polyhedron).volume, neighbors)
+        (Moments::of(cell.polyhedron()).volume, neighbors)
     };
     Diagram::new(domain, sites).unwrap().map(ask).unwrap()
 }
@@ -411,7 +411,7 @@ fn answers_are_told_in_site_order_however_many_there_are() {
     let domain = Cuboid::unit();
     let sites = points(&mut Uniform::new(11), 5000);
     let diagram = Diagram::new(&domain, &sites).expect("sites in the cube");
-    let volume = |(): &mut (), cell: Cell<'_>| Moments::of(cell.polyhedron).volume;
+    let volume = |(): &mut (), cell: Cell<'_>| Moments::of(cell.polyhedron()).volume;
     let expected = diagram.map(volume).expect("distinct sites");
     let mut told = Vec::new();
     let tell = |site: usize, volume: f64| {

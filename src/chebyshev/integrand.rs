@@ -64,7 +64,7 @@ pub struct Integrand {
     pub(crate) labels: Vec<Label>,
     /// In the piece's coordinates; none is density 1.
     pub(crate) density: Option<Polynomial>,
-    volume: f64,
+    pub(crate) volume: f64,
 }
 
 impl Integrand {
@@ -171,7 +171,10 @@ impl Integrand {
         self.volume = six_volumes / 6.0;
     }
 
-    fn assign_facets<'a>(&mut self, planes: impl Iterator<Item = (&'a HalfSpace, &'a Label)>) {
+    pub(crate) fn assign_facets<'a>(
+        &mut self,
+        planes: impl Iterator<Item = (&'a HalfSpace, &'a Label)>,
+    ) {
         self.facets.clear();
         self.labels.clear();
         for (plane, label) in planes {
@@ -183,7 +186,7 @@ impl Integrand {
 
     /// Adds an edge and returns six times the volume of the tetrahedra on it.
     #[inline(always)]
-    fn push_edge(&mut self, [from, to]: [u32; 2], [left, right]: [u32; 2]) -> f64 {
+    pub(crate) fn push_edge(&mut self, [from, to]: [u32; 2], [left, right]: [u32; 2]) -> f64 {
         let [a, b] = [from, to].map(|vertex| self.vertices[vertex as usize].point());
         let fan = a.cross(&b);
         let [on_left, on_right] = [left, right].map(|facet| &self.facets[facet as usize]);

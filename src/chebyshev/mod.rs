@@ -24,5 +24,6 @@ mod panorama;
 mod quartic;
 mod segments;
 mod sight;
+mod slots;
 mod terms;
 mod visit;

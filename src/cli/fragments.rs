@@ -110,7 +110,7 @@ fn parts(space: &Space, sites: &[Point3<f64>], site: usize) -> Result<Vec<Part>,
         wanted.then(|| {
             let frame = frame(space, site);
             let (origin, label) = (Point3::origin(), Beyond::Inner.label());
-            let wedges = fragments_in_frame(cell.polyhedron, &origin, &frame, label);
+            let wedges = fragments_in_frame(cell.polyhedron(), &origin, &frame, label);
             wedges.map(|wedge| part(space.domain(), &cell.position, &frame, &wedge, scratch))
         })
     });

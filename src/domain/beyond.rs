@@ -24,13 +24,13 @@ const INNER: u64 = 2 << 62;
 impl Beyond {
     /// The label that stands for it.
     #[must_use]
-    pub fn label(self) -> Label {
+    pub const fn label(self) -> Label {
         match self {
             Self::Neighbor { site, image } => {
-                let bytes = image.map(|copies| u64::from(copies as u8));
-                u64::from(site) | bytes[0] << 32 | bytes[1] << 40 | bytes[2] << 48
+                let [x, y, z] = [image[0] as u8, image[1] as u8, image[2] as u8];
+                site as u64 | (x as u64) << 32 | (y as u64) << 40 | (z as u64) << 48
             }
-            Self::Wall(number) => WALL | u64::from(number),
+            Self::Wall(number) => WALL | number as u64,
             Self::Inner => INNER,
         }
     }

@@ -11,8 +11,10 @@
 //! other end. `facets` holds facet k in byte 4 s + k + 1 and facet 2 once more in byte 4 s, so that
 //! the facet right of edge e is `facets[e]` and the left one `facets[e + 1]`.
 
+use nalgebra::Point3;
 use wide::f64x4;
 
+use crate::geometry::bounds::Bounds;
 use crate::geometry::half_space::HalfSpace;
 use crate::geometry::label::Label;
 use crate::geometry::polyhedron::Polyhedron;
@@ -151,6 +153,29 @@ impl Compact {
         let [a, b, c, d] = far[0].fast_max(far[1]).to_array();
         let greater = |a: f64, b: f64| if a > b { a } else { b };
         greater(greater(a, b), greater(c, d))
+    }
+
+    /// The least axis-aligned box around the vertices and the origin.
+    #[must_use]
+    pub fn bounds_about_origin(&self) -> Bounds<3> {
+        let axes = [&self.x, &self.y, &self.z].map(|all| all.as_chunks::<BLOCK>().0);
+        let (mut min, mut max) = ([f64x4::ZERO; 3], [f64x4::ZERO; 3]);
+        let squares = &self.square.as_chunks::<BLOCK>().0[..self.row_count() * (ROW / BLOCK)];
+        for (block, square) in squares.iter().enumerate() {
+            // What an empty slot has kept, and what is at the origin, counts as that.
+            let is_away = f64x4::new(*square).simd_gt(f64x4::ZERO);
+            for axis in 0..3 {
+                let along = f64x4::new(axes[axis][block]) & is_away;
+                min[axis] = min[axis].fast_min(along);
+                max[axis] = max[axis].fast_max(along);
+            }
+        }
+        let least = |lanes: f64x4| lanes.to_array().into_iter().fold(0.0, f64::min);
+        let most = |lanes: f64x4| lanes.to_array().into_iter().fold(0.0, f64::max);
+        Bounds {
+            min: Point3::from(min.map(least)),
+            max: Point3::from(max.map(most)),
+        }
     }
 
     /// The slots in use whose vertices lie farther from the origin than the root of `square`.

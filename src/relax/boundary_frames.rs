@@ -72,7 +72,7 @@ fn around(domain: &dyn Domain, cell: &Cell<'_>, scratch: &mut PieceScratch) -> A
     let mut areas: BTreeMap<u64, Vector3<f64>> = BTreeMap::new();
     domain.pieces(
         &cell.position,
-        cell.polyhedron,
+        cell.polyhedron(),
         scratch,
         &mut |sign, part| {
             part.visit_areas(|label, area| *areas.entry(label).or_default() += area * sign);

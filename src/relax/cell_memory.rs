@@ -11,6 +11,7 @@ use crate::chebyshev::mass_moments::mass_moments;
 use crate::chebyshev::walk::WalkScratch;
 use crate::domain::space::{Domain, PieceScratch};
 use crate::geometry::clip::ClipScratch;
+use crate::geometry::compact::Compact;
 use crate::geometry::faceted::Piece;
 use crate::geometry::moments::Moments;
 use crate::integrals::polynomial::Polynomial;
@@ -52,6 +53,12 @@ impl CellMemory {
         frame: Option<&Rotation3<f64>>,
     ) {
         self.frame = frame.copied();
+        if let Some(compact) = cell.compact()
+            && domain.is_convex()
+            && !domain.has_density()
+        {
+            return self.load_whole(compact);
+        }
         let Self {
             pieces,
             used,
@@ -88,7 +95,27 @@ impl CellMemory {
             }
             *used += 1;
         };
-        domain.weighted_pieces(&cell.position, cell.polyhedron, piece, &mut prepare);
+        domain.weighted_pieces(&cell.position, cell.polyhedron(), piece, &mut prepare);
+    }
+
+    /// Prepares a cell that is its own only piece.
+    fn load_whole(&mut self, cell: &Compact) {
+        if self.pieces.is_empty() {
+            let integrand = Integrand::default();
+            self.pieces.push(SignedPiece {
+                sign: 1.0,
+                integrand,
+            });
+        }
+        let SignedPiece { sign, integrand } = &mut self.pieces[0];
+        *sign = 1.0;
+        integrand.assign_compact(cell);
+        (self.volume, self.mass) = (integrand.volume(), integrand.volume());
+        self.weighted = Moments::default();
+        if let Some(frame) = &self.frame {
+            integrand.rotate(&frame.inverse());
+        }
+        self.used = 1;
     }
 
     /// The volume of the loaded cell (L³).
@@ -158,10 +185,15 @@ impl CellMemory {
             piece, clip, frame, ..
         } = self;
         let mut shape = Shape::default();
-        domain.pieces(&cell.position, cell.polyhedron, piece, &mut |sign, part| {
-            shape.add(sign, part);
-        });
-        let common = within_cube(cell.polyhedron, volume, frame.as_ref(), clip);
+        domain.pieces(
+            &cell.position,
+            cell.polyhedron(),
+            piece,
+            &mut |sign, part| {
+                shape.add(sign, part);
+            },
+        );
+        let common = within_cube(cell.polyhedron(), volume, frame.as_ref(), clip);
         if !common.is_empty() {
             domain.pieces(&cell.position, &common, piece, &mut |sign, part| {
                 shape.add_overlap(sign * part.moments().volume);

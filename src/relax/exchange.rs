@@ -50,7 +50,7 @@ pub(crate) fn rooms(space: &Space, sites: &[Point3<f64>]) -> Result<Vec<Room>, D
         let distance =
             |way: &Vector3<f64>| frame.map_or(way.amax(), |frame| (frame.inverse() * way).amax());
         let mut farthest = Vector3::zeros();
-        for corner in cell.polyhedron.vertices() {
+        for corner in cell.polyhedron().vertices() {
             let inside = || {
                 space
                     .domain()

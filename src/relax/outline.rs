@@ -8,7 +8,7 @@ use crate::voronoi::cell::Cell;
 /// show.
 pub fn shell(domain: &dyn Domain, cell: &Cell<'_>, scratch: &mut PieceScratch) -> Shell {
     let mut shell = Shell::default();
-    domain.shape(&cell.position, cell.polyhedron, scratch, &mut |piece| {
+    domain.shape(&cell.position, cell.polyhedron(), scratch, &mut |piece| {
         shell = Shell::from(piece).translated(&cell.position.coords);
     });
     shell

@@ -6,12 +6,12 @@ use crate::chebyshev::center::SHY_OF_BORDER;
 use crate::chebyshev::energy::SignedPiece;
 use crate::domain::space::Domain;
 use crate::geometry::bounds::Bounds;
-use crate::geometry::polyhedron::Polyhedron;
+use crate::geometry::half_space::HalfSpace;
 use crate::voronoi::cell::Cell;
 
 /// The box in which the site may move, relative to it: around its cell and within the domain's.
 pub(crate) fn reach(domain: &dyn Domain, cell: &Cell<'_>) -> Bounds<3> {
-    let around = cell.polyhedron.bounds();
+    let around = cell.bounds();
     let mut within = domain.bounds();
     for (axis, period) in domain.periods().iter().enumerate() {
         if period.is_some() {
@@ -28,7 +28,7 @@ pub(crate) fn reach(domain: &dyn Domain, cell: &Cell<'_>) -> Bounds<3> {
 /// straight way first leaves the cell or the domain. The energy is convex, also if the cell is not,
 /// so it falls all along the way.
 pub(crate) fn target(domain: &dyn Domain, cell: &Cell<'_>, step: &Vector3<f64>) -> Point3<f64> {
-    let mut share = share_within(cell.polyhedron, step);
+    let mut share = share_within(cell.half_spaces(), step);
     if !domain.is_convex() {
         let exit = domain.first_exit(&cell.position, &(step * share));
         if exit.is_finite() {
@@ -56,9 +56,9 @@ fn within_walls(domain: &dyn Domain, place: Point3<f64>) -> Point3<f64> {
 /// [`SHY_OF_BORDER`] of the way to the border. Since the energy is convex it falls all the way.
 ///
 /// Planes that have no facet any more are asked too: the way leaves the cell before it meets them.
-fn share_within(cell: &Polyhedron, step: &Vector3<f64>) -> f64 {
+fn share_within(half_spaces: &[HalfSpace], step: &Vector3<f64>) -> f64 {
     let mut share: f64 = 1.0;
-    for border in &cell.planes {
+    for border in half_spaces {
         let climb = border.normal.dot(step);
         if climb > border.offset {
             share = share.min(SHY_OF_BORDER * (border.offset / climb).max(0.0));

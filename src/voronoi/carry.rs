@@ -6,10 +6,11 @@ use crate::domain::space::Domain;
 use crate::geometry::half_space::HalfSpace;
 use crate::geometry::label::Label;
 use crate::geometry::polyhedron::Polyhedron;
+use crate::voronoi::body::Body;
 use crate::voronoi::carried::Carried;
 use crate::voronoi::cell::{Cell, CellBuilder};
 use crate::voronoi::index::SiteIndex;
-use crate::voronoi::packed::{Across, Packed, Ranks, Record, image_of};
+use crate::voronoi::packed::{Across, IMAGES, Packed, Ranks, Record, image_of};
 use crate::voronoi::pattern::Pattern;
 use crate::voronoi::realize::Realizer;
 use crate::voronoi::search::Duplicate;
@@ -24,7 +25,7 @@ pub(crate) struct Standing<'a> {
     /// Per rank: the site's position.
     pub(crate) positions: &'a [Point3<f64>],
     /// Per number of an image: its displacement (L).
-    pub(crate) shifts: [Vector3<f64>; 27],
+    pub(crate) shifts: [Vector3<f64>; IMAGES],
 }
 
 /// The memory in which cells are carried, one after the other.
@@ -34,10 +35,9 @@ pub(crate) struct Carrier {
     old: Pattern,
     pattern: Pattern,
     across: Vec<Across>,
-    planes: Vec<HalfSpace>,
     realizer: Realizer,
     start: Polyhedron,
-    cell: Polyhedron,
+    body: Body,
 }
 
 impl<'a> Standing<'a> {
@@ -82,7 +82,7 @@ impl Carrier {
             ask(Cell {
                 site: numbers.sites[rank],
                 position: standing.positions[rank],
-                polyhedron: &self.cell,
+                body: &self.body,
             })
         })
     }
@@ -103,7 +103,7 @@ impl Carrier {
         // Taken out for a while, so that the cell may be read while the rest is written.
         let mut builder = std::mem::take(&mut self.builder);
         let built = builder.build(standing.domain, standing.index, place)?;
-        let mut has_pattern = self.pattern.assign(built.polyhedron, site);
+        let mut has_pattern = (built.compact()).is_some_and(|cell| self.pattern.assign(cell, site));
         if has_pattern {
             self.across.clear();
             let labels = self.pattern.labels().iter();
@@ -111,18 +111,15 @@ impl Carrier {
                 .extend(labels.map(|&label| numbers.across(label)));
             has_pattern = self.realize(standing, rank);
         }
-        let polyhedron = if has_pattern {
+        let body = if has_pattern {
             packed.push(&self.pattern, numbers);
-            &self.cell
+            &self.body
         } else {
-            let labels: Vec<_> = built.polyhedron.facets().map(|f| f.label()).collect();
+            let labels: Vec<_> = built.polyhedron().facets().map(|f| f.label()).collect();
             packed.push_neighbors(&labels, numbers);
-            built.polyhedron
+            built.body
         };
-        let answer = ask(Cell {
-            polyhedron,
-            ..built
-        });
+        let answer = ask(Cell { body, ..built });
         self.builder = builder;
         if let Some(old) = old {
             if has_pattern && old.read(numbers, &mut self.old, &mut self.across) {
@@ -144,13 +141,16 @@ impl Carrier {
     /// Realizes the pattern in hand; returns whether the cell is beyond doubt.
     fn realize(&mut self, standing: &Standing<'_>, rank: usize) -> bool {
         let here = standing.positions[rank];
-        self.planes.clear();
+        let cell = self.body.slots();
+        self.pattern.write(cell);
+        self.realizer.clear();
         let mut has_start = false;
         for (across, label) in self.across.iter().zip(self.pattern.labels()) {
-            let plane = match *across {
+            match *across {
                 Across::Site { rank, image } => {
-                    let by = standing.shifts[usize::from(image)];
-                    HalfSpace::bisector(standing.positions[rank as usize] - here + by)
+                    let by = standing.shifts[usize::from(image) % IMAGES];
+                    let away = standing.positions[rank as usize] - here + by;
+                    (self.realizer).add(&HalfSpace::bisector(away), true, cell);
                 }
                 Across::Wall => {
                     if !has_start {
@@ -162,12 +162,10 @@ impl Carrier {
                     let Some(wall) = wall else {
                         return false;
                     };
-                    self.start.planes[wall]
+                    (self.realizer).add(&self.start.planes[wall], false, cell);
                 }
-            };
-            self.planes.push(plane);
+            }
         }
-        self.realizer
-            .realize(&self.pattern, &self.planes, &mut self.cell)
+        self.realizer.realize(cell)
     }
 }

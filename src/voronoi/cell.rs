@@ -6,30 +6,59 @@
 use nalgebra::Point3;
 
 use crate::domain::space::Domain;
+use crate::geometry::bounds::Bounds;
 use crate::geometry::clip::ClipScratch;
 use crate::geometry::compact::Compact;
 use crate::geometry::compact_clip::CompactScratch;
+use crate::geometry::half_space::HalfSpace;
 use crate::geometry::polyhedron::Polyhedron;
+use crate::voronoi::body::Body;
 use crate::voronoi::index::SiteIndex;
 use crate::voronoi::search::{Duplicate, Halt, Search};
 
-/// A cell under the caller's eyes, in coordinates relative to its site.
+/// A cell under the caller's eyes: its body, clipped to the domain's convex start, in coordinates
+/// relative to its site.
 #[derive(Clone, Copy, Debug)]
 pub struct Cell<'a> {
     /// The site's index.
     pub site: u32,
     /// The site's position.
     pub position: Point3<f64>,
-    /// The cell, clipped to the domain's convex start; its site is the origin.
-    pub polyhedron: &'a Polyhedron,
+    pub(crate) body: &'a Body,
+}
+
+impl<'a> Cell<'a> {
+    /// The body as a polyhedron; the site is its origin.
+    #[must_use]
+    pub fn polyhedron(&self) -> &'a Polyhedron {
+        self.body.polyhedron()
+    }
+
+    /// The least axis-aligned box around the body, relative to the site.
+    #[must_use]
+    pub fn bounds(&self) -> Bounds<3> {
+        self.body.bounds()
+    }
+
+    /// The half-spaces that meet in the body, and maybe some that hold all of it.
+    #[must_use]
+    pub fn half_spaces(&self) -> &'a [HalfSpace] {
+        self.body.planes()
+    }
+
+    /// The body in fixed slots, if it fits there.
+    #[must_use]
+    pub fn compact(&self) -> Option<&'a Compact> {
+        self.body.compact()
+    }
 }
 
 /// The memory in which cells are built, one after the other.
-#[derive(Clone, Debug, Default)]
+#[derive(Debug, Default)]
 pub struct CellBuilder {
-    polyhedron: Polyhedron,
+    start: Polyhedron,
     clip: ClipScratch,
-    compact: Compact,
+    body: Body,
     compact_scratch: Box<CompactScratch>,
     search: Search,
 }
@@ -46,29 +75,38 @@ impl CellBuilder {
         place: usize,
     ) -> Result<Cell<'_>, Duplicate> {
         let (site, position) = (index.site(place), index.position(place));
-        domain.start(&position, site, &mut self.polyhedron);
-        let halt = if self.compact.assign(&self.polyhedron) {
-            let mut shape = (&mut self.compact, &mut *self.compact_scratch);
-            self.search.shape(index, place, &mut shape)
+        let Self {
+            start,
+            clip,
+            body,
+            compact_scratch,
+            search,
+        } = self;
+        domain.start(&position, site, start);
+        let compact = body.slots();
+        let halt = if compact.assign(start) {
+            let mut shape = (compact, &mut **compact_scratch);
+            search.shape(index, place, &mut shape)
         } else {
             Err(Halt::Full)
         };
         match halt {
-            Ok(()) => self.compact.write(&mut self.polyhedron),
+            Ok(()) => {}
             Err(Halt::Duplicate(duplicate)) => return Err(duplicate),
-            Err(Halt::Full) => {
-                let mut shape = (&mut self.polyhedron, &mut self.clip);
-                match self.search.shape(index, place, &mut shape) {
-                    Err(Halt::Duplicate(duplicate)) => return Err(duplicate),
+            Err(Halt::Full) => body.assign(|polyhedron| {
+                polyhedron.clone_from(start);
+                let mut shape = (&mut *polyhedron, &mut *clip);
+                match search.shape(index, place, &mut shape) {
+                    Err(Halt::Duplicate(duplicate)) => Err(duplicate),
                     // Any size fits.
-                    Ok(()) | Err(Halt::Full) => {}
+                    Ok(()) | Err(Halt::Full) => Ok(()),
                 }
-            }
+            })?,
         }
         Ok(Cell {
             site,
             position,
-            polyhedron: &self.polyhedron,
+            body,
         })
     }
 }

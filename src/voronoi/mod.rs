@@ -15,6 +15,7 @@ pub mod plane;
 pub mod search;
 pub mod shifts;
 
+mod body;
 mod candidate;
 mod carried_map;
 mod carry;

@@ -1,8 +1,8 @@
-//! Patterns of many cells in little memory: some 250 bytes a cell.
+//! Patterns of many cells in little memory: some 300 bytes a cell.
 //!
 //! A cell's record holds the number of its facets and vertices (two bytes each), four bytes and one
-//! for what lies beyond each facet, and six bytes for each vertex: its facets and neighbors. A cell
-//! without a pattern has a record without vertices that lists its neighbors only.
+//! for what lies beyond each facet, and eight bytes for each vertex, its facets and edges as in a
+//! cell's slots. A cell without a pattern has a record without vertices that lists its neighbors only.
 
 use crate::domain::beyond::Beyond;
 use crate::geometry::label::Label;
@@ -13,6 +13,12 @@ pub(crate) const CELLS: usize = 64;
 
 /// Unused memory of up to one part in so many is kept.
 const SLACK: usize = 16;
+
+/// The images within one period to either side.
+pub(crate) const IMAGES: usize = 27;
+
+/// Vertices in a row: a record holds whole rows.
+const ROW: usize = 8;
 
 /// In place of the number of an image: the facet is a wall.
 const WALL: u8 = u8::MAX;
@@ -63,8 +69,27 @@ pub(crate) fn image_number(image: [i8; 3]) -> u8 {
 }
 
 /// The image with this number.
-pub(crate) fn image_of(number: u8) -> [i8; 3] {
-    [number % 3, number / 3 % 3, number / 9].map(|copies| copies as i8 - 1)
+pub(crate) const fn image_of(number: u8) -> [i8; 3] {
+    [
+        (number % 3) as i8 - 1,
+        (number / 3 % 3) as i8 - 1,
+        (number / 9) as i8 - 1,
+    ]
+}
+
+/// Per number of an image: the label of that image of site 0. Labels of other sites differ in the bits
+/// that are zero here.
+static OF_SITE_0: [Label; IMAGES] = labels_table();
+
+const fn labels_table() -> [Label; IMAGES] {
+    let mut table = [0; IMAGES];
+    let mut number = 0;
+    while number < IMAGES {
+        let image = image_of(number as u8);
+        table[number] = Beyond::Neighbor { site: 0, image }.label();
+        number += 1;
+    }
+    table
 }
 
 impl Packed {
@@ -110,11 +135,11 @@ impl Packed {
     /// Appends the record of a cell with a pattern.
     pub(crate) fn push(&mut self, pattern: &Pattern, numbers: &Ranks<'_>) {
         self.push_facets(pattern.labels(), pattern.vertex_count, numbers);
-        let count = pattern.vertex_count;
-        self.bytes
-            .extend_from_slice(pattern.facets[..count].as_flattened());
-        self.bytes
-            .extend_from_slice(pattern.next[..count].as_flattened());
+        let [facets, twins] = [&pattern.facets, &pattern.twins].map(|bytes| rows(bytes));
+        for row in 0..pattern.vertex_count.div_ceil(ROW) {
+            self.bytes.extend_from_slice(&facets[row]);
+            self.bytes.extend_from_slice(&twins[row]);
+        }
         self.ends.push(self.bytes.len() as u32);
     }
 
@@ -171,31 +196,31 @@ impl Record<'_> {
         if vertices == 0 {
             return false;
         }
-        across.clear();
         pattern.facet_count = facets;
         pattern.vertex_count = vertices;
-        for (beyond, label) in self.beyond().zip(&mut pattern.labels) {
-            let (number, code) = beyond;
-            if code == WALL {
-                *label = Beyond::Wall(number).label();
-                across.push(Across::Wall);
-            } else {
-                let (site, image) = (numbers.sites[number as usize], image_of(code));
-                *label = Beyond::Neighbor { site, image }.label();
-                across.push(Across::Site {
-                    rank: number,
-                    image: code,
-                });
-            }
+        across.clear();
+        across.extend(self.beyond().map(|(number, code)| match code {
+            WALL => Across::Wall,
+            image => Across::Site {
+                rank: number,
+                image,
+            },
+        }));
+        for ((number, code), label) in self.beyond().zip(&mut pattern.labels) {
+            *label = match code {
+                WALL => Beyond::Wall(number).label(),
+                image => {
+                    OF_SITE_0[usize::from(image) % IMAGES]
+                        | Label::from(numbers.sites[number as usize])
+                }
+            };
         }
-        let rows = &self.bytes[4 + 5 * facets..];
-        let (of_facets, of_next) = rows.split_at(3 * vertices);
-        pattern.facets[..vertices]
-            .as_flattened_mut()
-            .copy_from_slice(of_facets);
-        pattern.next[..vertices]
-            .as_flattened_mut()
-            .copy_from_slice(of_next);
+        let stored = rows(&self.bytes[4 + 5 * facets..]);
+        let (to_facets, to_twins) = (rows_mut(&mut pattern.facets), rows_mut(&mut pattern.twins));
+        let kept = to_facets.iter_mut().zip(to_twins);
+        for ((facets, twins), stored) in kept.zip(stored.as_chunks().0) {
+            [*facets, *twins] = *stored;
+        }
         true
     }
 
@@ -217,6 +242,16 @@ impl Record<'_> {
         let numbers = numbers.iter().map(|&bytes| u32::from_le_bytes(bytes));
         numbers.zip(codes.iter().copied())
     }
+}
+
+/// The bytes of vertices, in rows.
+fn rows(bytes: &[u8]) -> &[[u8; 4 * ROW]] {
+    bytes.as_chunks().0
+}
+
+/// As [`rows`].
+fn rows_mut(bytes: &mut [u8]) -> &mut [[u8; 4 * ROW]] {
+    bytes.as_chunks_mut().0
 }
 
 #[cfg(test)]
@@ -244,8 +279,8 @@ mod tests {
         let (site, image) = (1, [0, -1, 1]);
         pattern.labels[0] = Beyond::Neighbor { site, image }.label();
         pattern.labels[1] = Beyond::Wall(7).label();
-        pattern.facets[..2].copy_from_slice(&[[1, 2, 3], [4, 5, 6]]);
-        pattern.next[..2].copy_from_slice(&[[7, 8, 9], [0, 1, 2]]);
+        pattern.facets[..8].copy_from_slice(&[3, 1, 2, 3, 6, 4, 5, 6]);
+        pattern.twins[..8].copy_from_slice(&[4, 5, 6, 0, 1, 2, 0, 0]);
         let mut packed = Packed::default();
         packed.push_neighbors(pattern.labels(), &numbers);
         packed.push(&pattern, &numbers);
@@ -253,8 +288,8 @@ mod tests {
         assert!(!packed.record(0).read(&numbers, &mut read, &mut across));
         assert!(packed.record(1).read(&numbers, &mut read, &mut across));
         assert_eq!(read.labels(), pattern.labels());
-        assert_eq!(read.facets[..2], pattern.facets[..2]);
-        assert_eq!(read.next[..2], pattern.next[..2]);
+        assert_eq!(read.facets[..8], pattern.facets[..8]);
+        assert_eq!(read.twins[..8], pattern.twins[..8]);
         assert_eq!(packed.record(0).neighbors().collect::<Vec<_>>(), [2]);
     }
 }

@@ -8,21 +8,21 @@
 //! how the pattern was found.
 
 use crate::domain::beyond::Beyond;
+use crate::geometry::compact::{Compact, EDGES, PLANES, SLOTS, slots};
 use crate::geometry::label::Label;
-use crate::geometry::polyhedron::Polyhedron;
 
 /// Vertices at most, and so facets; a handful of cells in 10⁵ have more and no pattern.
-pub(crate) const MOST: usize = 64;
+pub(crate) const MOST: usize = SLOTS;
 
 /// A cell's facets, vertices and edges.
 #[derive(Clone, Debug)]
 pub(crate) struct Pattern {
     pub(crate) labels: [Label; MOST],
     pub(crate) facet_count: usize,
-    /// Per vertex: its facets, as in a polyhedron.
-    pub(crate) facets: [[u8; 3]; MOST],
-    /// Per vertex: its neighbors, as in a polyhedron.
-    pub(crate) next: [[u8; 3]; MOST],
+    /// The facets around the vertices, as in the first slots.
+    pub(crate) facets: [u8; EDGES],
+    /// The edges that leave the vertices, as in the first slots.
+    pub(crate) twins: [u8; EDGES],
     pub(crate) vertex_count: usize,
 }
 
@@ -31,8 +31,8 @@ impl Default for Pattern {
         Self {
             labels: [0; MOST],
             facet_count: 0,
-            facets: [[0; 3]; MOST],
-            next: [[0; 3]; MOST],
+            facets: [0; EDGES],
+            twins: [0; EDGES],
             vertex_count: 0,
         }
     }
@@ -42,15 +42,15 @@ impl Pattern {
     /// Becomes the pattern of the cell of `site`; returns whether it has one: no two facets on the
     /// same neighbor, none on an image of the site itself, no two vertices on the same facets.
     #[must_use]
-    pub(crate) fn assign(&mut self, cell: &Polyhedron, site: u32) -> bool {
+    pub(crate) fn assign(&mut self, cell: &Compact, site: u32) -> bool {
         let Some(numbers) = self.number_facets(cell, site) else {
             return false;
         };
-        let count = cell.vertex_count();
         let mut order = [0_u32; MOST];
         let mut firsts = [0_u8; MOST];
-        for vertex in 0..count {
-            let [a, b, c] = cell.facets[vertex].map(|facet| numbers[facet as usize]);
+        let mut count = 0;
+        for slot in slots(cell.alive) {
+            let [a, b, c] = [1, 2, 3].map(|byte| number(&numbers, cell, 4 * slot + byte));
             let first = if a < b && a < c {
                 0
             } else if b < c {
@@ -59,8 +59,9 @@ impl Pattern {
                 2
             };
             let (low, middle, high) = sorted(a, b, c);
-            firsts[vertex] = first;
-            order[vertex] = key(low, middle, high) << 8 | vertex as u32;
+            firsts[slot] = first;
+            order[count] = key(low, middle, high) << 8 | slot as u32;
+            count += 1;
         }
         order[..count].sort_unstable();
         if order[..count].windows(2).any(|w| w[0] >> 8 == w[1] >> 8) {
@@ -72,25 +73,39 @@ impl Pattern {
         }
         self.vertex_count = count;
         for (place, entry) in order[..count].iter().enumerate() {
-            let vertex = (entry & 0xff) as usize;
-            let first = usize::from(firsts[vertex]);
-            let slots = [first, (first + 1) % 3, (first + 2) % 3];
-            let facets = &cell.facets[vertex];
-            let next = &cell.next[vertex];
-            self.facets[place] = slots.map(|slot| numbers[facets[slot] as usize]);
-            self.next[place] = slots.map(|slot| places[next[slot] as usize]);
+            let slot = (entry & 0xff) as usize;
+            let turn = |edge: u8, slot: usize| (edge + 3 - firsts[slot]) % 3;
+            for edge in 0..3 {
+                let at = 4 * place + usize::from(turn(edge, slot));
+                let old = 4 * slot + usize::from(edge);
+                self.facets[at + 1] = number(&numbers, cell, old + 1);
+                let (end, back) = (usize::from(cell.twins[old] / 4), cell.twins[old] % 4);
+                self.twins[at] = 4 * places[end] + turn(back, end);
+            }
+            self.facets[4 * place] = self.facets[4 * place + 3];
         }
         true
     }
 
+    /// Lays the pattern out in a cell's slots, with room for the planes.
+    pub(crate) fn write(&self, cell: &mut Compact) {
+        cell.clear();
+        cell.alive = u64::MAX >> (SLOTS - self.vertex_count);
+        (cell.facets, cell.twins) = (self.facets, self.twins);
+        cell.labels.extend_from_slice(self.labels());
+        cell.planes.reserve(self.facet_count);
+    }
+
     /// Sorts the labels of the facets that have vertices; returns the facets' new numbers.
-    fn number_facets(&mut self, cell: &Polyhedron, site: u32) -> Option<[u8; 4 * MOST]> {
-        let mut numbers = [u8::MAX; 4 * MOST];
-        if cell.planes.len() > numbers.len() || !(4..=MOST).contains(&cell.vertex_count()) {
+    fn number_facets(&mut self, cell: &Compact, site: u32) -> Option<[u8; PLANES]> {
+        let mut numbers = [u8::MAX; PLANES];
+        if cell.alive.count_ones() < 4 {
             return None;
         }
-        for facet in cell.facets.iter().flatten() {
-            numbers[*facet as usize] = 0;
+        for slot in slots(cell.alive) {
+            for byte in 4 * slot..4 * slot + 3 {
+                numbers[usize::from(cell.facets[byte])] = 0;
+            }
         }
         let mut order = [(0, 0_u8); MOST];
         let mut count = 0;
@@ -120,10 +135,9 @@ impl Pattern {
         &self.labels[..self.facet_count]
     }
 
-    /// How many facets lie on neighbors. They come before the walls.
-    pub(crate) fn neighbor_count(&self) -> usize {
-        let is_neighbor = |&&label: &&Label| matches!(Beyond::of(label), Beyond::Neighbor { .. });
-        self.labels().iter().take_while(is_neighbor).count()
+    /// The facets around the vertices.
+    fn facets(&self) -> &[u8] {
+        &self.facets[..4 * self.vertex_count]
     }
 
     /// Calls `found` with the labels around every vertex that `self` or `other` has and the other
@@ -131,12 +145,11 @@ impl Pattern {
     pub(crate) fn visit_differences(&self, other: &Self, mut found: impl FnMut([Label; 3])) {
         let (mut one, mut two) = (0, 0);
         let around = |pattern: &Self, vertex: usize| {
-            let [a, b, c] = pattern.facets[vertex];
+            let [a, b, c] = [1, 2, 3].map(|byte| pattern.facets[4 * vertex + byte]);
             let (low, middle, high) = sorted(a, b, c);
             [low, middle, high].map(|facet| pattern.labels[usize::from(facet)])
         };
-        let is_same = self.labels() == other.labels()
-            && self.facets[..self.vertex_count] == other.facets[..other.vertex_count];
+        let is_same = self.labels() == other.labels() && self.facets() == other.facets();
         if is_same {
             return;
         }
@@ -172,6 +185,11 @@ fn may_bound(label: Label, cell_site: u32) -> bool {
         Beyond::Wall(_) => true,
         Beyond::Inner => false,
     }
+}
+
+/// The new number of the facet in a byte of the slots.
+fn number(numbers: &[u8; PLANES], cell: &Compact, byte: usize) -> u8 {
+    numbers[usize::from(cell.facets[byte])]
 }
 
 fn sorted(a: u8, b: u8, c: u8) -> (u8, u8, u8) {

@@ -15,9 +15,9 @@
 
 use wide::f64x4;
 
+use crate::geometry::compact::{BLOCK, Compact};
 use crate::geometry::half_space::HalfSpace;
-use crate::geometry::polyhedron::Polyhedron;
-use crate::voronoi::pattern::{MOST, Pattern};
+use crate::voronoi::pattern::MOST;
 
 /// The least volume that three unit normals span: vertices are then known to some 1e-13 of the
 /// cell's radius.
@@ -34,150 +34,152 @@ const NEAREST: f64 = 0.02;
 /// A direction along no edge or facet that people draw.
 const UP: [f64; 3] = [0.737_368_878, 0.577_350_269, 0.350_918_142];
 
-/// Planes with unit normals, and the vertices where they meet.
+/// The planes of a cell.
 #[derive(Clone, Debug)]
 pub(crate) struct Realizer {
-    normals: [[f64; MOST]; 3],
-    offsets: [f64; MOST],
-    vertices: [[f64; MOST]; 3],
-    heights: [f64; MOST],
+    /// Unit normals and offsets.
+    planes: [[f64; 4]; MOST],
+    /// The least offset of a neighbor's plane.
+    nearest: f64,
+    /// Of all numbers: not finite if one of them is not.
+    sum: f64,
 }
 
 impl Default for Realizer {
     fn default() -> Self {
         Self {
-            normals: [[0.0; MOST]; 3],
-            offsets: [0.0; MOST],
-            vertices: [[0.0; MOST]; 3],
-            heights: [0.0; MOST],
+            planes: [[0.0; 4]; MOST],
+            nearest: f64::INFINITY,
+            sum: 0.0,
         }
     }
 }
 
+/// What meeting planes tell.
+struct Meeting {
+    /// The least volume of three normals.
+    flattest: f64,
+    /// The greatest squared distance of a vertex.
+    radius_squared: f64,
+    /// How many vertices are as far up as any plane lets them be.
+    summits: u32,
+}
+
 impl Realizer {
-    /// Makes `cell` the polyhedron of `pattern` with these planes, one for every facet; returns
-    /// whether it is beyond doubt. If it is not, `cell` is not changed.
+    /// Forgets the planes.
+    pub(crate) fn clear(&mut self) {
+        (self.nearest, self.sum) = (f64::INFINITY, 0.0);
+    }
+
+    /// Adds a plane to those of `cell`.
+    #[inline]
+    pub(crate) fn add(&mut self, plane: &HalfSpace, is_neighbor: bool, cell: &mut Compact) {
+        let inverse = 1.0 / plane.normal.norm();
+        let (normal, offset) = (plane.normal * inverse, plane.offset * inverse);
+        self.planes[cell.planes.len() % MOST] = [normal.x, normal.y, normal.z, offset];
+        cell.planes.push(HalfSpace { normal, offset });
+        self.sum += inverse + offset;
+        if is_neighbor & (offset < self.nearest) {
+            self.nearest = offset;
+        }
+    }
+
+    /// Places the vertices of `cell`, which is a pattern to which all planes have been added; returns
+    /// whether it is beyond doubt.
     #[must_use]
-    pub(crate) fn realize(
-        &mut self,
-        pattern: &Pattern,
-        planes: &[HalfSpace],
-        cell: &mut Polyhedron,
-    ) -> bool {
-        let Some(nearest) = self.load(planes, pattern.neighbor_count()) else {
+    pub(crate) fn realize(&self, cell: &mut Compact) -> bool {
+        if !self.sum.is_finite() {
             return false;
-        };
-        let (flattest, radius_squared) = self.meet(pattern);
+        }
+        let Meeting {
+            flattest,
+            radius_squared,
+            summits,
+        } = self.meet(cell);
         let radius = radius_squared.sqrt();
-        let is_known = flattest >= FLATTEST && 2.0 * nearest >= NEAREST * radius;
-        if !is_known || !self.is_convex(pattern, MARGIN * radius) {
-            return false;
-        }
-        self.write(pattern, planes, cell);
-        true
+        flattest >= FLATTEST
+            && 2.0 * self.nearest >= NEAREST * radius
+            && summits == 1
+            && self.least_room(cell) >= MARGIN * radius
     }
 
-    /// Normalizes the planes, those of neighbors first; returns the least distance of one of these,
-    /// or nothing where a normal is zero.
-    fn load(&mut self, planes: &[HalfSpace], neighbors: usize) -> Option<f64> {
-        let mut nearest = f64::INFINITY;
-        let mut sum = 0.0;
-        for (number, plane) in planes.iter().enumerate().take(MOST) {
-            let inverse = 1.0 / plane.normal.norm();
-            for axis in 0..3 {
-                self.normals[axis][number] = plane.normal[axis] * inverse;
-            }
-            let offset = plane.offset * inverse;
-            self.offsets[number] = offset;
-            sum += inverse + offset;
-            if number < neighbors && offset < nearest {
-                nearest = offset;
-            }
-        }
-        // One number that is not finite spoils the sum.
-        sum.is_finite().then_some(nearest)
-    }
-
-    /// Computes all vertices, four at a time; returns the least volume of three normals and the
-    /// greatest squared distance of a vertex.
-    fn meet(&mut self, pattern: &Pattern) -> (f64, f64) {
+    /// Places all vertices, four at a time.
+    fn meet(&self, cell: &mut Compact) -> Meeting {
+        let count = cell.alive.count_ones() as usize;
         let mut flattest = f64x4::splat(f64::INFINITY);
         let mut far = f64x4::ZERO;
-        for block in 0..pattern.vertex_count.div_ceil(4) {
+        let mut summits = 0;
+        for first in (0..count).step_by(BLOCK) {
             // Lanes beyond the last vertex repeat the first.
             let vertex = |lane: usize| {
-                let vertex = 4 * block + lane;
-                if vertex < pattern.vertex_count {
-                    vertex
+                if first + lane < count {
+                    first + lane
                 } else {
                     0
                 }
             };
-            let facets = [0, 1, 2, 3].map(|lane| pattern.facets[vertex(lane)]);
-            let gather = |all: &[f64; MOST], slot: usize| {
-                f64x4::new(facets.map(|facets| all[usize::from(facets[slot]) % MOST]))
+            let vertices = [vertex(0), vertex(1), vertex(2), vertex(3)];
+            let planes = |slot: usize| {
+                let plane = |vertex: usize| usize::from(cell.facets[4 * vertex + slot + 1]) % MOST;
+                f64x4::transpose(vertices.map(|vertex| f64x4::new(self.planes[plane(vertex)])))
             };
-            let normal = |slot: usize| [0, 1, 2].map(|axis| gather(&self.normals[axis], slot));
-            let [a, b, c] = [0, 1, 2].map(normal);
+            let [ax, ay, az, d] = planes(0);
+            let [bx, by, bz, e] = planes(1);
+            let [cx, cy, cz, f] = planes(2);
+            let (a, b, c) = ([ax, ay, az], [bx, by, bz], [cx, cy, cz]);
             let [ab, bc, ca] = [cross(&a, &b), cross(&b, &c), cross(&c, &a)];
-            let volume = a[0] * bc[0] + a[1] * bc[1] + a[2] * bc[2];
+            let volume = dot(&a, &bc);
             flattest = flattest.fast_min(volume);
+            // The cone of three normals holds what is a sum of them.
+            let up = UP.map(f64x4::splat);
+            let shares = dot(&up, &bc)
+                .fast_min(dot(&up, &ca))
+                .fast_min(dot(&up, &ab));
+            let lanes = (1 << (count - first).min(BLOCK)) - 1;
+            summits += (shares.simd_gt(f64x4::ZERO).to_bitmask() as u32 & lanes).count_ones();
             let scale = f64x4::ONE / volume;
-            let [d, e, f] = [0, 1, 2].map(|slot| gather(&self.offsets, slot) * scale);
+            let [d, e, f] = [d * scale, e * scale, f * scale];
             let position = [0, 1, 2].map(|axis| d * bc[axis] + e * ca[axis] + f * ab[axis]);
-            let mut square = f64x4::ZERO;
-            let mut height = f64x4::ZERO;
-            for axis in 0..3 {
-                square += position[axis] * position[axis];
-                height += position[axis] * f64x4::splat(UP[axis]);
-                self.vertices[axis][4 * block..][..4].copy_from_slice(&position[axis].to_array());
-            }
-            self.heights[4 * block..][..4].copy_from_slice(&height.to_array());
+            let square = dot(&position, &position);
             far = far.fast_max(square);
+            let all = [&mut cell.x, &mut cell.y, &mut cell.z, &mut cell.square];
+            let [x, y, z] = position;
+            for (all, along) in all.into_iter().zip([x, y, z, square]) {
+                all[first..][..BLOCK].copy_from_slice(&along.to_array());
+            }
+        }
+        // An empty slot is at no distance.
+        for slot in count..count.next_multiple_of(BLOCK) {
+            cell.square[slot] = 0.0;
         }
         let least = |[a, b, c, d]: [f64; 4]| a.min(b).min(c.min(d));
         let most = |[a, b, c, d]: [f64; 4]| a.max(b).max(c.max(d));
-        (least(flattest.to_array()), most(far.to_array()))
-    }
-
-    /// Whether every edge runs the right way, `margin` long as seen from the plane it leaves, and
-    /// one vertex alone is higher than its neighbors.
-    fn is_convex(&self, pattern: &Pattern, margin: f64) -> bool {
-        let [x, y, z] = &self.vertices;
-        let [a, b, c] = &self.normals;
-        let mut least = f64::INFINITY;
-        let mut summits = 0;
-        for vertex in 0..pattern.vertex_count {
-            let mut highest = f64::NEG_INFINITY;
-            for slot in 0..3 {
-                let end = usize::from(pattern.next[vertex][slot]) % MOST;
-                // The edge runs along the facets left and right of it and leaves the third.
-                let plane = usize::from(pattern.facets[vertex][(slot + 1) % 3]) % MOST;
-                let along = a[plane] * x[end] + b[plane] * y[end] + c[plane] * z[end];
-                let room = self.offsets[plane] - along;
-                least = if room < least { room } else { least };
-                let height = self.heights[end];
-                highest = if height > highest { height } else { highest };
-            }
-            summits += u32::from(self.heights[vertex] > highest);
+        Meeting {
+            flattest: least(flattest.to_array()),
+            radius_squared: most(far.to_array()),
+            summits,
         }
-        least >= margin && summits == 1
     }
 
-    fn write(&self, pattern: &Pattern, planes: &[HalfSpace], cell: &mut Polyhedron) {
-        cell.clear();
-        let count = pattern.vertex_count;
-        let [x, y, z] = &self.vertices;
-        cell.x.extend_from_slice(&x[..count]);
-        cell.y.extend_from_slice(&y[..count]);
-        cell.z.extend_from_slice(&z[..count]);
-        let widened = |row: &[u8; 3]| row.map(u32::from);
-        cell.facets
-            .extend(pattern.facets[..count].iter().map(widened));
-        cell.next.extend(pattern.next[..count].iter().map(widened));
-        cell.planes.extend_from_slice(planes);
-        cell.labels.extend_from_slice(pattern.labels());
+    /// How far the end of an edge is inside the plane that the edge leaves, at least.
+    fn least_room(&self, cell: &Compact) -> f64 {
+        let mut least = f64::INFINITY;
+        for vertex in 0..cell.alive.count_ones() as usize {
+            for edge in 0..3 {
+                let end = usize::from(cell.twins[4 * vertex + edge] / 4);
+                // The edge runs along the facets left and right of it and leaves the third.
+                let plane = usize::from(cell.facets[4 * vertex + 1 + (edge + 1) % 3]) % MOST;
+                let [a, b, c, offset] = self.planes[plane];
+                let room = offset - (a * cell.x[end] + b * cell.y[end] + c * cell.z[end]);
+                least = if room < least { room } else { least };
+            }
+        }
+        least
     }
+}
+
+fn dot(a: &[f64x4; 3], b: &[f64x4; 3]) -> f64x4 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 fn cross(a: &[f64x4; 3], b: &[f64x4; 3]) -> [f64x4; 3] {
