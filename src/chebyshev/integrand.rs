@@ -31,7 +31,7 @@ pub(crate) struct FacetConstants {
 }
 
 impl FacetConstants {
-    fn new(plane: &HalfSpace) -> Self {
+    pub(crate) fn new(plane: &HalfSpace) -> Self {
         let HalfSpace { normal, offset } = plane;
         let length = normal.norm();
         let scale = if length > 0.0 { 1.0 / length } else { 1.0 };
@@ -53,6 +53,34 @@ pub(crate) struct EdgeConstants {
     pub(crate) right: u32,
     pub(crate) left_area: f64,
     pub(crate) right_area: f64,
+}
+
+impl EdgeConstants {
+    /// The edge between two vertices, which are at `points`, with facets left and right of it.
+    #[inline(always)]
+    pub(crate) fn new(
+        [from, to]: [u32; 2],
+        [left, right]: [u32; 2],
+        [a, b]: [Vector3<f64>; 2],
+        facets: &[FacetConstants],
+    ) -> Self {
+        let fan = a.cross(&b);
+        Self {
+            from,
+            to,
+            left,
+            right,
+            left_area: facets[left as usize].normal.dot(&fan),
+            right_area: -facets[right as usize].normal.dot(&fan),
+        }
+    }
+
+    /// Six times the volume of the tetrahedra of the edge with the origin.
+    #[inline(always)]
+    pub(crate) fn six_volumes(&self, facets: &[FacetConstants]) -> f64 {
+        let [left, right] = [self.left, self.right].map(|facet| facets[facet as usize].offset);
+        self.left_area * left + self.right_area * right
+    }
 }
 
 /// A piece prepared for integrals about any center, in the piece's coordinates.
@@ -171,10 +199,7 @@ impl Integrand {
         self.volume = six_volumes / 6.0;
     }
 
-    pub(crate) fn assign_facets<'a>(
-        &mut self,
-        planes: impl Iterator<Item = (&'a HalfSpace, &'a Label)>,
-    ) {
+    fn assign_facets<'a>(&mut self, planes: impl Iterator<Item = (&'a HalfSpace, &'a Label)>) {
         self.facets.clear();
         self.labels.clear();
         for (plane, label) in planes {
@@ -186,21 +211,11 @@ impl Integrand {
 
     /// Adds an edge and returns six times the volume of the tetrahedra on it.
     #[inline(always)]
-    pub(crate) fn push_edge(&mut self, [from, to]: [u32; 2], [left, right]: [u32; 2]) -> f64 {
-        let [a, b] = [from, to].map(|vertex| self.vertices[vertex as usize].point());
-        let fan = a.cross(&b);
-        let [on_left, on_right] = [left, right].map(|facet| &self.facets[facet as usize]);
-        let (left_area, right_area) = (on_left.normal.dot(&fan), -on_right.normal.dot(&fan));
-        let six_volumes = left_area * on_left.offset + right_area * on_right.offset;
-        self.edges.push(EdgeConstants {
-            from,
-            to,
-            left,
-            right,
-            left_area,
-            right_area,
-        });
-        six_volumes
+    fn push_edge(&mut self, ends: [u32; 2], sides: [u32; 2]) -> f64 {
+        let points = ends.map(|vertex| self.vertices[vertex as usize].point());
+        let edge = EdgeConstants::new(ends, sides, points, &self.facets);
+        self.edges.push(edge);
+        edge.six_volumes(&self.facets)
     }
 }
 

@@ -1,17 +1,12 @@
 //! Preparing a piece straight from the fixed slots in which it was cut.
 //!
-//! What it comes to is the same, to the bit, as by way of a polyhedron.
+//! What it comes to is the same, to the bit, as by way of a polyhedron. Which planes have facets, and
+//! which edges lead upward, is what a processor cannot foresee: so all are listed, and those that are
+//! not wanted overwritten.
 
-use wide::u8x32;
-
-use crate::chebyshev::chunks::Bits;
-use crate::chebyshev::integrand::Integrand;
+use crate::chebyshev::integrand::{EdgeConstants, FacetConstants, Integrand};
 use crate::chebyshev::sight::Sight;
 use crate::geometry::compact::{Compact, EDGES, PLANES, SLOTS, slots};
-
-/// Bytes of edges that are looked at together: those of [`SLOTS_PER_ROW`] slots.
-const ROW: usize = 32;
-const SLOTS_PER_ROW: usize = ROW / 4;
 
 /// The number of a plane without a facet, until facets are numbered.
 const UNSEEN: u8 = u8::MAX;
@@ -20,114 +15,119 @@ impl Integrand {
     /// Prepares a convex piece of density 1, keeping the memory of the piece before.
     pub fn assign_compact(&mut self, piece: &Compact) {
         self.density = None;
-        let (mut numbers, mut used) = (Numbers::default(), [0; PLANES]);
+        let mut lists = Lists::default();
+        lists.fill(piece);
         self.vertices.clear();
-        let used_slots = numbers.count_vertices(piece, &mut used);
-        self.vertices.extend(used_slots.iter().map(|&slot| {
+        let slots = lists.slots.listed().iter();
+        self.vertices.extend(slots.map(|&slot| {
             let slot = usize::from(slot) % SLOTS;
             Sight::new(piece.x[slot], piece.y[slot], piece.z[slot])
         }));
-        let planes = numbers.count_facets(piece, &mut used);
-        let planes = planes.iter().map(|&plane| usize::from(plane));
-        self.assign_facets(planes.map(|plane| (&piece.planes[plane], &piece.labels[plane])));
-        self.assign_slot_edges(piece, &numbers);
-    }
-
-    fn assign_slot_edges(&mut self, piece: &Compact, numbers: &Numbers) {
-        self.edges.reserve(self.vertices.len() * 3 / 2);
-        let mut six_volumes = 0.0;
-        for (row, twins) in piece.twins.as_chunks::<ROW>().0.iter().enumerate() {
-            let alive = (piece.alive >> (row * SLOTS_PER_ROW)) as u8;
-            for byte in upward(twins, row, alive) {
-                let edge = row * ROW + byte;
-                let ends = [edge, usize::from(piece.twins[edge])];
-                let sides = [(edge + 1) % EDGES, edge].map(|side| piece.facets[side]);
-                six_volumes += self.push_edge(
-                    ends.map(|end| u32::from(numbers.vertices[end / 4])),
-                    sides.map(|plane| u32::from(numbers.facets[usize::from(plane)])),
-                );
-            }
-        }
+        let planes = lists.planes.listed();
+        self.facets.clear();
+        let facets = planes
+            .iter()
+            .map(|&plane| &piece.planes[usize::from(plane)]);
+        self.facets.extend(facets.map(FacetConstants::new));
+        self.labels.clear();
+        let labels = planes.iter().map(|&plane| piece.labels[usize::from(plane)]);
+        self.labels.extend(labels);
+        let (mut six_volumes, facets) = (0.0, &self.facets);
+        self.edges.clear();
+        self.edges.extend(lists.edges.listed().iter().map(|&edge| {
+            let constants = lists.edge(piece, facets, usize::from(edge));
+            six_volumes += constants.six_volumes(facets);
+            constants
+        }));
         self.volume = six_volumes / 6.0;
     }
 }
 
-/// What slots and planes are called where all are in use.
-struct Numbers {
+/// Some bytes.
+struct List {
+    bytes: [u8; EDGES],
+    count: usize,
+}
+
+impl Default for List {
+    fn default() -> Self {
+        Self {
+            bytes: [0; EDGES],
+            count: 0,
+        }
+    }
+}
+
+impl List {
+    /// Adds a byte, to be overwritten by the next if it is not wanted.
+    #[inline(always)]
+    fn push_if(&mut self, byte: u8, is_wanted: bool) {
+        self.bytes[self.count % EDGES] = byte;
+        self.count += usize::from(is_wanted);
+    }
+
+    fn listed(&self) -> &[u8] {
+        &self.bytes[..self.count]
+    }
+}
+
+/// What is in use, and what it is called where all is.
+struct Lists {
+    slots: List,
+    planes: List,
+    /// The edges that lead to a slot of higher number.
+    edges: List,
     /// Per slot: its vertex.
     vertices: [u8; SLOTS],
     /// Per plane: its facet.
     facets: [u8; PLANES],
 }
 
-impl Default for Numbers {
+impl Default for Lists {
     fn default() -> Self {
         Self {
+            slots: List::default(),
+            planes: List::default(),
+            edges: List::default(),
             vertices: [0; SLOTS],
             facets: [UNSEEN; PLANES],
         }
     }
 }
 
-impl Numbers {
-    /// Numbers the vertices, marks the planes that have facets, and lists the slots in use.
-    fn count_vertices<'a>(&mut self, piece: &Compact, used: &'a mut [u8; PLANES]) -> &'a [u8] {
-        let mut count = 0;
+impl Lists {
+    fn fill(&mut self, piece: &Compact) {
         for slot in slots(piece.alive) {
-            self.vertices[slot] = count as u8;
-            used[count] = slot as u8;
-            count += 1;
-            for byte in 4 * slot..4 * slot + 3 {
-                self.facets[usize::from(piece.facets[byte])] = 0;
+            self.vertices[slot] = self.slots.count as u8;
+            self.slots.push_if(slot as u8, true);
+            for edge in 4 * slot..4 * slot + 3 {
+                self.facets[usize::from(piece.facets[edge])] = 0;
+                self.edges
+                    .push_if(edge as u8, usize::from(piece.twins[edge]) > edge);
             }
         }
-        &used[..count]
-    }
-
-    /// Numbers the facets in the order of their planes, and lists these.
-    ///
-    /// Which planes have a facet is what a processor cannot foresee: all are listed, and those without
-    /// one overwritten.
-    fn count_facets<'a>(&mut self, piece: &Compact, used: &'a mut [u8; PLANES]) -> &'a [u8] {
-        let mut count = 0;
         for (plane, number) in self.facets.iter_mut().enumerate().take(piece.planes.len()) {
             let is_seen = *number != UNSEEN;
-            used[count % PLANES] = plane as u8;
-            *number = count as u8;
-            count += usize::from(is_seen);
+            *number = self.planes.count as u8;
+            self.planes.push_if(plane as u8, is_seen);
         }
-        &used[..count]
     }
-}
 
-/// The bytes, within a row, of the edges that lead to a slot of higher number.
-#[inline]
-fn upward(twins: &[u8; ROW], row: usize, alive: u8) -> Bits {
-    const OWN: [u8; ROW] = own_bytes();
-    let own = u8x32::new(OWN) + u8x32::splat((row * ROW) as u8);
-    let upward = u8x32::new(*twins).simd_gt(own).to_bitmask();
-    Bits::of(u64::from(upward & edges_of(alive)))
-}
-
-const fn own_bytes() -> [u8; ROW] {
-    let mut bytes = [0; ROW];
-    let mut byte = 0;
-    while byte < ROW {
-        bytes[byte] = byte as u8;
-        byte += 1;
+    /// The constants of an edge that leaves its slot.
+    #[inline(always)]
+    fn edge(&self, piece: &Compact, facets: &[FacetConstants], edge: usize) -> EdgeConstants {
+        let ends = [edge / 4, usize::from(piece.twins[edge % EDGES] / 4)];
+        let sides = [(edge + 1) % EDGES, edge % EDGES];
+        let [left, right] = sides.map(|side| self.facets[usize::from(piece.facets[side])]);
+        let [a, b] = ends.map(|slot| piece.vertex(slot % SLOTS));
+        let [from, to] = ends.map(|slot| self.vertices[slot % SLOTS]);
+        EdgeConstants::new(
+            [from, to].map(u32::from),
+            [left, right].map(u32::from),
+            [a, b],
+            facets,
+        )
     }
-    bytes
-}
-
-/// The bytes of the three edges of each slot of a set.
-#[inline]
-fn edges_of(alive: u8) -> u32 {
-    // Bit k goes to bit 4 k.
-    let mut spread = u32::from(alive);
-    spread = (spread | spread << 12) & 0x000f_000f;
-    spread = (spread | spread << 6) & 0x0303_0303;
-    spread = (spread | spread << 3) & 0x1111_1111;
-    spread * 0b111
 }
 
 #[cfg(test)]
@@ -138,17 +138,6 @@ mod tests {
     use crate::geometry::half_space::HalfSpace;
     use crate::geometry::polyhedron::Polyhedron;
     use nalgebra::{Point3, Vector3};
-
-    #[test]
-    fn sets_of_slots_are_spread_over_their_edges() {
-        for alive in 0..=u8::MAX {
-            let set = edges_of(alive);
-            for bit in 0..32 {
-                let is_used = bit % 4 < 3 && alive >> (bit / 4) & 1 == 1;
-                assert_eq!(set >> bit & 1 == 1, is_used, "{alive} {bit}");
-            }
-        }
-    }
 
     #[test]
     fn slots_give_the_integrand_of_the_polyhedron() {

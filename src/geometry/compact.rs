@@ -11,7 +11,7 @@
 //! other end. `facets` holds facet k in byte 4 s + k + 1 and facet 2 once more in byte 4 s, so that
 //! the facet right of edge e is `facets[e]` and the left one `facets[e + 1]`.
 
-use nalgebra::Point3;
+use nalgebra::{Point3, Vector3};
 use wide::f64x4;
 
 use crate::geometry::bounds::Bounds;
@@ -181,6 +181,12 @@ impl Compact {
     /// The slots in use whose vertices lie farther from the origin than the root of `square`.
     pub(crate) fn beyond(&self, square: f64) -> impl Iterator<Item = usize> + '_ {
         slots(self.alive).filter(move |&slot| self.square[slot] > square)
+    }
+
+    /// The position of the vertex in a slot.
+    #[inline]
+    pub(crate) fn vertex(&self, slot: usize) -> Vector3<f64> {
+        Vector3::new(self.x[slot], self.y[slot], self.z[slot])
     }
 
     /// How many rows hold all slots in use.
