@@ -22,6 +22,7 @@ mod carry;
 mod crowd;
 mod delaunay;
 mod far;
+mod layer;
 mod packed;
 mod pattern;
 mod plane_grid;

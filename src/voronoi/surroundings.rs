@@ -4,8 +4,9 @@ use nalgebra::Point3;
 use wide::i32x8;
 
 use crate::voronoi::candidate::{Candidate, Subtree};
-use crate::voronoi::crowd::{Crowd, DRAWN_IN, Found};
+use crate::voronoi::crowd::{Crowd, DRAWN_IN};
 use crate::voronoi::index::SiteIndex;
+use crate::voronoi::layer::Found;
 
 /// Near sites at most. More would take longer to sort than they are worth: the look is then too far.
 const MOST: usize = 256;
@@ -22,10 +23,6 @@ const RANKED: usize = 64;
 
 /// Keys compared together, eight at a time.
 const BLOCK: usize = 16;
-
-/// How much farther than a first look surroundings are gathered, squared: most cells find
-/// all that they need there.
-const GATHERED: f64 = 1.15;
 
 /// What has been found around a site.
 #[derive(Clone, Debug, Default)]
@@ -51,10 +48,10 @@ impl Surroundings {
         place: usize,
         (limit, usual): (f64, f64),
     ) -> f64 {
-        self.crowd.gather(index, place, GATHERED * usual);
+        self.crowd.gather(index, place, usual);
         let site = index.position(place);
         self.crowd.measure(&site);
-        let mut limit = limit.min(self.crowd.reach_squared);
+        let mut limit = limit.min(self.crowd.near_squared());
         for _ in 0..DRAWN_IN {
             if self.look_within(index, place, &site, limit) {
                 self.sort();
@@ -109,7 +106,7 @@ impl Surroundings {
         let site = index.position(place);
         let from = (place, &site);
         self.crowd
-            .find(index, from, (seen, needed), &mut self.others);
+            .find_all(index, from, (seen, needed), &mut self.others);
         self.others.candidates()
     }
 
@@ -126,8 +123,7 @@ impl Surroundings {
         site: &Point3<f64>,
         limit: f64,
     ) -> bool {
-        let range = (-1.0, limit);
-        self.crowd.find(index, (place, site), range, &mut self.near);
+        self.crowd.find(index, (place, site), limit, &mut self.near);
         let near = self.near.candidates();
         if near.len() > MOST {
             return false;
