@@ -51,6 +51,16 @@ pub struct Compact {
     pub(crate) alive: u64,
     pub(crate) planes: Vec<HalfSpace>,
     pub(crate) labels: Vec<Label>,
+    layout: Layout,
+}
+
+/// How the vertices of a polyhedron hang together, and the bytes that say so: cells start alike.
+#[derive(Clone, Debug, Default)]
+struct Layout {
+    facets: Vec<[u32; 3]>,
+    next: Vec<[u32; 3]>,
+    /// Per vertex: the bytes of `facets` and of `twins`.
+    bytes: Vec<[[u8; 4]; 2]>,
 }
 
 impl Default for Compact {
@@ -65,6 +75,7 @@ impl Default for Compact {
             alive: 0,
             planes: Vec::new(),
             labels: Vec::new(),
+            layout: Layout::default(),
         }
     }
 }
@@ -78,18 +89,16 @@ impl Compact {
         if count == 0 || count > SLOTS || other.planes.len() > PLANES {
             return false;
         }
-        for slot in 0..count {
-            let [x, y, z] = [other.x[slot], other.y[slot], other.z[slot]];
+        self.layout.assign(other);
+        let vertices = other.x.iter().zip(&other.y).zip(&other.z);
+        for (slot, ((&x, &y), &z)) in vertices.enumerate().take(SLOTS) {
             (self.x[slot], self.y[slot], self.z[slot]) = (x, y, z);
             self.square[slot] = x * x + y * y + z * z;
-            let [a, b, c] = other.facets[slot].map(|facet| facet as u8);
-            self.facets[4 * slot..][..4].copy_from_slice(&[c, a, b, c]);
-            for edge in 0..3 {
-                let end = other.next[slot][edge] as usize;
-                // The facet on the right of the edge is on the left of its twin.
-                let back = other.slot(end, other.facets[slot][(edge + 2) % 3]);
-                self.twins[4 * slot + edge] = (4 * end + back) as u8;
-            }
+        }
+        let bytes = self.facets.as_chunks_mut().0.iter_mut();
+        let bytes = bytes.zip(self.twins.as_chunks_mut().0);
+        for ((facets, twins), layout) in bytes.zip(&self.layout.bytes) {
+            [*facets, *twins] = *layout;
         }
         self.alive = u64::MAX >> (SLOTS - count);
         self.planes.extend_from_slice(&other.planes);
@@ -209,6 +218,27 @@ impl Compact {
         self.alive = 0;
         self.planes.clear();
         self.labels.clear();
+    }
+}
+
+impl Layout {
+    fn assign(&mut self, of: &Polyhedron) {
+        if self.facets == of.facets && self.next == of.next {
+            return;
+        }
+        self.facets.clone_from(&of.facets);
+        self.next.clone_from(&of.next);
+        self.bytes.clear();
+        let vertices = of.facets.iter().zip(&of.next);
+        self.bytes.extend(vertices.map(|(facets, next)| {
+            let [a, b, c] = facets.map(|facet| facet as u8);
+            let twin = |edge: usize| {
+                // The facet on the right of the edge is on the left of its twin.
+                let end = next[edge] as usize;
+                (4 * end + of.slot(end, facets[(edge + 2) % 3])) as u8
+            };
+            [[c, a, b, c], [twin(0), twin(1), twin(2), 0]]
+        }));
     }
 }
 
