@@ -29,6 +29,16 @@ pub(crate) struct Subtree {
 }
 
 impl Subtree {
+    /// All sites, in the image of a number.
+    #[inline]
+    pub(crate) fn whole(shift: usize) -> Self {
+        Self {
+            gap_squared: 0.0,
+            node: 1,
+            shift: shift as u32,
+        }
+    }
+
     /// The children, the nearer one first.
     #[inline]
     pub(crate) fn children(&self, index: &SiteIndex, here: &Point3<f64>) -> [Self; 2] {

@@ -13,7 +13,7 @@ use crate::voronoi::index::SiteIndex;
 use crate::voronoi::packed::{Across, IMAGES, Packed, Ranks, Record, image_of};
 use crate::voronoi::pattern::Pattern;
 use crate::voronoi::realize::Realizer;
-use crate::voronoi::search::Duplicate;
+use crate::voronoi::search::{Company, Duplicate};
 
 /// Sites as they stand now, by rank.
 pub(crate) struct Standing<'a> {
@@ -102,14 +102,17 @@ impl Carrier {
         let place = standing.places[site as usize] as usize;
         // Taken out for a while, so that the cell may be read while the rest is written.
         let mut builder = std::mem::take(&mut self.builder);
-        let built = builder.build(standing.domain, standing.index, place)?;
-        let mut has_pattern = (built.compact()).is_some_and(|cell| self.pattern.assign(cell, site));
-        if has_pattern {
-            self.across.clear();
-            let labels = self.pattern.labels().iter();
-            self.across
-                .extend(labels.map(|&label| numbers.across(label)));
-            has_pattern = self.realize(standing, rank);
+        let (domain, index) = (standing.domain, standing.index);
+        let company = match old {
+            Some(old) if old.has_pattern() => Company::Alone,
+            _ => Company::Crowd,
+        };
+        let mut built = builder.build_in(company, domain, index, place)?;
+        let mut has_pattern = self.take_over(standing, rank, &built);
+        if company == Company::Alone && !has_pattern {
+            // What is kept as it was cut is always cut in the same order.
+            built = builder.build_in(Company::Crowd, domain, index, place)?;
+            has_pattern = self.take_over(standing, rank, &built);
         }
         let body = if has_pattern {
             packed.push(&self.pattern, numbers);
@@ -136,6 +139,19 @@ impl Carrier {
             }
         }
         Ok(answer)
+    }
+
+    /// Takes the pattern of a cell that was built and realizes it; returns whether it has one and is
+    /// beyond doubt.
+    fn take_over(&mut self, standing: &Standing<'_>, rank: usize, built: &Cell<'_>) -> bool {
+        let has_pattern =
+            (built.compact()).is_some_and(|compact| self.pattern.assign(compact, built.site));
+        if has_pattern {
+            self.across.clear();
+            let labels = self.pattern.labels().iter();
+            (self.across).extend(labels.map(|&label| standing.numbers.across(label)));
+        }
+        has_pattern && self.realize(standing, rank)
     }
 
     /// Realizes the pattern in hand; returns whether the cell is beyond doubt.

@@ -90,15 +90,11 @@ impl Crowd {
         self.beyond.clear();
         self.layers.iter_mut().for_each(Layer::clear);
         let half = around.extent() / 2.0;
-        for shift in 0..index.shifts().len() as u32 {
+        for (shift, image) in index.shifts().iter().enumerate() {
             self.stack.clear();
-            self.stack.push(Subtree {
-                gap_squared: 0.0,
-                node: 1,
-                shift,
-            });
+            self.stack.push(Subtree::whole(shift));
             while let Some(subtree) = self.stack.pop() {
-                let by = index.shifts()[shift as usize].by;
+                let by = image.by;
                 let bounds = index.bounds(subtree.node);
                 let bounds = Bounds {
                     min: bounds.min + by,

@@ -99,10 +99,7 @@ impl Layer {
         found: &mut Found,
     ) {
         let count = self.list_near(above.max(0.0).sqrt() / unit, limit.sqrt() / unit);
-        let most = found.count + count;
-        if found.room.len() <= most {
-            found.room.resize(2 * most + 1, Candidate::default());
-        }
+        found.reserve(count);
         for &number in &self.numbers[..count] {
             // Lanes beyond the last site hold none. They are infinitely far, but so may the limit be.
             let Some(&(other, shift)) = self.places[..self.count].get(usize::from(number)) else {
@@ -111,9 +108,8 @@ impl Layer {
             let by = &index.shifts()[shift as usize].by;
             let candidate = Candidate::new(index, site, (other as usize, shift), by);
             let square = candidate.distance_squared;
-            found.room[found.count] = candidate;
             let is_wanted = (other as usize != place) & (above < square) & (square <= limit);
-            found.count += usize::from(is_wanted);
+            found.push_if(is_wanted, candidate);
         }
     }
 
@@ -152,6 +148,21 @@ impl Found {
     /// Forgets all candidates.
     pub(crate) fn clear(&mut self) {
         self.count = 0;
+    }
+
+    /// Makes room for some more candidates.
+    pub(crate) fn reserve(&mut self, more: usize) {
+        let most = self.count + more;
+        if self.room.len() <= most {
+            self.room.resize(2 * most + 1, Candidate::default());
+        }
+    }
+
+    /// Adds a candidate if it is wanted. There has to be room.
+    #[inline(always)]
+    pub(crate) fn push_if(&mut self, is_wanted: bool, candidate: Candidate) {
+        self.room[self.count] = candidate;
+        self.count += usize::from(is_wanted);
     }
 
     /// The candidates.

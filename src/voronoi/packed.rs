@@ -192,10 +192,10 @@ impl Record<'_> {
         pattern: &mut Pattern,
         across: &mut Vec<Across>,
     ) -> bool {
-        let (facets, vertices) = self.counts();
-        if vertices == 0 {
+        if !self.has_pattern() {
             return false;
         }
+        let (facets, vertices) = self.counts();
         pattern.facet_count = facets;
         pattern.vertex_count = vertices;
         across.clear();
@@ -222,6 +222,11 @@ impl Record<'_> {
             [*facets, *twins] = *stored;
         }
         true
+    }
+
+    /// Whether the cell has a pattern.
+    pub(crate) fn has_pattern(&self) -> bool {
+        self.counts().1 != 0
     }
 
     /// The ranks of all neighbors.

@@ -26,6 +26,15 @@ pub struct Duplicate {
     pub second: u32,
 }
 
+/// Whether the sites around one look around as well.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Company {
+    /// They do: what is gathered for one serves them all.
+    Crowd,
+    /// They do not.
+    Alone,
+}
+
 /// Why a cell could not be finished.
 pub(crate) enum Halt {
     Full,
@@ -57,13 +66,16 @@ impl Search {
     pub(crate) fn shape(
         &mut self,
         index: &SiteIndex,
-        place: usize,
+        (place, company): (usize, Company),
         shape: &mut impl Shape,
     ) -> Result<(), Halt> {
         let needed = 4.0 * shape.radius_squared();
         let usual = index.first_look_squared(place);
-        let looks = (usual.min(needed), usual);
-        let seen = self.surroundings.look(index, place, looks);
+        let limit = usual.min(needed);
+        let seen = match company {
+            Company::Crowd => self.surroundings.look(index, place, (limit, usual)),
+            Company::Alone => self.surroundings.look_alone(index, place, limit),
+        };
         let mut task = Task {
             index,
             place,
@@ -85,7 +97,11 @@ impl Search {
             }
         }
         if task.needed > seen {
-            self.look_beyond(&mut task)?;
+            task.shape.list_beyond(0.25 * task.seen, &mut self.far);
+            match company {
+                Company::Crowd => self.look_beyond(&mut task)?,
+                Company::Alone => self.look_everywhere(&mut task)?,
+            }
         }
         Ok(())
     }
@@ -97,7 +113,6 @@ impl Search {
             far,
             stack,
         } = self;
-        task.shape.list_beyond(0.25 * task.seen, far);
         let range = (task.seen, task.needed);
         for candidate in surroundings.gathered(task.index, task.place, range) {
             task.try_far(candidate, far)?;
@@ -108,6 +123,15 @@ impl Search {
             }
             stack.push(*subtree);
             task.descend(stack, far)?;
+        }
+        Ok(())
+    }
+
+    /// As [`Search::look_beyond`], for a site whose surroundings have not been gathered.
+    fn look_everywhere(&mut self, task: &mut Task<'_, impl Shape>) -> Result<(), Halt> {
+        for shift in 0..task.index.shifts().len() {
+            self.stack.push(Subtree::whole(shift));
+            task.descend(&mut self.stack, &mut self.far)?;
         }
         Ok(())
     }
@@ -145,7 +169,8 @@ impl<S: Shape> Task<'_, S> {
     /// Cuts by a candidate that is farther than the first look, if it cuts at all.
     #[inline]
     fn try_far(&mut self, candidate: &Candidate, far: &mut FarVertices) -> Result<(), Halt> {
-        if candidate.distance_squared >= self.needed || !far.exceed(&candidate.bisector()) {
+        let square = candidate.distance_squared;
+        if square <= self.seen || square >= self.needed || !far.exceed(&candidate.bisector()) {
             return Ok(());
         }
         self.try_cut(candidate)?;

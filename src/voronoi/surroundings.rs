@@ -36,6 +36,7 @@ pub(crate) struct Surroundings {
     order: Vec<u8>,
     /// Sites beyond the first look.
     others: Found,
+    stack: Vec<Subtree>,
 }
 
 impl Surroundings {
@@ -60,6 +61,41 @@ impl Surroundings {
             limit *= 0.25;
         }
         self.look_within(index, place, &site, -1.0);
+        -1.0
+    }
+
+    /// As [`Surroundings::look`], but gathers nothing for sites nearby, and gives up where the limit is
+    /// too much.
+    pub(crate) fn look_alone(&mut self, index: &SiteIndex, place: usize, limit: f64) -> f64 {
+        let site = index.position(place);
+        self.near.clear();
+        for (shift, image) in index.shifts().iter().enumerate() {
+            let here = site - image.by;
+            self.stack.push(Subtree::whole(shift));
+            while let Some(subtree) = self.stack.pop() {
+                if subtree.gap_squared > limit {
+                    continue;
+                }
+                if !index.is_leaf(subtree.node) {
+                    self.stack.extend(subtree.children(index, &here));
+                    continue;
+                }
+                let places = index.places(subtree.node);
+                self.near.reserve(places.len());
+                for other in places {
+                    let at = (other, subtree.shift);
+                    let candidate = Candidate::new(index, &site, at, &image.by);
+                    let is_near = candidate.distance_squared <= limit;
+                    self.near.push_if(is_near & (other != place), candidate);
+                }
+            }
+        }
+        if self.list_keys() {
+            self.sort();
+            return limit;
+        }
+        self.near.clear();
+        self.order.clear();
         -1.0
     }
 
@@ -124,6 +160,11 @@ impl Surroundings {
         limit: f64,
     ) -> bool {
         self.crowd.find(index, (place, site), limit, &mut self.near);
+        self.list_keys()
+    }
+
+    /// Lists the keys of the near sites, if these are not too many.
+    fn list_keys(&mut self) -> bool {
         let near = self.near.candidates();
         if near.len() > MOST {
             return false;
