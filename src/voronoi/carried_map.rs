@@ -48,7 +48,7 @@ impl Diagram<'_> {
         old.resize_with(self.len().div_ceil(CELLS), Packed::default);
         let standing = Standing::new(self.domain(), &self.index, carried, &places);
         let visit_one = |(carrier, memory): &mut Desk<Memory>, (number, old)| {
-            let mut chunk = visit(&standing, carrier, number, &old, |cell| ask(memory, cell));
+            let mut chunk = visit(&standing, carrier, number, old, |cell| ask(memory, cell));
             if !carried.keeps() {
                 chunk.packed = Packed::default();
             }
@@ -81,28 +81,28 @@ fn visit<Answer>(
     standing: &Standing<'_>,
     carrier: &mut Carrier,
     number: usize,
-    old: &Packed,
+    packed: Packed,
     mut ask: impl FnMut(Cell<'_>) -> Answer,
 ) -> Chunk<Answer> {
     let mut chunk = Chunk {
-        packed: Packed::with_room_of(old),
+        packed,
         answers: Vec::with_capacity(CELLS),
         rebuilt: 0,
         marks: Vec::new(),
         duplicate: None,
     };
+    let is_known = !chunk.packed.is_empty();
     let ranks = number * CELLS..standing.positions.len().min((number + 1) * CELLS);
     for (cell, rank) in ranks.enumerate() {
-        let record = (!old.is_empty()).then(|| old.record(cell));
-        if let Some(record) = &record
-            && let Some(answer) = carrier.carry(standing, rank, record, &mut ask)
+        if is_known
+            && let record = chunk.packed.record(cell)
+            && let Some(answer) = carrier.carry(standing, rank, &record, &mut ask)
         {
-            chunk.packed.copy(record);
             chunk.answers.push(answer);
             continue;
         }
-        let (packed, marks) = (&mut chunk.packed, &mut chunk.marks);
-        match carrier.rebuild(standing, rank, record.as_ref(), (packed, marks), &mut ask) {
+        let records = (&mut chunk.packed, cell, is_known);
+        match carrier.rebuild(standing, rank, records, &mut chunk.marks, &mut ask) {
             Ok(answer) => chunk.answers.push(answer),
             Err(duplicate) => {
                 chunk.duplicate = Some(duplicate);
@@ -125,17 +125,10 @@ impl<Answer> Chunk<Answer> {
         wanted: u64,
         mut ask: impl FnMut(Cell<'_>) -> Answer,
     ) {
-        let room = Packed::with_room_of(&self.packed);
-        let old = std::mem::replace(&mut self.packed, room);
-        for cell in 0..self.answers.len() {
-            let record = old.record(cell);
-            if wanted >> cell & 1 == 0 {
-                self.packed.copy(&record);
-                continue;
-            }
+        for cell in (0..self.answers.len()).filter(|cell| wanted >> cell & 1 == 1) {
             let rank = number * CELLS + cell;
-            let (packed, marks) = (&mut self.packed, &mut self.marks);
-            match carrier.rebuild(standing, rank, Some(&record), (packed, marks), &mut ask) {
+            let records = (&mut self.packed, cell, true);
+            match carrier.rebuild(standing, rank, records, &mut self.marks, &mut ask) {
                 Ok(answer) => self.answers[cell] = answer,
                 Err(duplicate) => {
                     self.duplicate = Some(duplicate);

@@ -4,7 +4,6 @@ use nalgebra::{Point3, Vector3};
 
 use crate::domain::space::Domain;
 use crate::geometry::half_space::HalfSpace;
-use crate::geometry::label::Label;
 use crate::geometry::polyhedron::Polyhedron;
 use crate::voronoi::body::Body;
 use crate::voronoi::carried::Carried;
@@ -32,7 +31,15 @@ pub(crate) struct Standing<'a> {
 #[derive(Debug, Default)]
 pub(crate) struct Carrier {
     builder: CellBuilder,
+    mold: Mold,
+    /// How a cell was before it is rebuilt.
     old: Pattern,
+    beside: Vec<Across>,
+}
+
+/// The memory in which patterns become cells.
+#[derive(Debug, Default)]
+struct Mold {
     pattern: Pattern,
     across: Vec<Across>,
     realizer: Realizer,
@@ -75,72 +82,74 @@ impl Carrier {
         ask: impl FnOnce(Cell<'_>) -> Answer,
     ) -> Option<Answer> {
         let numbers = &standing.numbers;
-        if !record.read(numbers, &mut self.pattern, &mut self.across) {
+        let mold = &mut self.mold;
+        if !record.read(numbers, &mut mold.pattern, &mut mold.across) {
             return None;
         }
-        self.realize(standing, rank).then(|| {
+        mold.realize(standing, rank).then(|| {
             ask(Cell {
                 site: numbers.sites[rank],
                 position: standing.positions[rank],
-                body: &self.body,
+                body: &mold.body,
             })
         })
     }
 
-    /// Builds a cell, asks it and appends its record to `packed`. If a record is given of how the
-    /// cell was, lists the neighbors that may no longer agree with it.
+    /// Builds a cell, asks it and puts its record where the numbered one is, or if none is known,
+    /// behind all others. Lists the neighbors that may no longer agree with how the cell was.
     pub(crate) fn rebuild<Answer>(
         &mut self,
         standing: &Standing<'_>,
         rank: usize,
-        old: Option<&Record<'_>>,
-        (packed, marks): (&mut Packed, &mut Vec<u32>),
+        (packed, number, is_known): (&mut Packed, usize, bool),
+        marks: &mut Vec<u32>,
         ask: impl FnOnce(Cell<'_>) -> Answer,
     ) -> Result<Answer, Duplicate> {
+        let Self {
+            builder,
+            mold,
+            old,
+            beside,
+        } = self;
         let numbers = &standing.numbers;
-        let site = numbers.sites[rank];
-        let place = standing.places[site as usize] as usize;
-        // Taken out for a while, so that the cell may be read while the rest is written.
-        let mut builder = std::mem::take(&mut self.builder);
+        let place = standing.places[numbers.sites[rank] as usize] as usize;
         let (domain, index) = (standing.domain, standing.index);
-        let company = match old {
-            Some(old) if old.has_pattern() => Company::Alone,
-            _ => Company::Crowd,
+        let had_pattern = is_known && packed.record(number).read(numbers, old, beside);
+        let company = match had_pattern {
+            true => Company::Alone,
+            false => Company::Crowd,
         };
         let mut built = builder.build_in(company, domain, index, place)?;
-        let mut has_pattern = self.take_over(standing, rank, &built);
+        let mut has_pattern = mold.take_over(standing, rank, &built);
         if company == Company::Alone && !has_pattern {
             // What is kept as it was cut is always cut in the same order.
             built = builder.build_in(Company::Crowd, domain, index, place)?;
-            has_pattern = self.take_over(standing, rank, &built);
+            has_pattern = mold.take_over(standing, rank, &built);
         }
-        let body = if has_pattern {
-            packed.push(&self.pattern, numbers);
-            &self.body
+        let is_comparable = had_pattern && has_pattern;
+        if is_known && !is_comparable {
+            marks.extend(packed.record(number).neighbors());
+        }
+        if has_pattern {
+            packed.put(number, &mold.pattern, numbers);
         } else {
             let labels: Vec<_> = built.polyhedron().facets().map(|f| f.label()).collect();
-            packed.push_neighbors(&labels, numbers);
-            built.body
-        };
-        let answer = ask(Cell { body, ..built });
-        self.builder = builder;
-        if let Some(old) = old {
-            if has_pattern && old.read(numbers, &mut self.old, &mut self.across) {
-                let mut mark_one = |label: &Label| match numbers.across(*label) {
-                    Across::Site { rank, .. } => marks.push(rank),
-                    Across::Wall => {}
-                };
-                self.old.visit_differences(&self.pattern, |around| {
-                    around.iter().for_each(&mut mark_one);
-                });
-            } else {
-                marks.extend(old.neighbors());
-                marks.extend(packed.last().neighbors());
-            }
+            packed.put_neighbors(number, &labels, numbers);
         }
-        Ok(answer)
+        if is_comparable {
+            old.visit_differences(&mold.pattern, |around| {
+                let across = around.iter().map(|&label| numbers.across(label));
+                marks.extend(across.filter_map(Across::rank));
+            });
+        } else if is_known {
+            marks.extend(packed.record(number).neighbors());
+        }
+        let body = if has_pattern { &mold.body } else { built.body };
+        Ok(ask(Cell { body, ..built }))
     }
+}
 
+impl Mold {
     /// Takes the pattern of a cell that was built and realizes it; returns whether it has one and is
     /// beyond doubt.
     fn take_over(&mut self, standing: &Standing<'_>, rank: usize, built: &Cell<'_>) -> bool {

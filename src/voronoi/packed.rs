@@ -11,8 +11,11 @@ use crate::voronoi::pattern::Pattern;
 /// Cells in one piece of memory: as many as a mask has bits.
 pub(crate) const CELLS: usize = 64;
 
-/// Unused memory of up to one part in so many is kept.
-const SLACK: usize = 16;
+/// Memory that holds no record is given back where it is more than one part in so many.
+const SLACK: usize = 2;
+
+/// One part in so many is then left for records to come.
+const ROOM: usize = 4;
 
 /// The images within one period to either side.
 pub(crate) const IMAGES: usize = 27;
@@ -23,11 +26,19 @@ const ROW: usize = 8;
 /// In place of the number of an image: the facet is a wall.
 const WALL: u8 = u8::MAX;
 
-/// The records of [`CELLS`] cells or less, one after the other.
+/// The records of [`CELLS`] cells or less. Those of cells that have been rebuilt come last.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Packed {
     bytes: Vec<u8>,
-    ends: Vec<u32>,
+    /// Per cell: where its record is.
+    places: Vec<Place>,
+}
+
+/// From where to where a record is.
+#[derive(Clone, Copy, Debug)]
+struct Place {
+    start: u32,
+    end: u32,
 }
 
 /// What lies beyond a facet, in the numbers of the carried sites.
@@ -38,6 +49,16 @@ pub(crate) enum Across {
     /// A wall.
     #[default]
     Wall,
+}
+
+impl Across {
+    /// The site's rank, if it is one.
+    pub(crate) fn rank(self) -> Option<u32> {
+        match self {
+            Self::Site { rank, .. } => Some(rank),
+            Self::Wall => None,
+        }
+    }
 }
 
 /// How sites are numbered where they are carried.
@@ -93,68 +114,72 @@ const fn labels_table() -> [Label; IMAGES] {
 }
 
 impl Packed {
-    /// No records, but room for as much as `old` has and a little more.
-    pub(crate) fn with_room_of(old: &Self) -> Self {
-        let room = old.bytes.len();
-        Self {
-            bytes: Vec::with_capacity(room + room / SLACK),
-            ends: Vec::with_capacity(old.ends.len()),
-        }
-    }
-
     /// Whether there are no records.
     pub(crate) fn is_empty(&self) -> bool {
-        self.ends.is_empty()
+        self.places.is_empty()
     }
 
     /// The record of a cell, counted from the first here.
     pub(crate) fn record(&self, cell: usize) -> Record<'_> {
-        let end = |cell: usize| self.ends[cell] as usize;
-        let start = if cell == 0 { 0 } else { end(cell - 1) };
+        let Place { start, end } = self.places[cell];
         Record {
-            bytes: &self.bytes[start..end(cell)],
+            bytes: &self.bytes[start as usize..end as usize],
         }
-    }
-
-    /// The record appended last.
-    pub(crate) fn last(&self) -> Record<'_> {
-        self.record(self.ends.len() - 1)
     }
 
     /// The memory that is held (bytes).
     pub(crate) fn memory(&self) -> usize {
-        size_of::<Self>() + self.bytes.capacity() + size_of::<u32>() * self.ends.capacity()
+        size_of::<Self>() + self.bytes.capacity() + size_of::<Place>() * self.places.capacity()
     }
 
-    /// Appends a copy of a record.
-    pub(crate) fn copy(&mut self, record: &Record<'_>) {
-        self.bytes.extend_from_slice(record.bytes);
-        self.ends.push(self.bytes.len() as u32);
-    }
-
-    /// Appends the record of a cell with a pattern.
-    pub(crate) fn push(&mut self, pattern: &Pattern, numbers: &Ranks<'_>) {
+    /// Sets the record of a cell, counted from the first here and at most one beyond the last, to that
+    /// of a pattern.
+    pub(crate) fn put(&mut self, cell: usize, pattern: &Pattern, numbers: &Ranks<'_>) {
+        let start = self.bytes.len();
         self.push_facets(pattern.labels(), pattern.vertex_count, numbers);
         let [facets, twins] = [&pattern.facets, &pattern.twins].map(|bytes| rows(bytes));
         for row in 0..pattern.vertex_count.div_ceil(ROW) {
             self.bytes.extend_from_slice(&facets[row]);
             self.bytes.extend_from_slice(&twins[row]);
         }
-        self.ends.push(self.bytes.len() as u32);
+        self.set(cell, start);
     }
 
-    /// Appends the record of a cell without a pattern.
-    pub(crate) fn push_neighbors(&mut self, labels: &[Label], numbers: &Ranks<'_>) {
+    /// As [`Packed::put`], for a cell without a pattern.
+    pub(crate) fn put_neighbors(&mut self, cell: usize, labels: &[Label], numbers: &Ranks<'_>) {
+        let start = self.bytes.len();
         self.push_facets(labels, 0, numbers);
-        self.ends.push(self.bytes.len() as u32);
+        self.set(cell, start);
     }
 
-    /// Gives back unused memory, if it is much.
+    /// Drops the records that have been replaced, if they or unused memory are much.
     pub(crate) fn close(&mut self) {
-        if self.bytes.capacity() - self.bytes.len() > self.bytes.len() / SLACK {
-            self.bytes.shrink_to_fit();
+        self.places.shrink_to_fit();
+        let sizes = self.places.iter().map(|place| place.end - place.start);
+        let live = sizes.sum::<u32>() as usize;
+        if self.bytes.capacity() <= live + live / SLACK {
+            return;
         }
-        self.ends.shrink_to_fit();
+        let mut bytes = Vec::with_capacity(live + live / ROOM);
+        for place in &mut self.places {
+            let start = bytes.len() as u32;
+            bytes.extend_from_slice(&self.bytes[place.start as usize..place.end as usize]);
+            let end = bytes.len() as u32;
+            *place = Place { start, end };
+        }
+        self.bytes = bytes;
+    }
+
+    /// Says that the record of a cell is all from `start` on.
+    fn set(&mut self, cell: usize, start: usize) {
+        let place = Place {
+            start: start as u32,
+            end: self.bytes.len() as u32,
+        };
+        match self.places.get_mut(cell) {
+            Some(old) => *old = place,
+            None => self.places.push(place),
+        }
     }
 
     fn push_facets(&mut self, labels: &[Label], vertices: usize, numbers: &Ranks<'_>) {
@@ -287,8 +312,8 @@ mod tests {
         pattern.facets[..8].copy_from_slice(&[3, 1, 2, 3, 6, 4, 5, 6]);
         pattern.twins[..8].copy_from_slice(&[4, 5, 6, 0, 1, 2, 0, 0]);
         let mut packed = Packed::default();
-        packed.push_neighbors(pattern.labels(), &numbers);
-        packed.push(&pattern, &numbers);
+        packed.put_neighbors(0, pattern.labels(), &numbers);
+        packed.put(1, &pattern, &numbers);
         let (mut read, mut across) = (Pattern::default(), Vec::new());
         assert!(!packed.record(0).read(&numbers, &mut read, &mut across));
         assert!(packed.record(1).read(&numbers, &mut read, &mut across));
@@ -296,5 +321,8 @@ mod tests {
         assert_eq!(read.facets[..8], pattern.facets[..8]);
         assert_eq!(read.twins[..8], pattern.twins[..8]);
         assert_eq!(packed.record(0).neighbors().collect::<Vec<_>>(), [2]);
+        packed.put(0, &pattern, &numbers);
+        packed.close();
+        assert!(packed.record(0).bytes == packed.record(1).bytes);
     }
 }
