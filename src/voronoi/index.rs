@@ -14,13 +14,11 @@ use rayon::prelude::*;
 use wide::f64x2;
 
 use crate::geometry::bounds::Bounds;
+use crate::voronoi::leaf_order::{Entry, sort, start};
 use crate::voronoi::shifts::{Shift, shifts};
 
 /// Sites a leaf at most. Fewer cost more steps through the tree, more are looked at in vain.
 const LEAF: usize = 12;
-
-/// Halves larger than this are sorted by two threads.
-const WORTH_SHARING: usize = 1 << 12;
 
 /// How many levels above the leaves surroundings are gathered.
 const NEIGHBORHOOD: u32 = 2;
@@ -54,12 +52,6 @@ pub struct SiteIndex {
 struct Pair {
     min: [f64x2; 3],
     max: [f64x2; 3],
-}
-
-#[derive(Clone, Copy, Debug)]
-struct Entry {
-    position: Point3<f64>,
-    site: u32,
 }
 
 impl SiteIndex {
@@ -182,6 +174,27 @@ impl SiteIndex {
         sum.to_array()
     }
 
+    /// Sets the first list to the leaves whose boxes are within the root of `limit` of `here`, or to
+    /// the only one, with the other list as memory: level by level, so that nothing has to be foreseen.
+    pub(crate) fn leaves_within(&self, here: &Point3<f64>, limit: f64, lists: &mut [Vec<u32>; 2]) {
+        let [nodes, children] = lists;
+        nodes.clear();
+        nodes.push(1);
+        for _ in 0..self.depth {
+            children.clear();
+            children.resize(2 * nodes.len() + 1, 0);
+            let mut count = 0;
+            for &node in nodes.iter() {
+                for (side, gap) in self.gaps_squared(node, here).into_iter().enumerate() {
+                    children[count] = 2 * node + side as u32;
+                    count += usize::from(gap <= limit);
+                }
+            }
+            children.truncate(count);
+            std::mem::swap(nodes, children);
+        }
+    }
+
     /// The box around a node's sites.
     #[must_use]
     pub fn bounds(&self, node: u32) -> Bounds<3> {
@@ -250,33 +263,5 @@ impl Pair {
             min: Point3::from(self.min.map(|end| ends(end)[0].min(ends(end)[1]))),
             max: Point3::from(self.max.map(|end| ends(end)[0].max(ends(end)[1]))),
         }
-    }
-}
-
-/// The first of `total` places that node `number` of a level with 2^level nodes covers.
-fn start(total: usize, number: u64, level: u32) -> usize {
-    ((total as u64 * number) >> level) as usize
-}
-
-/// Brings the entries of node `number` of a level, of `total` in all, into leaf order.
-fn sort(entries: &mut [Entry], total: usize, (number, level): (u64, u32), depth: u32) {
-    if level == depth {
-        return;
-    }
-    let extent = Bounds::of(entries.iter().map(|entry| &entry.position)).extent();
-    let axis = extent.imax();
-    let half = start(total, 2 * number + 1, level + 1) - start(total, number, level);
-    entries.select_nth_unstable_by(half, |a, b| {
-        let by_position = a.position[axis].total_cmp(&b.position[axis]);
-        by_position.then(a.site.cmp(&b.site))
-    });
-    let (low, high) = entries.split_at_mut(half);
-    let mut low = || sort(low, total, (2 * number, level + 1), depth);
-    let mut high = || sort(high, total, (2 * number + 1, level + 1), depth);
-    if half > WORTH_SHARING {
-        rayon::join(low, high);
-    } else {
-        low();
-        high();
     }
 }

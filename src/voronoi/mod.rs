@@ -23,6 +23,7 @@ mod crowd;
 mod delaunay;
 mod far;
 mod layer;
+mod leaf_order;
 mod packed;
 mod pattern;
 mod plane_grid;

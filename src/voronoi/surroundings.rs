@@ -36,7 +36,7 @@ pub(crate) struct Surroundings {
     order: Vec<u8>,
     /// Sites beyond the first look.
     others: Found,
-    stack: Vec<Subtree>,
+    leaves: [Vec<u32>; 2],
 }
 
 impl Surroundings {
@@ -71,19 +71,12 @@ impl Surroundings {
         self.near.clear();
         for (shift, image) in index.shifts().iter().enumerate() {
             let here = site - image.by;
-            self.stack.push(Subtree::whole(shift));
-            while let Some(subtree) = self.stack.pop() {
-                if subtree.gap_squared > limit {
-                    continue;
-                }
-                if !index.is_leaf(subtree.node) {
-                    self.stack.extend(subtree.children(index, &here));
-                    continue;
-                }
-                let places = index.places(subtree.node);
+            index.leaves_within(&here, limit, &mut self.leaves);
+            for &leaf in &self.leaves[0] {
+                let places = index.places(leaf);
                 self.near.reserve(places.len());
                 for other in places {
-                    let at = (other, subtree.shift);
+                    let at = (other, shift as u32);
                     let candidate = Candidate::new(index, &site, at, &image.by);
                     let is_near = candidate.distance_squared <= limit;
                     self.near.push_if(is_near & (other != place), candidate);
