@@ -1,5 +1,7 @@
 //! The order of sites in the leaves of a balanced k-d tree.
 
+use std::cmp::Ordering;
+
 use nalgebra::Point3;
 
 use crate::geometry::bounds::Bounds;
@@ -28,8 +30,15 @@ pub(crate) fn sort(entries: &mut [Entry], total: usize, (number, level): (u64, u
     let axis = extent.imax();
     let half = start(total, 2 * number + 1, level + 1) - start(total, number, level);
     entries.select_nth_unstable_by(half, |a, b| {
-        let by_position = a.position[axis].total_cmp(&b.position[axis]);
-        by_position.then(a.site.cmp(&b.site))
+        let [before, after] = [a, b].map(|entry| entry.position[axis]);
+        // Written so that no branch is needed to tell whether the first is less.
+        if (before < after) | (before == after) & (a.site < b.site) {
+            Ordering::Less
+        } else if a.site == b.site {
+            Ordering::Equal
+        } else {
+            Ordering::Greater
+        }
     });
     let (low, high) = entries.split_at_mut(half);
     let mut low = || sort(low, total, (2 * number, level + 1), depth);

@@ -79,9 +79,12 @@ impl Realizer {
         self.planes[cell.planes.len() % MOST] = [normal.x, normal.y, normal.z, offset];
         cell.planes.push(HalfSpace { normal, offset });
         self.sum += inverse + offset;
-        if is_neighbor & (offset < self.nearest) {
-            self.nearest = offset;
-        }
+        let away = if is_neighbor { offset } else { f64::INFINITY };
+        self.nearest = if away < self.nearest {
+            away
+        } else {
+            self.nearest
+        };
     }
 
     /// Places the vertices of `cell`, which is a pattern to which all planes have been added; returns
