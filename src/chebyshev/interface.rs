@@ -182,10 +182,11 @@ impl Endpoint {
         Interface(self.0 % Interface::SLOTS as u8)
     }
 
-    /// +1 for a start, −1 for an end.
+    /// A number, with the other sign for an end.
     #[inline]
-    pub(crate) fn sign(self) -> f64 {
-        [1.0, -1.0][self.number() / Interface::SLOTS]
+    pub(crate) fn signed(self, number: f64) -> f64 {
+        let is_end = u64::from(self.0) / Interface::SLOTS as u64;
+        f64::from_bits(number.to_bits() ^ is_end << 63)
     }
 
     /// Whether it is a start.

@@ -61,6 +61,7 @@ pub(crate) fn walk(
     } = scratch;
     panorama.take(piece, center, &Sight::of(center));
     clear(endpoints, piece.facets.len());
+    let endpoints = &mut endpoints[..piece.facets.len()];
     spare.clear();
     for edges in piece.edges.chunks(CHUNK) {
         let parted = chosen(edges, |_, edge| {
@@ -74,7 +75,6 @@ pub(crate) fn walk(
             report_parted(piece, &edges[number], panorama, (endpoints, spare), visitor);
         }
     }
-    let endpoints = &mut endpoints[..piece.facets.len()];
     let view = |number| panorama.facet(piece, number);
     report_segments(view, endpoints, (segments, spare), visitor);
 }
@@ -168,7 +168,7 @@ fn only_crossing(a: &VertexSight, b: &VertexSight) -> Option<(f64, Mark, Drift)>
 fn drift_of([a, b]: [&Sight; 2], endpoint: Endpoint, scale: f64) -> Drift {
     let interface = endpoint.interface();
     let (left, third) = (interface.sectors().0, interface.third_axis());
-    let scale = endpoint.sign() * scale;
+    let scale = endpoint.signed(scale);
     Drift {
         distance: (b.distance(left) - a.distance(left)) * scale,
         third: (b.along(third) - a.along(third)) * scale,
@@ -194,10 +194,9 @@ fn note(
     endpoints: &mut [Endpoints],
     spare: &mut Vec<Spare>,
 ) {
-    for (facet, endpoint) in [
-        (edge.left, Endpoint::passing(from, to)),
-        (edge.right, Endpoint::passing(to, from)),
-    ] {
+    let endpoint = Endpoint::passing(from, to);
+    // Seen from the right it is the way back.
+    for (facet, endpoint) in [(edge.left, endpoint), (edge.right, endpoint.opposite())] {
         let facet = facet as usize;
         endpoints[facet].note_drift(endpoint, drift);
         enter(facet, endpoint, mark, &mut endpoints[facet], spare);
