@@ -32,7 +32,7 @@ pub(crate) fn sort(entries: &mut [Entry], total: usize, (number, level): (u64, u
     entries.select_nth_unstable_by(half, |a, b| {
         let [before, after] = [a, b].map(|entry| entry.position[axis]);
         // Written so that no branch is needed to tell whether the first is less.
-        if (before < after) | (before == after) & (a.site < b.site) {
+        if (before < after) | (before <= after) & (a.site < b.site) {
             Ordering::Less
         } else if a.site == b.site {
             Ordering::Equal

@@ -139,7 +139,7 @@ impl Realizer {
                 .fast_min(dot(&up, &ca))
                 .fast_min(dot(&up, &ab));
             let lanes = (1 << (count - first).min(BLOCK)) - 1;
-            summits += (shares.simd_gt(f64x4::ZERO).to_bitmask() as u32 & lanes).count_ones();
+            summits += (shares.simd_gt(f64x4::ZERO).to_bitmask() & lanes).count_ones();
             let scale = f64x4::ONE / volume;
             let [d, e, f] = [d * scale, e * scale, f * scale];
             let position = [0, 1, 2].map(|axis| d * bc[axis] + e * ca[axis] + f * ab[axis]);
