@@ -139,7 +139,7 @@ impl Carrier {
         if is_comparable {
             old.visit_differences(&mold.pattern, |around| {
                 let across = around.iter().map(|&label| numbers.across(label));
-                marks.extend(across.filter_map(Across::rank));
+                marks.extend(across.filter_map(|across| across.site().map(|(rank, _)| rank)));
             });
         } else if is_known {
             marks.extend(packed.record(number).neighbors());
@@ -171,25 +171,22 @@ impl Mold {
         self.realizer.clear();
         let mut has_start = false;
         for (across, label) in self.across.iter().zip(self.pattern.labels()) {
-            match *across {
-                Across::Site { rank, image } => {
-                    let by = standing.shifts[usize::from(image) % IMAGES];
-                    let away = standing.positions[rank as usize] - here + by;
-                    (self.realizer).add(&HalfSpace::bisector(away), true, cell);
-                }
-                Across::Wall => {
-                    if !has_start {
-                        let site = standing.numbers.sites[rank];
-                        standing.domain.start(&here, site, &mut self.start);
-                        has_start = true;
-                    }
-                    let wall = self.start.labels.iter().position(|other| other == label);
-                    let Some(wall) = wall else {
-                        return false;
-                    };
-                    (self.realizer).add(&self.start.planes[wall], false, cell);
-                }
+            if let Some((rank, image)) = across.site() {
+                let by = standing.shifts[usize::from(image) % IMAGES];
+                let away = standing.positions[rank as usize] - here + by;
+                (self.realizer).add(&HalfSpace::bisector(away), true, cell);
+                continue;
             }
+            if !has_start {
+                let site = standing.numbers.sites[rank];
+                standing.domain.start(&here, site, &mut self.start);
+                has_start = true;
+            }
+            let wall = self.start.labels.iter().position(|other| other == label);
+            let Some(wall) = wall else {
+                return false;
+            };
+            (self.realizer).add(&self.start.planes[wall], false, cell);
         }
         self.realizer.realize(cell)
     }

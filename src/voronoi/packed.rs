@@ -42,22 +42,19 @@ struct Place {
 }
 
 /// What lies beyond a facet, in the numbers of the carried sites.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) enum Across {
-    /// A site by its rank, in the image of this number.
-    Site { rank: u32, image: u8 },
-    /// A wall.
-    #[default]
-    Wall,
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Across {
+    /// The site's rank, or the number of a wall.
+    number: u32,
+    /// The number of the site's image, or [`WALL`].
+    image: u8,
 }
 
 impl Across {
-    /// The site's rank, if it is one.
-    pub(crate) fn rank(self) -> Option<u32> {
-        match self {
-            Self::Site { rank, .. } => Some(rank),
-            Self::Wall => None,
-        }
+    /// The site's rank and the number of its image, if it is one.
+    #[inline]
+    pub(crate) fn site(self) -> Option<(u32, u8)> {
+        (self.image != WALL).then_some((self.number, self.image))
     }
 }
 
@@ -74,11 +71,25 @@ impl Ranks<'_> {
     /// What the label stands for.
     pub(crate) fn across(&self, label: Label) -> Across {
         match Beyond::of(label) {
-            Beyond::Neighbor { site, image } => Across::Site {
-                rank: self.ranks[site as usize],
+            Beyond::Neighbor { site, image } => Across {
+                number: self.ranks[site as usize],
                 image: image_number(image),
             },
-            Beyond::Wall(_) | Beyond::Inner => Across::Wall,
+            Beyond::Wall(_) | Beyond::Inner => Across {
+                number: label as u32,
+                image: WALL,
+            },
+        }
+    }
+
+    /// The label that stands for it.
+    #[inline]
+    fn label(&self, across: &Across) -> Label {
+        match across.site() {
+            Some((rank, image)) => {
+                OF_SITE_0[usize::from(image) % IMAGES] | Label::from(self.sites[rank as usize])
+            }
+            None => Beyond::Wall(across.number).label(),
         }
     }
 }
@@ -186,19 +197,11 @@ impl Packed {
         let counts = [labels.len() as u16, vertices as u16];
         self.bytes
             .extend(counts.map(u16::to_le_bytes).as_flattened());
-        for &label in labels {
-            let number = match numbers.across(label) {
-                Across::Site { rank, .. } => rank,
-                Across::Wall => label as u32,
-            };
+        let across = labels.iter().map(|&label| numbers.across(label));
+        for Across { number, .. } in across.clone() {
             self.bytes.extend(number.to_le_bytes());
         }
-        for &label in labels {
-            self.bytes.push(match numbers.across(label) {
-                Across::Site { image, .. } => image,
-                Across::Wall => WALL,
-            });
-        }
+        self.bytes.extend(across.map(|across| across.image));
     }
 }
 
@@ -224,21 +227,9 @@ impl Record<'_> {
         pattern.facet_count = facets;
         pattern.vertex_count = vertices;
         across.clear();
-        across.extend(self.beyond().map(|(number, code)| match code {
-            WALL => Across::Wall,
-            image => Across::Site {
-                rank: number,
-                image,
-            },
-        }));
-        for ((number, code), label) in self.beyond().zip(&mut pattern.labels) {
-            *label = match code {
-                WALL => Beyond::Wall(number).label(),
-                image => {
-                    OF_SITE_0[usize::from(image) % IMAGES]
-                        | Label::from(numbers.sites[number as usize])
-                }
-            };
+        across.extend(self.beyond());
+        for (across, label) in across.iter().zip(&mut pattern.labels) {
+            *label = numbers.label(across);
         }
         let stored = rows(&self.bytes[4 + 5 * facets..]);
         let (to_facets, to_twins) = (rows_mut(&mut pattern.facets), rows_mut(&mut pattern.twins));
@@ -256,8 +247,8 @@ impl Record<'_> {
 
     /// The ranks of all neighbors.
     pub(crate) fn neighbors(&self) -> impl Iterator<Item = u32> + '_ {
-        let is_site = |&(_, code): &(u32, u8)| code != WALL;
-        self.beyond().filter(is_site).map(|(rank, _)| rank)
+        self.beyond()
+            .filter_map(|across| across.site().map(|(rank, _)| rank))
     }
 
     fn counts(&self) -> (usize, usize) {
@@ -265,12 +256,15 @@ impl Record<'_> {
         (usize::from(at(0)), usize::from(at(2)))
     }
 
-    fn beyond(&self) -> impl Iterator<Item = (u32, u8)> + '_ {
+    #[inline(always)]
+    fn beyond(&self) -> impl Iterator<Item = Across> + '_ {
         let (facets, _) = self.counts();
-        let numbers = self.bytes[4..4 + 4 * facets].as_chunks::<4>().0;
-        let codes = &self.bytes[4 + 4 * facets..4 + 5 * facets];
-        let numbers = numbers.iter().map(|&bytes| u32::from_le_bytes(bytes));
-        numbers.zip(codes.iter().copied())
+        let (numbers, rest) = self.bytes[4..].split_at(4 * facets);
+        let beyond = numbers.as_chunks().0.iter().zip(&rest[..facets]);
+        beyond.map(|(&number, &image)| Across {
+            number: u32::from_le_bytes(number),
+            image,
+        })
     }
 }
 
