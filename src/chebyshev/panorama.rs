@@ -62,12 +62,8 @@ impl Panorama {
         (step, from): (&Vector3<f64>, &Sight),
         lowerings: &mut Vec<f64>,
     ) -> bool {
-        let is_in_sector = |vertex: &VertexSight| {
-            let there = vertex.sight.point() - step;
-            let most = vertex.sight.distance(vertex.sector) - from.distance(vertex.sector);
-            (there.x.abs() <= most) & (there.y.abs() <= most) & (there.z.abs() <= most)
-        };
-        if !self.vertices.iter().all(is_in_sector) {
+        let mut vertices = self.vertices.iter();
+        if !vertices.all(|vertex| vertex.sight.stays_in(vertex.sector, from)) {
             return false;
         }
         lowerings.clear();

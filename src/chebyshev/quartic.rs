@@ -32,7 +32,7 @@ pub(crate) fn fourth(
 ) -> Option<Matrix3<f64>> {
     let from = Sight::of(step);
     let lowerings = &mut scratch.lowerings;
-    if !scratch.panorama.stays(piece, (step, &from), lowerings) || scratch.are_rounded(piece) {
+    if !scratch.panorama.stays(piece, (step, &from), lowerings) || scratch.segments.are_rounded {
         return None;
     }
     let ways = ways(&from);

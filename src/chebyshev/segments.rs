@@ -21,8 +21,6 @@ pub(crate) struct Endpoints {
     at_diagonals: u32,
     /// Whether there are spare ones elsewhere.
     has_spare: bool,
-    /// Whether a diagonal pierces the facet by rounding alone.
-    has_flat_diagonal: bool,
     /// Meaningless where nothing was seen.
     marks: [Mark; Endpoint::SLOTS],
     /// Meaningless but where a crossing was seen.
@@ -31,7 +29,11 @@ pub(crate) struct Endpoints {
 
 /// Which segments there are: per facet a set of interfaces, those of some facets in one word.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Segments(Vec<u64>);
+pub(crate) struct Segments {
+    words: Vec<u64>,
+    /// Whether rounding alone has added endpoints.
+    pub(crate) are_rounded: bool,
+}
 
 impl Segments {
     /// Facets that share a word.
@@ -40,19 +42,20 @@ impl Segments {
     /// Takes up the segments between endpoints, by facet.
     #[inline]
     fn take(&mut self, endpoints: &[Endpoints]) {
-        self.0.clear();
-        self.0.extend(endpoints.chunks(Self::FACETS).map(|chunk| {
-            let sets = chunk.iter().enumerate();
-            sets.fold(0, |word, (place, one)| {
-                word | u64::from(one.both()) << (place * Interface::SLOTS)
-            })
-        }));
+        self.words.clear();
+        self.words
+            .extend(endpoints.chunks(Self::FACETS).map(|chunk| {
+                let sets = chunk.iter().enumerate();
+                sets.fold(0, |word, (place, one)| {
+                    word | u64::from(one.both()) << (place * Interface::SLOTS)
+                })
+            }));
     }
 
     /// The numbers of the facets, and the interfaces.
     #[inline]
     pub(crate) fn all(&self) -> impl Iterator<Item = (usize, Interface)> + '_ {
-        let words = self.0.iter().enumerate();
+        let words = self.words.iter().enumerate();
         words.flat_map(|(chunk, &word)| {
             Bits::of(word).map(move |bit| {
                 let facet = chunk * Self::FACETS + bit / Interface::SLOTS;
@@ -80,13 +83,6 @@ impl Endpoints {
         self.seen = 0;
         self.at_diagonals = 0;
         self.has_spare = false;
-        self.has_flat_diagonal = false;
-    }
-
-    /// Whether rounding alone has added endpoints.
-    #[inline]
-    pub(crate) fn are_rounded(&self) -> bool {
-        self.has_spare || self.has_flat_diagonal
     }
 
     /// The mark of an endpoint that was seen.
@@ -162,14 +158,17 @@ pub(crate) fn report_segments<'a>(
     (segments, spare): (&mut Segments, &mut Vec<Spare>),
     visitor: &mut impl Visit,
 ) {
+    let mut has_flat = false;
     for (chunk, endpoints) in endpoints.chunks_mut(CHUNK).enumerate() {
         let first = chunk * CHUNK;
         let crossed = |number: usize, all: &Endpoints| all.odd(first + number, spare) != 0;
         for number in chosen(endpoints, crossed) {
-            add_diagonals(&view(first + number), &mut endpoints[number], spare);
+            let view = view(first + number);
+            has_flat |= add_diagonals(&view, &mut endpoints[number], spare);
         }
     }
     segments.take(endpoints);
+    segments.are_rounded = has_flat | !spare.is_empty();
     for (facet, interface) in segments.all() {
         let view = view(facet);
         let Endpoints { marks, .. } = &endpoints[facet];
@@ -205,9 +204,11 @@ fn report_spare(view: &FacetView<'_>, spare: &mut Vec<Spare>, visitor: &mut impl
     }
 }
 
-/// Adds the points in which diagonals pierce the facet, each an endpoint of three interfaces.
+/// Adds the points in which diagonals pierce the facet, each an endpoint of three interfaces; returns
+/// whether rounding alone makes one do so.
 #[inline]
-fn add_diagonals(view: &FacetView<'_>, endpoints: &mut Endpoints, spare: &mut Vec<Spare>) {
+fn add_diagonals(view: &FacetView<'_>, endpoints: &mut Endpoints, spare: &mut Vec<Spare>) -> bool {
+    let mut has_flat = false;
     let inside = pierced(endpoints.odd(view.number, spare));
     let mut left = if inside.count_ones() == 4 {
         likelier(inside, view)
@@ -222,6 +223,7 @@ fn add_diagonals(view: &FacetView<'_>, endpoints: &mut Endpoints, spare: &mut Ve
         let is_sound = (0.0..f64::INFINITY).contains(&reach);
         if !is_sound {
             add_flat_diagonal(diagonal, view, endpoints, spare);
+            has_flat = true;
             continue;
         }
         for &(endpoint, sign) in Endpoint::at_diagonal(diagonal, view.height >= 0.0) {
@@ -233,6 +235,7 @@ fn add_diagonals(view: &FacetView<'_>, endpoints: &mut Endpoints, spare: &mut Ve
             enter(view.number, endpoint, mark, endpoints, spare);
         }
     }
+    has_flat
 }
 
 /// Adds a diagonal that pierces the facet by rounding alone, so that its triangle has no area.
@@ -249,7 +252,6 @@ fn add_flat_diagonal(
         let mark = endpoint.interface().mark(&point);
         enter(view.number, endpoint, mark, endpoints, spare);
     }
-    endpoints.has_flat_diagonal = true;
 }
 
 /// Adds an endpoint to a facet's, or to the spare ones where its place is taken.

@@ -1,6 +1,7 @@
 //! A displacement as the six sectors' distance functions see it.
 
 use nalgebra::Vector3;
+use wide::f64x4;
 
 use crate::chebyshev::sector::Sector;
 
@@ -28,6 +29,23 @@ impl Sight {
             *lane -= shift;
         }
         Self(lanes)
+    }
+
+    /// Whether no sector's distance function is greater than that of `sector` where the point is as
+    /// seen from `center`.
+    #[inline]
+    pub(crate) fn stays_in(&self, sector: Sector, center: &Self) -> bool {
+        let most = f64x4::splat(self.distance(sector) - center.distance(sector));
+        let lanes = self.0.as_chunks().0.iter().zip(center.0.as_chunks().0);
+        // Lanes of no meaning are zero, and one of the others is not less.
+        let are_less = |(lanes, center): (&[f64; 4], &[f64; 4])| {
+            (f64x4::new(*lanes) - f64x4::new(*center)).simd_le(most)
+        };
+        lanes
+            .map(are_less)
+            .fold(f64x4::splat(f64::from_bits(u64::MAX)), |all, one| all & one)
+            .to_bitmask()
+            == 0b1111
     }
 
     /// The displacement.

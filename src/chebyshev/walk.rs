@@ -37,13 +37,6 @@ pub struct WalkScratch {
     pub(crate) places: Option<Places>,
 }
 
-impl WalkScratch {
-    /// Whether rounding alone has added endpoints in the last walk, which was one of `piece`.
-    pub(crate) fn are_rounded(&self, piece: &Integrand) -> bool {
-        (self.endpoints.iter().take(piece.facets.len())).any(Endpoints::are_rounded)
-    }
-}
-
 /// Walks the surface of a piece as seen from `center` (in the piece's coordinates).
 #[inline]
 pub(crate) fn walk(
