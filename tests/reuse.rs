@@ -267,6 +267,21 @@ fn sites_beside_and_above_each_other_are_told_apart() {
 }
 
 #[test]
+fn a_crowd_among_others_is_carried() {
+    let (domain, mut random) = (Cuboid::unit(), Uniform::new(13));
+    let mut sites = random_sites(&domain, 600, 12);
+    let middle = Point3::new(0.4, 0.5, 0.6);
+    sites.extend((0..400).map(|_| middle + step(&mut random) * 0.02));
+    let mut from_before = Carried::default();
+    let mut rebuilt = Vec::new();
+    for share in [0.0, 0.0, 1e-7, 1e-6, 1e-5, 1e-4] {
+        sites = shaken(&domain, &sites, share, &mut random);
+        rebuilt.push(check(&domain, &sites, &mut from_before));
+    }
+    assert!(rebuilt[0] == 1000 && rebuilt[1] < 200 && rebuilt[4] > rebuilt[1]);
+}
+
+#[test]
 fn duplicates_are_named_as_ever() {
     let domain = Cuboid::unit();
     let mut sites = random_sites(&domain, 200, 8);

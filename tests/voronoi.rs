@@ -370,6 +370,22 @@ fn sites_without_a_diagram_are_named() {
 }
 
 #[test]
+fn a_crowd_in_one_place_is_named() {
+    let domain = Cuboid::unit();
+    let mut sites = points(&mut Uniform::new(4), 2000);
+    for number in 1000..1600 {
+        sites[number] = sites[7];
+    }
+    let diagram = Diagram::new(&domain, &sites).expect("sites in the cube");
+    let told = diagram.map(|(): &mut (), _| ());
+    let pair = |error: DiagramError| match error {
+        DiagramError::Duplicate { first, second, .. } => (first, second),
+        other => panic!("{other}"),
+    };
+    assert_eq!(told.map_err(pair), Err((7, 1000)));
+}
+
+#[test]
 fn what_is_not_a_domain_is_refused() {
     let wall = |normal: [f64; 3], offset: f64| HalfSpace {
         normal: Vector3::from(normal),

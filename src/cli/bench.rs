@@ -259,7 +259,7 @@ fn run_part(stage: Stage, domain: &dyn Domain, diagram: &Diagram<'_>) -> Result<
     match stage {
         Stage::Index => {}
         Stage::Cells => {
-            diagram.map(|(): &mut (), cell| cell.polyhedron().vertex_count())?;
+            diagram.map(|(): &mut (), cell| cell.half_spaces().len())?;
         }
         Stage::Prepare => {
             diagram.map(|memory: &mut CellMemory, cell| memory.load(domain, &cell))?;

@@ -115,9 +115,10 @@ impl Carrier {
         let place = standing.places[numbers.sites[rank] as usize] as usize;
         let (domain, index) = (standing.domain, standing.index);
         let had_pattern = is_known && packed.record(number).read(numbers, old, beside);
-        let company = match had_pattern {
-            true => Company::Alone,
-            false => Company::Crowd,
+        let company = if had_pattern {
+            Company::Alone
+        } else {
+            Company::Crowd
         };
         let mut built = builder.build_in(company, domain, index, place)?;
         let mut has_pattern = mold.take_over(standing, rank, &built);
@@ -138,8 +139,11 @@ impl Carrier {
         }
         if is_comparable {
             old.visit_differences(&mold.pattern, |around| {
-                let across = around.iter().map(|&label| numbers.across(label));
-                marks.extend(across.filter_map(|across| across.site().map(|(rank, _)| rank)));
+                marks.extend(
+                    around
+                        .iter()
+                        .filter_map(|&label| numbers.across(label).rank()),
+                );
             });
         } else if is_known {
             marks.extend(packed.record(number).neighbors());

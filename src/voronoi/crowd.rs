@@ -5,8 +5,8 @@
 //! precision about the middle of the node. Each site then passes over the copy without a branch. What
 //! that finds near, with a margin for the rounding, is measured again in full.
 //!
-//! Leaves that are partly within reach are gathered whole. What they hold beyond it is kept apart, for
-//! sites that look farther.
+//! What is within a first look comes first. What lies beyond that, up to the reach and in leaves that
+//! are partly within it, is kept apart, for sites that have to look farther.
 
 use nalgebra::{Point3, Vector3};
 
@@ -33,7 +33,7 @@ pub(crate) struct Crowd {
     middle: Point3<f64>,
     /// By what lengths are divided: about the size of what is gathered.
     unit: f64,
-    /// The gathered sites: those within reach, and others.
+    /// The gathered sites: those within a first look, and others.
     layers: [Layer; 2],
     /// What has not been gathered.
     beyond: Vec<Subtree>,
@@ -45,8 +45,8 @@ pub(crate) struct Crowd {
 }
 
 impl Crowd {
-    /// Gathers what lies around the neighborhood of the site in `place`, as far as the root of
-    /// `reach_squared` or less far where that is too much.
+    /// Gathers what lies around the neighborhood of the site in `place`, for first looks as far as the
+    /// root of `near_squared` or less far where that is too much.
     pub(crate) fn gather(&mut self, index: &SiteIndex, place: usize, near_squared: f64) {
         let of = (index.stamp(), index.neighborhood(place));
         if self.of == of {
@@ -143,8 +143,8 @@ impl Crowd {
         }
     }
 
-    /// Finds the sites within reach whose squared distance from `site`, which is in `place`, is at
-    /// most `limit`.
+    /// Finds the sites whose squared distance from `site`, which is in `place`, is at most `limit`,
+    /// which is within a first look. They must have been measured.
     pub(crate) fn find(
         &mut self,
         index: &SiteIndex,
@@ -159,7 +159,7 @@ impl Crowd {
     }
 
     /// Finds all gathered sites whose squared distance from `site`, which is in `place`, exceeds
-    /// `above` and is at most `limit`. Those within reach must have been measured.
+    /// `above` and is at most `limit`. Those within a first look must have been measured.
     pub(crate) fn find_all(
         &mut self,
         index: &SiteIndex,
@@ -175,7 +175,7 @@ impl Crowd {
         }
     }
 
-    /// Measures how far the sites within reach are from `site`, for the visits to come.
+    /// Measures how far the sites within a first look are from `site`, for the visits to come.
     pub(crate) fn measure(&mut self, site: &Point3<f64>) {
         let here = self.seen(site);
         self.layers[0].measure(&here);

@@ -199,13 +199,23 @@ impl<'a> Diagram<'a> {
     }
 
     fn duplicate(&self, duplicate: Duplicate) -> DiagramError {
-        let (first, second) = (duplicate.first as usize, duplicate.second as usize);
-        let place = (0..self.len()).find(|&place| self.index.site(place) == duplicate.first);
-        let position = place.map_or([f64::NAN; 3], |place| self.index.position(place).into());
+        let Duplicate { first, second } = duplicate;
+        let index = &self.index;
+        let place = (0..self.len()).find(|&place| index.site(place) == first);
+        let position = place.map(|place| index.position(place));
+        // Of a crowd in one place, any two may have been found.
+        let is_there = |&place: &usize| {
+            let way = position.map(|position| index.position(place) - position);
+            way.is_some_and(|way| way.norm_squared() <= 0.0)
+        };
+        let others = (0..self.len())
+            .filter(is_there)
+            .map(|place| index.site(place));
+        let second = others.filter(|&site| site > first).fold(second, u32::min);
         DiagramError::Duplicate {
-            first,
-            second,
-            position,
+            first: first as usize,
+            second: second as usize,
+            position: position.map_or([f64::NAN; 3], Into::into),
         }
     }
 }

@@ -2,10 +2,9 @@
 //!
 //! [`diagram`] checks sites and visits their cells in parallel, [`cell`] builds one from what
 //! [`search`] finds around its site: the near sites in order (`surroundings`), which are gathered
-//! from the [`index`] for many sites at once (`crowd`), and what else the cell can feel (`far`).
+//! from the [`index`] for many sites at once (`crowd`, in layers), and what else the cell can feel
+//! (`far`). [`carried`] is what a diagram leaves to the next one of sites that moved a little.
 //! [`plane`] is the planar counterpart, through the crate `voronator`.
-//! [`index`] finds nearby, as [`search`] asks for it. [`carried`] is what it leaves to the next
-//! diagram of sites that moved a little. [`plane`] is the planar counterpart, through the crate `voronator`.
 
 pub mod carried;
 pub mod cell;

@@ -56,6 +56,11 @@ impl Across {
     pub(crate) fn site(self) -> Option<(u32, u8)> {
         (self.image != WALL).then_some((self.number, self.image))
     }
+
+    /// The site's rank, if it is one.
+    pub(crate) fn rank(self) -> Option<u32> {
+        self.site().map(|(rank, _)| rank)
+    }
 }
 
 /// How sites are numbered where they are carried.
@@ -247,8 +252,7 @@ impl Record<'_> {
 
     /// The ranks of all neighbors.
     pub(crate) fn neighbors(&self) -> impl Iterator<Item = u32> + '_ {
-        self.beyond()
-            .filter_map(|across| across.site().map(|(rank, _)| rank))
+        self.beyond().filter_map(Across::rank)
     }
 
     fn counts(&self) -> (usize, usize) {

@@ -170,7 +170,9 @@ impl<S: Shape> Task<'_, S> {
     #[inline]
     fn try_far(&mut self, candidate: &Candidate, far: &mut FarVertices) -> Result<(), Halt> {
         let square = candidate.distance_squared;
-        if square <= self.seen || square >= self.needed || !far.exceed(&candidate.bisector()) {
+        let may_cut = square > self.seen && square < self.needed;
+        // A site in the same place cuts nothing, and has to be told of.
+        if !may_cut || square > 0.0 && !far.exceed(&candidate.bisector()) {
             return Ok(());
         }
         self.try_cut(candidate)?;

@@ -60,8 +60,7 @@ impl Surroundings {
             }
             limit *= 0.25;
         }
-        self.look_within(index, place, &site, -1.0);
-        -1.0
+        self.give_up()
     }
 
     /// As [`Surroundings::look`], but gathers nothing for sites nearby, and gives up where the limit is
@@ -87,6 +86,11 @@ impl Surroundings {
             self.sort();
             return limit;
         }
+        self.give_up()
+    }
+
+    /// Finds nothing.
+    fn give_up(&mut self) -> f64 {
         self.near.clear();
         self.order.clear();
         -1.0
