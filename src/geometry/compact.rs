@@ -15,6 +15,7 @@ use nalgebra::{Point3, Vector3};
 use wide::f64x4;
 
 use crate::geometry::bounds::Bounds;
+use crate::geometry::compact_lists::Lists;
 use crate::geometry::half_space::HalfSpace;
 use crate::geometry::label::Label;
 use crate::geometry::polyhedron::Polyhedron;
@@ -27,9 +28,6 @@ pub(crate) const EDGES: usize = 4 * SLOTS;
 
 /// Planes at most, those that bound nothing any more included: their numbers are bytes.
 pub(crate) const PLANES: usize = 256;
-
-/// The number of a facet without vertices; those with number at most 34.
-const UNSEEN: u8 = u8::MAX;
 
 /// Slots handled at once.
 pub(crate) const BLOCK: usize = 4;
@@ -109,46 +107,32 @@ impl Compact {
     /// Makes `other` a copy of this, with the facets that have vertices.
     pub fn write(&self, other: &mut Polyhedron) {
         other.clear();
-        let (mut numbers, mut vertices) = ([UNSEEN; PLANES], [0; SLOTS]);
-        let (mut firsts, mut count) = ([0; SLOTS], 0);
-        for slot in slots(self.alive) {
-            firsts[count] = 4 * slot as u8;
-            vertices[slot] = count as u8;
-            count += 1;
-            for byte in 4 * slot..4 * slot + 3 {
-                numbers[usize::from(self.facets[byte])] = 0;
-            }
-        }
-        let firsts = &firsts[..count];
-        // Which planes have a facet is what a processor cannot foresee: all are written, and those
-        // without one overwritten.
-        other.planes.extend_from_slice(&self.planes);
-        other.labels.extend_from_slice(&self.labels);
-        let mut seen = 0;
-        for ((plane, label), number) in self.planes.iter().zip(&self.labels).zip(&mut numbers) {
-            let is_seen = *number != UNSEEN;
-            (other.planes[seen], other.labels[seen]) = (*plane, *label);
-            *number = seen as u8;
-            seen += usize::from(is_seen);
-        }
-        other.planes.truncate(seen);
-        other.labels.truncate(seen);
-        for (coordinates, all) in [
-            (&mut other.x, &self.x),
-            (&mut other.y, &self.y),
-            (&mut other.z, &self.z),
-        ] {
-            coordinates.extend(firsts.iter().map(|first| all[usize::from(first / 4)]));
-        }
-        other.facets.extend(firsts.iter().map(|first| {
-            [1, 2, 3]
-                .map(|byte| u32::from(numbers[usize::from(self.facets[usize::from(first | byte)])]))
-        }));
-        other.next.extend(firsts.iter().map(|first| {
-            [0, 1, 2].map(|byte| {
-                u32::from(vertices[usize::from(self.twins[usize::from(first | byte)] / 4)])
-            })
-        }));
+        let lists = Lists::of(self);
+        let planes = lists
+            .planes
+            .listed()
+            .iter()
+            .map(|&plane| usize::from(plane));
+        other
+            .planes
+            .extend(planes.clone().map(|plane| self.planes[plane]));
+        other.labels.extend(planes.map(|plane| self.labels[plane]));
+        let slots = lists
+            .slots
+            .listed()
+            .iter()
+            .map(|&slot| usize::from(slot) % SLOTS);
+        other.x.extend(slots.clone().map(|slot| self.x[slot]));
+        other.y.extend(slots.clone().map(|slot| self.y[slot]));
+        other.z.extend(slots.clone().map(|slot| self.z[slot]));
+        let facet = |byte: usize| u32::from(lists.facets[usize::from(self.facets[byte])]);
+        let end = |byte: usize| u32::from(lists.vertices[usize::from(self.twins[byte] / 4)]);
+        let facets = slots
+            .clone()
+            .map(|slot| [1, 2, 3].map(|byte| facet(4 * slot + byte)));
+        other.facets.extend(facets);
+        let next = slots.map(|slot| [0, 1, 2].map(|byte| end(4 * slot + byte)));
+        other.next.extend(next);
     }
 
     /// The greatest squared distance of a vertex from the origin (L²).

@@ -5,6 +5,7 @@ pub mod box_tree;
 pub mod clip;
 pub mod compact;
 pub mod compact_clip;
+pub(crate) mod compact_lists;
 pub mod faceted;
 pub mod half_plane;
 pub mod half_space;

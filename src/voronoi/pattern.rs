@@ -9,6 +9,7 @@
 
 use crate::domain::beyond::Beyond;
 use crate::geometry::compact::{Compact, EDGES, PLANES, SLOTS, slots};
+use crate::geometry::compact_lists::Lists;
 use crate::geometry::label::Label;
 
 /// Vertices at most, and so facets; a handful of cells in 10⁵ have more and no pattern.
@@ -98,33 +99,35 @@ impl Pattern {
 
     /// Sorts the labels of the facets that have vertices; returns the facets' new numbers.
     fn number_facets(&mut self, cell: &Compact, site: u32) -> Option<[u8; PLANES]> {
-        let mut numbers = [u8::MAX; PLANES];
         if cell.alive.count_ones() < 4 {
             return None;
         }
-        for slot in slots(cell.alive) {
-            for byte in 4 * slot..4 * slot + 3 {
-                numbers[usize::from(cell.facets[byte])] = 0;
-            }
-        }
+        let Lists {
+            planes,
+            facets: mut numbers,
+            ..
+        } = Lists::of(cell);
         let mut order = [(0, 0_u8); MOST];
-        let mut count = 0;
-        for (facet, &label) in cell.labels.iter().enumerate() {
-            if numbers[facet] == 0 {
-                if count == MOST || !may_bound(label, site) {
-                    return None;
-                }
-                order[count] = (label, facet as u8);
-                count += 1;
-            }
+        let count = planes.listed().len();
+        if count > MOST {
+            return None;
+        }
+        for (entry, &plane) in order.iter_mut().zip(planes.listed()) {
+            *entry = (cell.labels[usize::from(plane)], plane);
+        }
+        if order[..count]
+            .iter()
+            .any(|&(label, _)| !may_bound(label, site))
+        {
+            return None;
         }
         order[..count].sort_unstable();
         if order[..count].windows(2).any(|pair| pair[0].0 == pair[1].0) {
             return None;
         }
-        for (number, (label, facet)) in order[..count].iter().enumerate() {
+        for (number, (label, plane)) in order[..count].iter().enumerate() {
             self.labels[number] = *label;
-            numbers[usize::from(*facet)] = number as u8;
+            numbers[usize::from(*plane)] = number as u8;
         }
         self.facet_count = count;
         Some(numbers)
