@@ -71,18 +71,14 @@ impl CellMemory {
         *used = 0;
         (*volume, *mass, *weighted) = (0.0, 0.0, Moments::default());
         let mut prepare = |sign: f64, part: Piece<'_>, density: Option<&Polynomial>| {
-            if *used == pieces.len() {
-                let integrand = Integrand::default();
-                pieces.push(SignedPiece { sign, integrand });
-            }
-            pieces[*used].sign = sign;
-            pieces[*used].integrand.assign(part);
+            let integrand = integrand_of(pieces, *used, sign);
+            integrand.assign(part);
             let turned = density.map(|density| match frame {
                 Some(frame) => Cow::Owned(density.turned(frame)),
                 None => Cow::Borrowed(density),
             });
-            pieces[*used].integrand.set_density(turned.as_deref());
-            let part_volume = pieces[*used].integrand.volume();
+            integrand.set_density(turned.as_deref());
+            let part_volume = integrand.volume();
             *volume += sign * part_volume;
             let part_mass = density.map_or(part_volume, |density| {
                 let moments = mass_moments(part, density);
@@ -91,7 +87,7 @@ impl CellMemory {
             });
             *mass += sign * part_mass;
             if let Some(frame) = frame {
-                pieces[*used].integrand.rotate(&frame.inverse());
+                integrand.rotate(&frame.inverse());
             }
             *used += 1;
         };
@@ -100,15 +96,7 @@ impl CellMemory {
 
     /// Prepares a cell that is its own only piece.
     fn load_whole(&mut self, cell: &Compact) {
-        if self.pieces.is_empty() {
-            let integrand = Integrand::default();
-            self.pieces.push(SignedPiece {
-                sign: 1.0,
-                integrand,
-            });
-        }
-        let SignedPiece { sign, integrand } = &mut self.pieces[0];
-        *sign = 1.0;
+        let integrand = integrand_of(&mut self.pieces, 0, 1.0);
         integrand.assign_compact(cell);
         (self.volume, self.mass) = (integrand.volume(), integrand.volume());
         self.weighted = Moments::default();
@@ -281,6 +269,17 @@ impl CellMemory {
             evaluations: 1,
         }
     }
+}
+
+/// The integrand of the numbered piece, which counts with `sign`; there may be one more than before.
+fn integrand_of(pieces: &mut Vec<SignedPiece>, number: usize, sign: f64) -> &mut Integrand {
+    if number == pieces.len() {
+        let integrand = Integrand::default();
+        pieces.push(SignedPiece { sign, integrand });
+    }
+    let piece = &mut pieces[number];
+    piece.sign = sign;
+    &mut piece.integrand
 }
 
 /// What a site finds in its cell, in the asked norm.

@@ -66,8 +66,8 @@ impl Body {
         }
     }
 
-    /// The planes that bound the body, and maybe some that do not any more.
-    pub(crate) fn planes(&self) -> &[HalfSpace] {
+    /// The half-spaces that meet in the body, and maybe some that hold all of it.
+    pub(crate) fn half_spaces(&self) -> &[HalfSpace] {
         match self.compact() {
             Some(compact) => &compact.planes,
             None => &self.polyhedron().planes,

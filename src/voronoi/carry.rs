@@ -34,7 +34,6 @@ pub(crate) struct Carrier {
     mold: Mold,
     /// How a cell was before it is rebuilt.
     old: Pattern,
-    beside: Vec<Across>,
 }
 
 /// The memory in which patterns become cells.
@@ -83,9 +82,11 @@ impl Carrier {
     ) -> Option<Answer> {
         let numbers = &standing.numbers;
         let mold = &mut self.mold;
-        if !record.read(numbers, &mut mold.pattern, &mut mold.across) {
+        if !record.read(numbers, &mut mold.pattern) {
             return None;
         }
+        mold.across.clear();
+        mold.across.extend(record.beyond());
         mold.realize(standing, rank).then(|| {
             ask(Cell {
                 site: numbers.sites[rank],
@@ -105,16 +106,11 @@ impl Carrier {
         marks: &mut Vec<u32>,
         ask: impl FnOnce(Cell<'_>) -> Answer,
     ) -> Result<Answer, Duplicate> {
-        let Self {
-            builder,
-            mold,
-            old,
-            beside,
-        } = self;
+        let Self { builder, mold, old } = self;
         let numbers = &standing.numbers;
         let place = standing.places[numbers.sites[rank] as usize] as usize;
         let (domain, index) = (standing.domain, standing.index);
-        let had_pattern = is_known && packed.record(number).read(numbers, old, beside);
+        let had_pattern = is_known && packed.record(number).read(numbers, old);
         let company = if had_pattern {
             Company::Alone
         } else {

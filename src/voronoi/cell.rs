@@ -43,7 +43,7 @@ impl<'a> Cell<'a> {
     /// The half-spaces that meet in the body, and maybe some that hold all of it.
     #[must_use]
     pub fn half_spaces(&self) -> &'a [HalfSpace] {
-        self.body.planes()
+        self.body.half_spaces()
     }
 
     /// The body in fixed slots, if it fits there.

@@ -40,7 +40,7 @@ pub(crate) struct Crowd {
     /// Whether that is sorted, nearest to the node first.
     is_sorted: bool,
     /// The squared distance from the node within which all has been gathered (L²).
-    pub(crate) reach_squared: f64,
+    reach_squared: f64,
     stack: Vec<Subtree>,
 }
 

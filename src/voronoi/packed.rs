@@ -89,7 +89,7 @@ impl Ranks<'_> {
 
     /// The label that stands for it.
     #[inline]
-    fn label(&self, across: &Across) -> Label {
+    fn label(&self, across: Across) -> Label {
         match across.site() {
             Some((rank, image)) => {
                 OF_SITE_0[usize::from(image) % IMAGES] | Label::from(self.sites[rank as usize])
@@ -100,7 +100,7 @@ impl Ranks<'_> {
 }
 
 /// The number of an image within one period to either side.
-pub(crate) fn image_number(image: [i8; 3]) -> u8 {
+fn image_number(image: [i8; 3]) -> u8 {
     let [x, y, z] = image.map(|copies| (copies + 1) as u8);
     x + 3 * y + 9 * z
 }
@@ -217,23 +217,16 @@ pub(crate) struct Record<'a> {
 }
 
 impl Record<'_> {
-    /// Reads the pattern, and what lies beyond its facets; returns whether the cell has one.
+    /// Reads the pattern; returns whether the cell has one.
     #[must_use]
-    pub(crate) fn read(
-        &self,
-        numbers: &Ranks<'_>,
-        pattern: &mut Pattern,
-        across: &mut Vec<Across>,
-    ) -> bool {
-        if !self.has_pattern() {
+    pub(crate) fn read(&self, numbers: &Ranks<'_>, pattern: &mut Pattern) -> bool {
+        let (facets, vertices) = self.counts();
+        if vertices == 0 {
             return false;
         }
-        let (facets, vertices) = self.counts();
         pattern.facet_count = facets;
         pattern.vertex_count = vertices;
-        across.clear();
-        across.extend(self.beyond());
-        for (across, label) in across.iter().zip(&mut pattern.labels) {
+        for (across, label) in self.beyond().zip(&mut pattern.labels) {
             *label = numbers.label(across);
         }
         let stored = rows(&self.bytes[4 + 5 * facets..]);
@@ -243,11 +236,6 @@ impl Record<'_> {
             [*facets, *twins] = *stored;
         }
         true
-    }
-
-    /// Whether the cell has a pattern.
-    pub(crate) fn has_pattern(&self) -> bool {
-        self.counts().1 != 0
     }
 
     /// The ranks of all neighbors.
@@ -260,8 +248,9 @@ impl Record<'_> {
         (usize::from(at(0)), usize::from(at(2)))
     }
 
+    /// What lies beyond the facets.
     #[inline(always)]
-    fn beyond(&self) -> impl Iterator<Item = Across> + '_ {
+    pub(crate) fn beyond(&self) -> impl Iterator<Item = Across> + '_ {
         let (facets, _) = self.counts();
         let (numbers, rest) = self.bytes[4..].split_at(4 * facets);
         let beyond = numbers.as_chunks().0.iter().zip(&rest[..facets]);
@@ -288,7 +277,7 @@ mod tests {
 
     #[test]
     fn images_read_back() {
-        for number in 0..27 {
+        for number in 0..IMAGES as u8 {
             assert_eq!(image_number(image_of(number)), number);
         }
     }
@@ -312,9 +301,9 @@ mod tests {
         let mut packed = Packed::default();
         packed.put_neighbors(0, pattern.labels(), &numbers);
         packed.put(1, &pattern, &numbers);
-        let (mut read, mut across) = (Pattern::default(), Vec::new());
-        assert!(!packed.record(0).read(&numbers, &mut read, &mut across));
-        assert!(packed.record(1).read(&numbers, &mut read, &mut across));
+        let mut read = Pattern::default();
+        assert!(!packed.record(0).read(&numbers, &mut read));
+        assert!(packed.record(1).read(&numbers, &mut read));
         assert_eq!(read.labels(), pattern.labels());
         assert_eq!(read.facets[..8], pattern.facets[..8]);
         assert_eq!(read.twins[..8], pattern.twins[..8]);

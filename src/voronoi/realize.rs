@@ -61,7 +61,7 @@ struct Meeting {
     flattest: f64,
     /// The greatest squared distance of a vertex.
     radius_squared: f64,
-    /// How many vertices are as far up as any plane lets them be.
+    /// How many vertices have a cone of normals that holds [`UP`].
     summits: u32,
 }
 

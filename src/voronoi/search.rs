@@ -69,6 +69,8 @@ impl Search {
         (place, company): (usize, Company),
         shape: &mut impl Shape,
     ) -> Result<(), Halt> {
+        // An earlier search may have been halted.
+        self.stack.clear();
         let needed = 4.0 * shape.radius_squared();
         let usual = index.first_look_squared(place);
         let limit = usual.min(needed);
