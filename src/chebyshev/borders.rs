@@ -20,8 +20,9 @@ use wide::f64x4;
 
 use crate::chebyshev::energy::{SignedPiece, tetrahedron};
 use crate::chebyshev::integrand::Integrand;
-use crate::chebyshev::interface::{Interface, Mark};
+use crate::chebyshev::interface::Interface;
 use crate::chebyshev::linear_borders::LinearSums;
+use crate::chebyshev::mark::Mark;
 use crate::chebyshev::sector::Sector;
 use crate::chebyshev::visit::{Corner, FacetView, Side, Visit};
 use crate::chebyshev::walk::{WalkScratch, walk};

@@ -12,7 +12,8 @@
 use nalgebra::{Matrix3, Vector3};
 
 use crate::chebyshev::integrand::Integrand;
-use crate::chebyshev::interface::{Interface, Mark};
+use crate::chebyshev::interface::Interface;
+use crate::chebyshev::mark::Mark;
 use crate::chebyshev::sector::Sector;
 use crate::chebyshev::visit::{Corner, FacetView, Side, Visit};
 use crate::chebyshev::walk::{WalkScratch, walk};

@@ -10,7 +10,7 @@
 use nalgebra::{Point3, Rotation3, Vector3};
 
 use crate::chebyshev::chunks::{Bits, CHUNK};
-use crate::chebyshev::sight::Sight;
+use crate::chebyshev::points::Points;
 use crate::geometry::faceted::{Faceted, Piece};
 use crate::geometry::half_space::HalfSpace;
 use crate::geometry::label::Label;
@@ -20,29 +20,6 @@ use crate::integrals::polynomial::Polynomial;
 
 /// Vertices whose edges are chosen together.
 const ROWS: usize = CHUNK / 3;
-
-/// A facet's constants.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct FacetConstants {
-    pub(crate) normal: Vector3<f64>,
-    pub(crate) offset: f64,
-    /// The foot of the perpendicular from the origin.
-    pub(crate) foot: Sight,
-}
-
-impl FacetConstants {
-    pub(crate) fn new(plane: &HalfSpace) -> Self {
-        let HalfSpace { normal, offset } = plane;
-        let length = normal.norm();
-        let scale = if length > 0.0 { 1.0 / length } else { 1.0 };
-        let (normal, offset) = (normal * scale, offset * scale);
-        Self {
-            normal,
-            offset,
-            foot: Sight::of(&(normal * offset)),
-        }
-    }
-}
 
 /// An edge, and the doubled areas that its two facets' fans have on it.
 #[derive(Clone, Copy, Debug)]
@@ -56,38 +33,36 @@ pub(crate) struct EdgeConstants {
 }
 
 impl EdgeConstants {
-    /// The edge between two vertices, which are at `points`, with facets left and right of it.
+    /// The edge between two vertices, which are at `points`, with facets left and right of it, and six
+    /// times the volume of its tetrahedra with the origin.
     #[inline(always)]
     pub(crate) fn new(
         [from, to]: [u32; 2],
         [left, right]: [u32; 2],
         [a, b]: [Vector3<f64>; 2],
-        facets: &[FacetConstants],
-    ) -> Self {
+        facets: &[HalfSpace],
+    ) -> (Self, f64) {
         let fan = a.cross(&b);
-        Self {
+        let [on_left, on_right] = [left, right].map(|facet| &facets[facet as usize]);
+        let edge = Self {
             from,
             to,
             left,
             right,
-            left_area: facets[left as usize].normal.dot(&fan),
-            right_area: -facets[right as usize].normal.dot(&fan),
-        }
-    }
-
-    /// Six times the volume of the tetrahedra of the edge with the origin.
-    #[inline(always)]
-    pub(crate) fn six_volumes(&self, facets: &[FacetConstants]) -> f64 {
-        let [left, right] = [self.left, self.right].map(|facet| facets[facet as usize].offset);
-        self.left_area * left + self.right_area * right
+            left_area: on_left.normal.dot(&fan),
+            right_area: -on_right.normal.dot(&fan),
+        };
+        let six_volumes = edge.left_area * on_left.offset + edge.right_area * on_right.offset;
+        (edge, six_volumes)
     }
 }
 
 /// A piece prepared for integrals about any center, in the piece's coordinates.
 #[derive(Clone, Debug, Default)]
 pub struct Integrand {
-    pub(crate) vertices: Vec<Sight>,
-    pub(crate) facets: Vec<FacetConstants>,
+    pub(crate) vertices: Points,
+    /// With unit normals.
+    pub(crate) facets: Vec<HalfSpace>,
     pub(crate) edges: Vec<EdgeConstants>,
     pub(crate) labels: Vec<Label>,
     /// In the piece's coordinates; none is density 1.
@@ -129,11 +104,12 @@ impl Integrand {
     pub fn moments(&self) -> Moments {
         let mut moments = Moments::default();
         for edge in &self.edges {
-            let [a, b] = [edge.from, edge.to].map(|vertex| self.vertices[vertex as usize].point());
+            let [a, b] = [edge.from, edge.to].map(|vertex| self.vertices.get(vertex as usize));
             let (sum, squares) = (a + b, a.norm_squared() + b.norm_squared());
             for (facet, area) in [(edge.left, edge.left_area), (edge.right, edge.right_area)] {
                 let facet = &self.facets[facet as usize];
-                let foot = facet.foot.point();
+                // The foot of the perpendicular from the origin.
+                let foot = facet.normal * facet.offset;
                 let (all, volume) = (sum + foot, area * facet.offset / 6.0);
                 moments.volume += volume;
                 moments.first += all * (volume / 4.0);
@@ -147,28 +123,21 @@ impl Integrand {
     /// Turns the piece about the origin. Areas stay; a density would have to be turned too, and is
     /// not.
     pub fn rotate(&mut self, rotation: &Rotation3<f64>) {
-        for vertex in &mut self.vertices {
-            *vertex = Sight::of(&(rotation * vertex.point()));
-        }
+        self.vertices.apply(|vertex| rotation * vertex);
         for facet in &mut self.facets {
             facet.normal = rotation * facet.normal;
-            facet.foot = Sight::of(&(rotation * facet.foot.point()));
         }
     }
 
     /// The positions of the vertices.
     pub fn vertices(&self) -> impl Iterator<Item = Point3<f64>> + '_ {
-        self.vertices
-            .iter()
-            .map(|vertex| Point3::from(vertex.point()))
+        self.vertices.iter().map(Point3::from)
     }
 
     fn assign_convex(&mut self, piece: &Polyhedron) {
-        self.vertices.clear();
-        let coordinates = piece.x.iter().zip(&piece.y).zip(&piece.z);
-        let vertices = coordinates.map(|((x, y), z)| Sight::new(*x, *y, *z));
-        self.vertices.extend(vertices);
-        self.assign_facets(piece.planes.iter().zip(&piece.labels));
+        let axes = [&piece.x, &piece.y, &piece.z].map(Vec::as_slice);
+        self.vertices.assign(axes, piece.vertex_count());
+        self.assign_facets(piece.planes.iter(), piece.labels.iter());
         self.edges.reserve(piece.facets.len() * 3 / 2);
         let rows = piece.facets.chunks(ROWS).zip(piece.next.chunks(ROWS));
         let mut six_volumes = 0.0;
@@ -190,8 +159,14 @@ impl Integrand {
     /// no less than a convex one, and the walk takes it for what it is.
     fn assign_faceted(&mut self, piece: &Faceted) {
         self.vertices.clear();
-        self.vertices.extend(piece.vertices.iter().map(Sight::of));
-        self.assign_facets(piece.facets.iter().map(|(plane, label)| (plane, label)));
+        for vertex in &piece.vertices {
+            self.vertices.push(vertex);
+        }
+        let facets = piece.facets.iter();
+        self.assign_facets(
+            facets.clone().map(|(plane, _)| plane),
+            facets.map(|(_, label)| label),
+        );
         let mut six_volumes = 0.0;
         for edge in &piece.edges {
             six_volumes += self.push_edge([edge.from, edge.to], [edge.left, edge.right]);
@@ -199,23 +174,26 @@ impl Integrand {
         self.volume = six_volumes / 6.0;
     }
 
-    fn assign_facets<'a>(&mut self, planes: impl Iterator<Item = (&'a HalfSpace, &'a Label)>) {
+    pub(crate) fn assign_facets<'a>(
+        &mut self,
+        planes: impl Iterator<Item = &'a HalfSpace>,
+        labels: impl Iterator<Item = &'a Label>,
+    ) {
         self.facets.clear();
+        self.facets.extend(planes);
+        HalfSpace::normalize(&mut self.facets);
         self.labels.clear();
-        for (plane, label) in planes {
-            self.facets.push(FacetConstants::new(plane));
-            self.labels.push(*label);
-        }
+        self.labels.extend(labels);
         self.edges.clear();
     }
 
     /// Adds an edge and returns six times the volume of the tetrahedra on it.
     #[inline(always)]
     fn push_edge(&mut self, ends: [u32; 2], sides: [u32; 2]) -> f64 {
-        let points = ends.map(|vertex| self.vertices[vertex as usize].point());
-        let edge = EdgeConstants::new(ends, sides, points, &self.facets);
+        let points = ends.map(|vertex| self.vertices.get(vertex as usize));
+        let (edge, six_volumes) = EdgeConstants::new(ends, sides, points, &self.facets);
         self.edges.push(edge);
-        edge.six_volumes(&self.facets)
+        six_volumes
     }
 }
 

@@ -12,34 +12,13 @@
 
 use nalgebra::Vector3;
 
+use crate::chebyshev::mark::Mark;
 use crate::chebyshev::sector::Sector;
 
 /// The place where two sectors of different axes meet: four times the number of the pair of axes
 /// (xy, xz, yz), plus two and one for the negative sides.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Interface(u8);
-
-/// A point of an interface, told by two numbers.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Mark {
-    /// Its Chebyshev distance from the center: that along either axis of the interface.
-    pub(crate) distance: f64,
-    /// Its coordinate along the third axis.
-    pub(crate) third: f64,
-}
-
-/// How fast the crossing of an interface with an edge slides along that edge.
-///
-/// A center that moves by δ, of which δ_l and δ_r are the parts along the interface's two sectors
-/// and δ_t that along the third axis, takes the interface with it: the crossing's mark changes by
-/// −(δ_l + (δ_l − δ_r) distance, δ_t + (δ_l − δ_r) third).
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Drift {
-    /// Of the first sector's distance.
-    pub(crate) distance: f64,
-    /// Of the coordinate along the third axis.
-    pub(crate) third: f64,
-}
 
 /// An interface, and what a point of it is to a segment with the interface's first sector on its
 /// left: the interface's number for the segment's start, [`Interface::SLOTS`] more for its end.

@@ -7,7 +7,7 @@
 //! it all.
 //!
 //! The area of an interface is a sum of determinants of two marks, each linear in δ:
-//! - a crossing's, which slides along its edge, by its [`Drift`](crate::chebyshev::interface::Drift);
+//! - a crossing's, which slides along its edge, by its [`Drift`](crate::chebyshev::mark::Drift);
 //! - a diagonal's, which is proportional to the center's height below the facet.
 //!
 //! The determinants of the marks' changes are all of second degree in δ that there is.
@@ -15,10 +15,11 @@
 use nalgebra::{Matrix3, Vector3};
 use wide::f64x2;
 
+use crate::chebyshev::endpoints::Found;
 use crate::chebyshev::energy::interface_hessian;
 use crate::chebyshev::integrand::Integrand;
-use crate::chebyshev::interface::{Endpoint, Interface, Mark};
-use crate::chebyshev::segments::Endpoints;
+use crate::chebyshev::interface::{Endpoint, Interface};
+use crate::chebyshev::mark::Mark;
 use crate::chebyshev::sight::Sight;
 use crate::chebyshev::walk::WalkScratch;
 
@@ -30,22 +31,26 @@ pub(crate) fn fourth(
     step: &Vector3<f64>,
     scratch: &mut WalkScratch,
 ) -> Option<Matrix3<f64>> {
+    let WalkScratch {
+        panorama,
+        endpoints,
+        segments,
+        lowerings,
+        ..
+    } = scratch;
     let from = Sight::of(step);
-    let lowerings = &mut scratch.lowerings;
-    if !scratch.panorama.stays(piece, (step, &from), lowerings) || scratch.segments.are_rounded {
+    if endpoints.are_rounded || !panorama.stays(piece, (step, &from), lowerings) {
         return None;
     }
     let ways = ways(&from);
     let (mut areas, mut is_sound) = ([0.0; Interface::SLOTS], true);
-    for (facet, interface) in scratch.segments.all() {
-        let (endpoints, lowering) = (&scratch.endpoints[facet], scratch.lowerings[facet]);
-        let way = &ways[interface.number()];
-        let [u, v] = [false, true].map(|ends| {
-            let endpoint = Endpoint::of(interface, ends);
-            way.change(endpoints, endpoint, lowering)
+    for (facet, interface) in segments.all() {
+        let (way, lowering) = (&ways[interface.number()], f64x2::splat(lowerings[facet]));
+        let [(start, u), (_, v)] = [false, true].map(|ends| {
+            let found = endpoints.found(facet, Endpoint::of(interface, ends));
+            (&found.mark, way.retreat(found, lowering))
         });
         // What ends here starts on the next facet, or it is at a diagonal.
-        let start = endpoints.mark(Endpoint::of(interface, false));
         is_sound &= is_on_interface(start, &u);
         areas[interface.number()] += interface.determinant(&u, &v);
     }
@@ -75,25 +80,23 @@ fn ways(step: &Sight) -> [Way; Interface::SLOTS] {
 }
 
 impl Way {
-    /// How an endpoint's mark changes by the center's step, which lowers the center's height below
-    /// the facet by the share `lowering`.
+    /// By how much the mark of an endpoint shrinks by the center's step, which lowers the center's
+    /// height below the facet by the share `lowering`.
     #[inline]
-    fn change(&self, endpoints: &Endpoints, endpoint: Endpoint, lowering: f64) -> Mark {
-        let (mark, drift) = (endpoints.mark(endpoint), endpoints.drift(endpoint));
+    fn retreat(&self, found: &Found, lowering: f64x2) -> Mark {
+        let Found { mark, drift } = found;
         let slid = self.within + self.across * f64x2::new([drift.distance, drift.third]);
-        let lowered = f64x2::splat(lowering) * f64x2::new([mark.distance, mark.third]);
-        // All bits or none, to choose without a branch.
-        let mask = u64::from(endpoints.is_at_diagonal(endpoint)).wrapping_neg();
-        let is_at_diagonal = f64x2::splat(f64::from_bits(mask));
-        let [distance, third] = (-is_at_diagonal.bitselect(lowered, slid)).to_array();
+        let lowered = lowering * f64x2::new([mark.distance, mark.third]);
+        // A diagonal has no drift.
+        let [distance, third] = slid.is_nan().select(lowered, slid).to_array();
         Mark { distance, third }
     }
 }
 
-/// Whether a point is still on its interface, and not beyond a diagonal, after its mark's change.
+/// Whether a point is still on its interface, and not beyond a diagonal, after its mark has shrunk.
 #[inline]
-fn is_on_interface(mark: &Mark, change: &Mark) -> bool {
-    mark.distance + change.distance >= (mark.third + change.third).abs()
+fn is_on_interface(mark: &Mark, retreat: &Mark) -> bool {
+    mark.distance - retreat.distance >= (mark.third - retreat.third).abs()
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! Space about a center, split by the largest coordinate difference into six cones.
 
 use nalgebra::Vector3;
+use wide::f64x4;
 
 /// One of the six cones in which a coordinate difference of one sign is the largest: twice the
 /// axis, plus one for the negative side.
@@ -29,6 +30,27 @@ impl Sector {
             sector = 4 | z >> 63;
         }
         Self(sector as u8)
+    }
+
+    /// [`Sector::of`] for four displacements, by axis; see [`Sector::of_code`].
+    #[inline]
+    pub(crate) fn codes_of_four(displacements: &[f64x4; 3]) -> f64x4 {
+        let [x, y, z] = displacements.each_ref().map(|along| along.abs());
+        let code = |axis: u64| {
+            let [positive, negative] = [0, 1].map(|side| f64x4::splat(code(2 * axis + side)));
+            let is_negative = displacements[axis as usize].simd_lt(f64x4::ZERO);
+            is_negative.select(negative, positive)
+        };
+        let is_higher = y.simd_gt(x);
+        let most = is_higher.select(y, x);
+        let sector = is_higher.select(code(1), code(0));
+        z.simd_gt(most).select(code(2), sector)
+    }
+
+    /// The sector of a code: its number in the last bits of a float.
+    #[inline]
+    pub(crate) fn of_code(code: f64) -> Self {
+        Self(code.to_bits() as u8)
     }
 
     /// Its place in [`Sector::ALL`].
@@ -77,9 +99,27 @@ impl Sector {
     }
 }
 
+/// See [`Sector::of_code`].
+fn code(number: u64) -> f64 {
+    f64::from_bits(1.0_f64.to_bits() | number)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn four_sectors_at_once_are_those_of_each() {
+        let values = [-1.0, -0.5, 0.0, 0.5, 1.0];
+        for (x, y) in values.iter().flat_map(|&x| values.map(|y| (x, y))) {
+            let z = [-1.0, 0.25, 0.5, 1.0];
+            let away = [f64x4::splat(x), f64x4::splat(y), f64x4::new(z)];
+            let codes = Sector::codes_of_four(&away).to_array();
+            for (code, z) in codes.into_iter().zip(z) {
+                assert_eq!(Sector::of_code(code), Sector::of(&Vector3::new(x, y, z)));
+            }
+        }
+    }
 
     #[test]
     fn the_sector_holds_the_largest_difference() {

@@ -1,51 +1,54 @@
 //! A displacement as the six sectors' distance functions see it.
 
 use nalgebra::Vector3;
-use wide::f64x4;
+use wide::{f64x2, f64x4};
 
 use crate::chebyshev::sector::Sector;
 
 /// A displacement (x, y, z) as x, −x, y, −y, z, −z, so that a sector's distance function is a look
-/// into a table. Two lanes more, of no meaning, make it whole blocks for the processor.
-#[derive(Clone, Copy, Debug)]
+/// into a table. Two lanes more hold what goes with it, and make it whole blocks for the processor.
+#[derive(Clone, Copy, Debug, Default)]
+#[repr(align(64))]
 pub(crate) struct Sight([f64; Sector::SLOTS]);
 
 impl Sight {
-    #[inline]
-    pub(crate) fn new(x: f64, y: f64, z: f64) -> Self {
-        Self([x, -x, y, -y, z, -z, 0.0, 0.0])
+    /// Four displacements, each with two numbers that go with it.
+    #[inline(always)]
+    pub(crate) fn four([x, y, z]: [f64x4; 3], more: [f64x4; 2]) -> [Self; 4] {
+        let one = f64x4::transpose([x, -x, y, -y]).map(f64x4::to_array);
+        let two = f64x4::transpose([z, -z, more[0], more[1]]).map(f64x4::to_array);
+        [0, 1, 2, 3].map(|lane| {
+            let ([a, b, c, d], [e, f, g, h]) = (one[lane], two[lane]);
+            Self([a, b, c, d, e, f, g, h])
+        })
     }
 
+    /// A displacement with which go two infinite numbers.
     #[inline]
     pub(crate) fn of(displacement: &Vector3<f64>) -> Self {
-        Self::new(displacement.x, displacement.y, displacement.z)
+        let [x, y, z] = (*displacement).into();
+        Self([x, -x, y, -y, z, -z, f64::INFINITY, f64::INFINITY])
     }
 
-    /// The same point as seen from `center`, both seen from one origin until now.
+    /// The two numbers that go with it.
     #[inline]
-    pub(crate) fn from(&self, center: &Self) -> Self {
-        let mut lanes = self.0;
-        for (lane, shift) in lanes.iter_mut().zip(center.0) {
-            *lane -= shift;
-        }
-        Self(lanes)
+    pub(crate) fn more(&self) -> [f64; 2] {
+        [self.0[6], self.0[7]]
     }
 
-    /// Whether no sector's distance function is greater than that of `sector` where the point is as
-    /// seen from `center`.
+    /// In all lanes all bits, if no sector's distance function is greater than that of `sector` where
+    /// the point is as seen from `center`, with which go two infinite numbers.
     #[inline]
-    pub(crate) fn stays_in(&self, sector: Sector, center: &Self) -> bool {
+    pub(crate) fn staying_in(&self, sector: Sector, center: &Self) -> f64x4 {
         let most = f64x4::splat(self.distance(sector) - center.distance(sector));
-        let lanes = self.0.as_chunks().0.iter().zip(center.0.as_chunks().0);
-        // Lanes of no meaning are zero, and one of the others is not less.
-        let are_less = |(lanes, center): (&[f64; 4], &[f64; 4])| {
-            (f64x4::new(*lanes) - f64x4::new(*center)).simd_le(most)
-        };
-        lanes
-            .map(are_less)
-            .fold(f64x4::splat(f64::from_bits(u64::MAX)), |all, one| all & one)
-            .to_bitmask()
-            == 0b1111
+        let [one, two] = [0, 4].map(|first| {
+            let [a, b] = [self, center].map(|sight| {
+                let [a, b, c, d] = [0, 1, 2, 3].map(|lane| sight.0[first + lane]);
+                f64x4::new([a, b, c, d])
+            });
+            (a - b).simd_le(most)
+        });
+        one & two
     }
 
     /// The displacement.
@@ -66,9 +69,9 @@ impl Sight {
         self.0[2 * axis % Sector::SLOTS]
     }
 
-    /// The sector in which the point lies.
+    /// What the sector's distance function is, and the coordinate along an axis.
     #[inline]
-    pub(crate) fn sector(&self) -> Sector {
-        Sector::of(&self.point())
+    pub(crate) fn mark(&self, sector: Sector, axis: usize) -> f64x2 {
+        f64x2::new([self.distance(sector), self.along(axis)])
     }
 }

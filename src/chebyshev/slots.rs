@@ -2,8 +2,7 @@
 //!
 //! What it comes to is the same, to the bit, as by way of a polyhedron.
 
-use crate::chebyshev::integrand::{EdgeConstants, FacetConstants, Integrand};
-use crate::chebyshev::sight::Sight;
+use crate::chebyshev::integrand::{EdgeConstants, Integrand};
 use crate::geometry::compact::{Compact, EDGES, SLOTS};
 use crate::geometry::compact_lists::Lists;
 
@@ -11,52 +10,68 @@ impl Integrand {
     /// Prepares a convex piece of density 1, keeping the memory of the piece before.
     pub fn assign_compact(&mut self, piece: &Compact) {
         self.density = None;
+        if piece.is_dense() {
+            self.assign_dense(piece);
+        } else {
+            self.assign_sparse(piece);
+        }
+    }
+
+    fn assign_sparse(&mut self, piece: &Compact) {
         let lists = Lists::of(piece);
-        self.vertices.clear();
-        let slots = lists.slots.listed().iter();
-        self.vertices.extend(slots.map(|&slot| {
-            let slot = usize::from(slot) % SLOTS;
-            Sight::new(piece.x[slot], piece.y[slot], piece.z[slot])
-        }));
-        let planes = lists.planes.listed();
-        self.facets.clear();
-        let facets = planes
-            .iter()
-            .map(|&plane| &piece.planes[usize::from(plane)]);
-        self.facets.extend(facets.map(FacetConstants::new));
-        self.labels.clear();
-        let labels = planes.iter().map(|&plane| piece.labels[usize::from(plane)]);
-        self.labels.extend(labels);
-        let (mut six_volumes, facets) = (0.0, &self.facets);
-        self.edges.clear();
-        self.edges.extend(lists.edges.listed().iter().map(|&edge| {
-            let constants = edge_constants(piece, &lists, facets, usize::from(edge));
-            six_volumes += constants.six_volumes(facets);
-            constants
-        }));
+        let axes = [&piece.x, &piece.y, &piece.z];
+        self.vertices.gather(axes, lists.slots.listed());
+        let planes = lists.planes.listed().iter();
+        let planes = planes.map(|&plane| usize::from(plane));
+        self.assign_facets(
+            planes.clone().map(|plane| &piece.planes[plane]),
+            planes.map(|plane| &piece.labels[plane]),
+        );
+        self.assign_edges(piece, |[ends, sides]| {
+            [
+                ends.map(|slot| u32::from(lists.vertices[slot])),
+                sides.map(|plane| u32::from(lists.facets[plane])),
+            ]
+        });
+    }
+
+    /// Slots are vertices, and planes are facets.
+    fn assign_dense(&mut self, piece: &Compact) {
+        let count = piece.alive.count_ones() as usize;
+        let axes = [&piece.x, &piece.y, &piece.z].map(<[f64; SLOTS]>::as_slice);
+        self.vertices.assign(axes, count);
+        self.assign_facets(piece.planes.iter(), piece.labels.iter());
+        self.assign_edges(piece, |pairs| {
+            pairs.map(|pair| pair.map(|number| number as u32))
+        });
+    }
+
+    /// Takes up the edges of `piece`; `numbered` gives the vertices and facets for slots and planes.
+    #[inline(always)]
+    fn assign_edges(
+        &mut self,
+        piece: &Compact,
+        numbered: impl Fn([[usize; 2]; 2]) -> [[u32; 2]; 2],
+    ) {
+        let mut six_volumes = 0.0;
+        piece.upward().for_each(|edge| {
+            let [ends, sides] = neighborhood(piece, edge);
+            let points = ends.map(|slot| piece.vertex(slot));
+            let [vertices, facets] = numbered([ends, sides]);
+            let (edge, volumes) = EdgeConstants::new(vertices, facets, points, &self.facets);
+            self.edges.push(edge);
+            six_volumes += volumes;
+        });
         self.volume = six_volumes / 6.0;
     }
 }
 
-/// The constants of an edge that leaves its slot.
+/// The slots at the ends of an edge, and the planes left and right of it.
 #[inline(always)]
-fn edge_constants(
-    piece: &Compact,
-    lists: &Lists,
-    facets: &[FacetConstants],
-    edge: usize,
-) -> EdgeConstants {
+fn neighborhood(piece: &Compact, edge: usize) -> [[usize; 2]; 2] {
     let ends = [edge / 4, usize::from(piece.twins[edge % EDGES] / 4)];
-    let sides = [(edge + 1) % EDGES, edge % EDGES];
-    let [left, right] = sides.map(|side| lists.facets[usize::from(piece.facets[side])]);
-    let [a, b] = ends.map(|slot| piece.vertex(slot % SLOTS));
-    let [from, to] = ends.map(|slot| lists.vertices[slot % SLOTS]);
-    EdgeConstants::new(
-        [from, to].map(u32::from),
-        [left, right].map(u32::from),
-        [a, b],
-        facets,
-    )
+    let sides = [edge + 1, edge].map(|side| usize::from(piece.facets[side % EDGES]));
+    [ends.map(|slot| slot % SLOTS), sides]
 }
 
 #[cfg(test)]

@@ -3,7 +3,8 @@
 use nalgebra::Vector3;
 
 use crate::chebyshev::integrand::Integrand;
-use crate::chebyshev::interface::{Interface, Mark};
+use crate::chebyshev::interface::Interface;
+use crate::chebyshev::mark::Mark;
 use crate::chebyshev::sector::Sector;
 use crate::chebyshev::sight::Sight;
 

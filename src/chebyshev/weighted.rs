@@ -9,7 +9,8 @@
 use nalgebra::{Point3, Vector3};
 
 use crate::chebyshev::energy::sums_evaluation;
-use crate::chebyshev::interface::{Interface, Mark};
+use crate::chebyshev::interface::Interface;
+use crate::chebyshev::mark::Mark;
 use crate::chebyshev::sector::Sector;
 use crate::chebyshev::terms::{Place, Table, Terms, power};
 use crate::chebyshev::visit::{Corner, FacetView, Side, Visit};

@@ -182,6 +182,13 @@ impl Compact {
         Vector3::new(self.x[slot], self.y[slot], self.z[slot])
     }
 
+    /// Whether the first slots are in use and every plane has a facet, as the count of vertices
+    /// tells: it is twice the one of facets less four.
+    pub(crate) fn is_dense(&self) -> bool {
+        self.alive & self.alive.wrapping_add(1) == 0
+            && self.alive.count_ones() as usize + 4 == 2 * self.planes.len()
+    }
+
     /// How many rows hold all slots in use.
     pub(crate) fn row_count(&self) -> usize {
         (SLOTS - self.alive.leading_zeros() as usize).div_ceil(ROW)

@@ -1,7 +1,7 @@
 //! What of a [`Compact`]'s slots and planes is in use, and what it is called where all is.
 //!
-//! Which planes have facets, and which edges lead upward, is what a processor cannot foresee: so all are
-//! listed, and those that are not wanted overwritten.
+//! Which planes have facets is what a processor cannot foresee: so all are listed, and those that are
+//! not wanted overwritten.
 
 use crate::geometry::compact::{Compact, EDGES, PLANES, SLOTS, slots};
 
@@ -43,8 +43,6 @@ pub(crate) struct Lists {
     pub(crate) slots: List,
     /// The planes that have facets, in the order in which they were added.
     pub(crate) planes: List,
-    /// The edges that lead to a slot of higher number.
-    pub(crate) edges: List,
     /// Per slot in use: its vertex.
     pub(crate) vertices: [u8; SLOTS],
     /// Per plane that has one: its facet.
@@ -56,7 +54,6 @@ impl Default for Lists {
         Self {
             slots: List::default(),
             planes: List::default(),
-            edges: List::default(),
             vertices: [0; SLOTS],
             facets: [UNSEEN; PLANES],
         }
@@ -78,8 +75,6 @@ impl Lists {
             self.slots.push_if(slot as u8, true);
             for edge in 4 * slot..4 * slot + 3 {
                 self.facets[usize::from(piece.facets[edge])] = 0;
-                self.edges
-                    .push_if(edge as u8, usize::from(piece.twins[edge]) > edge);
             }
         }
         for (plane, number) in self.facets.iter_mut().enumerate().take(piece.planes.len()) {

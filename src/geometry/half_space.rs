@@ -1,6 +1,7 @@
 //! Closed half-spaces, the bricks of every convex polyhedron.
 
 use nalgebra::{Point3, Vector3};
+use wide::f64x4;
 
 /// The closed half-space n·y ≤ d. The normal points out of it and need not be of unit length.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,6 +43,44 @@ impl HalfSpace {
         } else {
             *self
         }
+    }
+
+    /// The coordinates of four normals, and the offsets.
+    #[inline(always)]
+    pub(crate) fn lanes(four: [&Self; 4]) -> [f64x4; 4] {
+        f64x4::transpose(four.map(|Self { normal, offset }| {
+            let [x, y, z] = (*normal).into();
+            f64x4::new([x, y, z, *offset])
+        }))
+    }
+
+    /// Makes all normals units, but for those that are zero.
+    pub(crate) fn normalize(planes: &mut [Self]) {
+        let (blocks, rest) = planes.as_chunks_mut();
+        for block in blocks {
+            *block = Self::normalized_four(block.each_ref());
+        }
+        let none = Self {
+            normal: Vector3::zeros(),
+            offset: 0.0,
+        };
+        let last = [0, 1, 2, 3].map(|lane| rest.get(lane).copied().unwrap_or(none));
+        for (plane, normalized) in rest.iter_mut().zip(Self::normalized_four(last.each_ref())) {
+            *plane = normalized;
+        }
+    }
+
+    #[inline(always)]
+    fn normalized_four(four: [&Self; 4]) -> [Self; 4] {
+        let [x, y, z, offset] = Self::lanes(four);
+        let length = (x * x + y * y + z * z).sqrt();
+        let is_long = length.simd_gt(f64x4::ZERO);
+        let scale = is_long.select(f64x4::ONE / length, f64x4::ONE);
+        f64x4::transpose([x, y, z, offset].map(|all| all * scale)).map(|lanes| {
+            let [x, y, z, offset] = lanes.to_array();
+            let normal = Vector3::new(x, y, z);
+            Self { normal, offset }
+        })
     }
 
     /// The half-space moved by `displacement`.

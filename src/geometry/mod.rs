@@ -5,6 +5,7 @@ pub mod box_tree;
 pub mod clip;
 pub mod compact;
 pub mod compact_clip;
+mod compact_edges;
 pub(crate) mod compact_lists;
 pub mod faceted;
 pub mod half_plane;

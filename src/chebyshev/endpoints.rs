@@ -1,0 +1,140 @@
+//! Where the segments of a piece's facets begin and end.
+
+use nalgebra::Vector3;
+use wide::f64x2;
+
+use crate::chebyshev::interface::{Endpoint, Interface};
+use crate::chebyshev::mark::{Drift, Mark};
+
+/// The endpoints that are starts.
+const STARTS: u32 = (1 << Interface::SLOTS) - 1;
+
+/// An endpoint's place.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Found {
+    /// Where it is.
+    pub(crate) mark: Mark,
+    /// How it slides along its edge; no number at a diagonal.
+    pub(crate) drift: Drift,
+}
+
+impl Found {
+    /// What does not lie on an edge.
+    #[inline]
+    pub(crate) fn off_edges(mark: Mark) -> Self {
+        let drift = Drift {
+            distance: f64::NAN,
+            third: f64::NAN,
+        };
+        Self { mark, drift }
+    }
+}
+
+/// A second start or end on an interface of a facet. A convex facet has none but by rounding.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Spare {
+    /// The facet's number.
+    pub(crate) facet: usize,
+    /// What the point is.
+    pub(crate) endpoint: Endpoint,
+    /// Where it is.
+    pub(crate) mark: Mark,
+}
+
+/// Where segments begin and end, by facet: at most one point per endpoint, and the spare ones.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Endpoints {
+    /// The endpoints there are, as sets of bits.
+    seen: Vec<u32>,
+    /// Meaningless where nothing was seen.
+    found: Vec<[Found; Endpoint::SLOTS]>,
+    /// Those elsewhere.
+    pub(crate) spare: Vec<Spare>,
+    /// Whether rounding alone has added some, or nobody can tell how one slides.
+    pub(crate) are_rounded: bool,
+}
+
+impl Endpoints {
+    /// Forgets all endpoints and makes room for those of `count` facets.
+    pub(crate) fn reset(&mut self, count: usize) {
+        self.seen.clear();
+        self.seen.resize(count, 0);
+        if self.found.len() < count {
+            self.found
+                .resize(count, [Found::default(); Endpoint::SLOTS]);
+        }
+        self.spare.clear();
+        self.are_rounded = false;
+    }
+
+    /// Adds an endpoint to a facet's, or to the spare ones where its place is taken.
+    #[inline]
+    pub(crate) fn enter(&mut self, facet: usize, endpoint: Endpoint, found: Found) {
+        let seen = &mut self.seen[facet];
+        if *seen & endpoint.bit() == 0 {
+            *seen |= endpoint.bit();
+            self.found[facet][endpoint.number()] = found;
+        } else {
+            let Found { mark, .. } = found;
+            self.spare.push(Spare {
+                facet,
+                endpoint,
+                mark,
+            });
+            self.are_rounded = true;
+        }
+    }
+
+    /// Adds those at a diagonal that pierces the facet `reach` along every axis.
+    #[inline]
+    pub(crate) fn enter_diagonal(&mut self, facet: usize, all: &[(Endpoint, f64); 3], reach: f64) {
+        let bits = all.iter().fold(0, |set, (one, _)| set | one.bit());
+        let found = |sign: f64| {
+            let signs = f64x2::new([1.0, sign]);
+            Found::off_edges(Mark::of(signs * f64x2::splat(reach)))
+        };
+        if self.seen[facet] & bits != 0 {
+            for (endpoint, sign) in all {
+                self.enter(facet, *endpoint, found(*sign));
+            }
+            return;
+        }
+        self.seen[facet] |= bits;
+        let places = &mut self.found[facet];
+        for (endpoint, sign) in all {
+            places[endpoint.number()] = found(*sign);
+        }
+    }
+
+    /// An endpoint that was seen.
+    #[inline]
+    pub(crate) fn found(&self, facet: usize, endpoint: Endpoint) -> &Found {
+        &self.found[facet][endpoint.number()]
+    }
+
+    /// The endpoints there are, by facet, as sets of bits.
+    #[inline]
+    pub(crate) fn seen(&self) -> &[u32] {
+        &self.seen
+    }
+
+    /// The interfaces that the boundary of a facet that has seen `seen` crosses an odd number of
+    /// times.
+    #[inline]
+    pub(crate) fn odd(&self, facet: usize, seen: u32) -> u32 {
+        let odd = (seen ^ seen >> Interface::SLOTS) & STARTS;
+        if self.spare.is_empty() {
+            return odd;
+        }
+        let own = self.spare.iter().filter(|one| one.facet == facet);
+        own.fold(odd, |set, one| set ^ 1 << one.endpoint.interface().number())
+    }
+
+    /// One of a facet's points, if there are any.
+    pub(crate) fn any_point(&self, facet: usize) -> Option<Vector3<f64>> {
+        let seen = self.seen[facet];
+        let endpoint = (seen != 0).then(|| Endpoint::lowest(seen))?;
+        let Found { mark, .. } = self.found(facet, endpoint);
+        Some(endpoint.interface().point(mark))
+    }
+}
