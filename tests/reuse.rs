@@ -242,6 +242,30 @@ fn lattices_with_any_noise_stay_as_they_are_cut() {
 }
 
 #[test]
+fn a_lattice_is_not_carried() {
+    let domain = Cuboid::unit();
+    let at = |n: usize| (n as f64 + 0.5) / 9.0;
+    let lattice = (0..729).map(|n| Point3::new(at(n % 9), at(n / 9 % 9), at(n / 81)));
+    let sites: Vec<_> = lattice.collect();
+    let diagram = Diagram::new(&domain, &sites).unwrap();
+    let ask = |memory: &mut CellMemory, cell: Cell<'_>| digest(&domain, memory, &cell);
+    let cut = diagram.map(ask).unwrap();
+    let mut from_before = Carried::default();
+    for _ in 0..2 {
+        assert!(carried(&domain, &sites, &mut from_before) == cut);
+        assert_eq!(from_before.rebuilt(), 729);
+        // Where the sites were, and how they are numbered.
+        assert!(from_before.memory() < 40 * 729);
+    }
+    // Sites that leave it are carried as ever.
+    let mut random = Uniform::new(3);
+    let left = shaken(&domain, &sites, 1e-2, &mut random);
+    assert_eq!(check(&domain, &left, &mut from_before), 729);
+    let near = shaken(&domain, &left, 1e-6, &mut random);
+    assert!(check(&domain, &near, &mut from_before) < 365);
+}
+
+#[test]
 fn sites_beside_and_above_each_other_are_told_apart() {
     let domain = Cuboid::unit();
     let mut random = Uniform::new(6);

@@ -35,7 +35,7 @@
 //! is far above rounding, so that a cold build finds the same pattern. It then hands the cell to the
 //! same realization, with the same doubts. So whether cells are carried shows in no bit of any result:
 //! runs that are resumed, and begin without patterns, agree with uninterrupted ones. Lattices are
-//! always in doubt, keep their cells as they were cut and are never carried.
+//! always in doubt and are never carried: a sample tells, and all their cells stay as they were cut.
 
 use nalgebra::Point3;
 use rayon::prelude::*;

@@ -96,6 +96,14 @@ impl Carrier {
         })
     }
 
+    /// Whether the cell of the site in `place` of the index has no pattern, or is in doubt.
+    pub(crate) fn is_in_doubt(&mut self, standing: &Standing<'_>, place: usize) -> bool {
+        let Self { builder, mold, .. } = self;
+        let rank = standing.numbers.ranks[standing.index.site(place) as usize] as usize;
+        let built = builder.build_in(Company::Crowd, standing.domain, standing.index, place);
+        !built.is_ok_and(|built| mold.take_over(standing, rank, &built))
+    }
+
     /// Builds a cell, asks it and puts its record where the numbered one is, or if none is known,
     /// behind all others. Lists the neighbors that may no longer agree with how the cell was.
     pub(crate) fn rebuild<Answer>(
