@@ -15,7 +15,7 @@
 
 use wide::f64x4;
 
-use crate::geometry::compact::{BLOCK, Compact};
+use crate::geometry::compact::{BLOCK, Compact, EDGES};
 use crate::geometry::half_space::HalfSpace;
 use crate::voronoi::pattern::MOST;
 
@@ -30,6 +30,9 @@ const MARGIN: f64 = 1e-7;
 /// The least distance of a neighbor relative to the cell's radius: bisectors of nearer sites could
 /// pass by a vertex within rounding unseen.
 const NEAREST: f64 = 0.02;
+
+/// How many bytes behind an edge, the last part of its number, is the facet that it leaves.
+const THIRD: [usize; 4] = [2, 2, EDGES - 1, 0];
 
 /// A direction along no edge or facet that people draw.
 const UP: [f64; 3] = [0.737_368_878, 0.577_350_269, 0.350_918_142];
@@ -63,6 +66,9 @@ struct Meeting {
     radius_squared: f64,
     /// How many vertices have a cone of normals that holds [`UP`].
     summits: u32,
+    /// How far the end of an edge is inside the plane that the edge leaves, at least: it runs along
+    /// the other two at its start.
+    room: f64,
 }
 
 impl Realizer {
@@ -98,19 +104,40 @@ impl Realizer {
             flattest,
             radius_squared,
             summits,
+            room,
         } = self.meet(cell);
         let radius = radius_squared.sqrt();
         flattest >= FLATTEST
             && 2.0 * self.nearest >= NEAREST * radius
             && summits == 1
-            && self.least_room(cell) >= MARGIN * radius
+            && room >= MARGIN * radius
+    }
+
+    /// How far four vertices are inside the planes that their edges leave at the other end, at least.
+    #[inline(always)]
+    fn room_at(&self, vertices: [usize; BLOCK], at: &[f64x4; 3], cell: &Compact) -> f64x4 {
+        let room = |edge: usize| {
+            let [x, y, z, offset] = self.gather(vertices.map(|vertex| {
+                let twin = usize::from(cell.twins[4 * vertex + edge]);
+                cell.facets[(twin + THIRD[twin % 4]) % EDGES]
+            }));
+            offset - dot(&[x, y, z], at)
+        };
+        room(0).fast_min(room(1)).fast_min(room(2))
+    }
+
+    /// Four planes.
+    #[inline(always)]
+    fn gather(&self, facets: [u8; BLOCK]) -> [f64x4; 4] {
+        let plane = |facet: u8| f64x4::new(self.planes[usize::from(facet) % MOST]);
+        f64x4::transpose(facets.map(plane))
     }
 
     /// Places all vertices, four at a time.
     fn meet(&self, cell: &mut Compact) -> Meeting {
         let count = cell.alive.count_ones() as usize;
         let mut flattest = f64x4::splat(f64::INFINITY);
-        let mut far = f64x4::ZERO;
+        let (mut far, mut room) = (f64x4::ZERO, f64x4::splat(f64::INFINITY));
         let mut summits = 0;
         for first in (0..count).step_by(BLOCK) {
             // Lanes beyond the last vertex repeat the first.
@@ -122,13 +149,12 @@ impl Realizer {
                 }
             };
             let vertices = [vertex(0), vertex(1), vertex(2), vertex(3)];
-            let planes = |slot: usize| {
-                let plane = |vertex: usize| usize::from(cell.facets[4 * vertex + slot + 1]) % MOST;
-                f64x4::transpose(vertices.map(|vertex| f64x4::new(self.planes[plane(vertex)])))
+            let around = |slot: usize| {
+                self.gather(vertices.map(|vertex| cell.facets[4 * vertex + slot + 1]))
             };
-            let [ax, ay, az, d] = planes(0);
-            let [bx, by, bz, e] = planes(1);
-            let [cx, cy, cz, f] = planes(2);
+            let [ax, ay, az, d] = around(0);
+            let [bx, by, bz, e] = around(1);
+            let [cx, cy, cz, f] = around(2);
             let (a, b, c) = ([ax, ay, az], [bx, by, bz], [cx, cy, cz]);
             let [ab, bc, ca] = [cross(&a, &b), cross(&b, &c), cross(&c, &a)];
             let volume = dot(&a, &bc);
@@ -143,6 +169,7 @@ impl Realizer {
             let scale = f64x4::ONE / volume;
             let [d, e, f] = [d * scale, e * scale, f * scale];
             let position = [0, 1, 2].map(|axis| d * bc[axis] + e * ca[axis] + f * ab[axis]);
+            room = room.fast_min(self.room_at(vertices, &position, cell));
             let square = dot(&position, &position);
             far = far.fast_max(square);
             let all = [&mut cell.x, &mut cell.y, &mut cell.z, &mut cell.square];
@@ -161,23 +188,8 @@ impl Realizer {
             flattest: least(flattest.to_array()),
             radius_squared: most(far.to_array()),
             summits,
+            room: least(room.to_array()),
         }
-    }
-
-    /// How far the end of an edge is inside the plane that the edge leaves, at least.
-    fn least_room(&self, cell: &Compact) -> f64 {
-        let mut least = f64::INFINITY;
-        for vertex in 0..cell.alive.count_ones() as usize {
-            for edge in 0..3 {
-                let end = usize::from(cell.twins[4 * vertex + edge] / 4);
-                // The edge runs along the facets left and right of it and leaves the third.
-                let plane = usize::from(cell.facets[4 * vertex + 1 + (edge + 1) % 3]) % MOST;
-                let [a, b, c, offset] = self.planes[plane];
-                let room = offset - (a * cell.x[end] + b * cell.y[end] + c * cell.z[end]);
-                least = if room < least { room } else { least };
-            }
-        }
-        least
     }
 }
 
