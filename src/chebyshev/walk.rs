@@ -15,8 +15,8 @@
 use nalgebra::Vector3;
 
 use crate::chebyshev::chunks::{CHUNK, chosen};
-use crate::chebyshev::crossing::{Crossing, drift_of, mark_on, next_sector, two_crossings};
-use crate::chebyshev::endpoints::{Endpoints, Found};
+use crate::chebyshev::crossing::Passage;
+use crate::chebyshev::endpoints::Endpoints;
 use crate::chebyshev::integrand::{EdgeConstants, Integrand};
 use crate::chebyshev::interface::Endpoint;
 use crate::chebyshev::mark::Mark;
@@ -84,8 +84,7 @@ fn report_whole(
     visitor.share(&sides, a.sector(), 1.0, ends.each_ref());
 }
 
-/// Reports the shares of an edge that runs through several sectors, and notes its crossings at both
-/// facets.
+/// Reports an edge that runs through several sectors.
 #[inline(always)]
 fn report_parted(
     piece: &Integrand,
@@ -95,19 +94,11 @@ fn report_parted(
     visitor: &mut impl Visit,
 ) {
     let [a, b] = panorama.ends(edge);
-    let (from, to) = (a.sector(), b.sector());
-    let (a, b) = (a.sight(), b.sight());
-    let crossing = Crossing::new([a, b], [from, to]);
-    let is_only = crossing.is_undisturbed() && from.axis() != to.axis();
-    let Some((end, found)) = is_only.then(|| crossing.found([a, b])).flatten() else {
-        return report_far_parted(piece, edge, panorama, endpoints, visitor);
-    };
-    let sides = panorama.sides(piece, edge);
-    let between = corner(crossing.endpoint, &found.mark);
-    let [a, b] = [(a, from), (b, to)].map(|(end, sector)| Corner::new(end, sector));
-    visitor.share(&sides, from, end, [&a, &between]);
-    visitor.share(&sides, to, 1.0 - end, [&between, &b]);
-    note(edge, crossing.endpoint, found, endpoints);
+    if let Some(passage) = Passage::only(a, b) {
+        report_passages(piece, edge, panorama, [passage], (endpoints, visitor));
+    } else {
+        report_far_parted(piece, edge, panorama, (endpoints, visitor));
+    }
 }
 
 /// As [`report_parted`], where more than two sectors may be on the way.
@@ -116,25 +107,36 @@ fn report_far_parted(
     piece: &Integrand,
     edge: &EdgeConstants,
     panorama: &Panorama,
-    endpoints: &mut Endpoints,
-    visitor: &mut impl Visit,
+    to: (&mut Endpoints, &mut impl Visit),
 ) {
     let [a, b] = panorama.ends(edge);
-    let Some((third, [one, other])) = two_crossings(a, b) else {
-        return split_edge(piece, edge, panorama, endpoints, visitor);
-    };
-    let (from, to) = (a.sector(), b.sector());
+    if let Some(passages) = Passage::two(a, b) {
+        report_passages(piece, edge, panorama, passages, to);
+    } else {
+        report_passages(piece, edge, panorama, Passage::all(a, b), to);
+    }
+}
+
+/// Reports an edge's shares sector by sector and notes its crossings at both facets.
+#[inline(always)]
+fn report_passages(
+    piece: &Integrand,
+    edge: &EdgeConstants,
+    panorama: &Panorama,
+    passages: impl IntoIterator<Item = Passage>,
+    (endpoints, visitor): (&mut Endpoints, &mut impl Visit),
+) {
+    let [a, b] = panorama.ends(edge);
     let sides = panorama.sides(piece, edge);
-    let [a, b] = [a, b].map(|end| Corner::new(end.sight(), end.sector()));
-    let crossings = [(from, third, one), (third, to, other)];
-    let [first, second] = crossings.map(|(from, to, (_, found))| {
-        let endpoint = Endpoint::passing(from, to);
-        note(edge, endpoint, found, endpoints);
-        corner(endpoint, &found.mark)
-    });
-    visitor.share(&sides, from, one.0, [&a, &first]);
-    visitor.share(&sides, third, other.0 - one.0, [&first, &second]);
-    visitor.share(&sides, to, 1.0 - other.0, [&second, &b]);
+    let [first, end] = [a, b].map(|end| Corner::new(end.sight(), end.sector()));
+    let (mut sector, mut start, mut last) = (a.sector(), 0.0, first);
+    for passage in passages {
+        let next = corner(passage.endpoint, &passage.found.mark);
+        visitor.share(&sides, sector, passage.share - start, [&last, &next]);
+        note(edge, &passage, endpoints);
+        (sector, start, last) = (passage.to, passage.share, next);
+    }
+    visitor.share(&sides, sector, 1.0 - start, [&last, &end]);
 }
 
 #[inline]
@@ -147,43 +149,12 @@ fn corner(endpoint: Endpoint, mark: &Mark) -> Corner {
 
 /// Enters a crossing at both facets of the edge.
 #[inline(always)]
-fn note(edge: &EdgeConstants, endpoint: Endpoint, found: Found, endpoints: &mut Endpoints) {
+fn note(edge: &EdgeConstants, passage: &Passage, endpoints: &mut Endpoints) {
+    let Passage {
+        endpoint, found, ..
+    } = *passage;
     endpoints.enter(edge.left as usize, endpoint, found);
     // Seen from the right it is the way back.
     endpoints.enter(edge.right as usize, endpoint.opposite(), found);
-}
-
-/// Reports an edge's shares sector by sector and notes its crossings at both facets.
-#[cold]
-fn split_edge(
-    piece: &Integrand,
-    edge: &EdgeConstants,
-    panorama: &Panorama,
-    endpoints: &mut Endpoints,
-    visitor: &mut impl Visit,
-) {
-    let [a, b] = panorama.ends(edge);
-    let (mut sector, goal) = (a.sector(), b.sector());
-    let (a, b) = (a.sight(), b.sight());
-    let sides = panorama.sides(piece, edge);
-    let (mut start, mut last) = (0.0, Corner::new(a, sector));
-    while sector != goal {
-        let (end, following) = next_sector([a, b], sector, goal, start);
-        let endpoint = Endpoint::passing(sector, following);
-        let mark = mark_on([a, b], sector, endpoint.interface().third_axis(), end);
-        let next = corner(endpoint, &mark);
-        visitor.share(&sides, sector, end - start, [&last, &next]);
-        let gain =
-            b.distance(following) - a.distance(following) - b.distance(sector) + a.distance(sector);
-        let drift = drift_of([a, b], endpoint, 1.0 / gain);
-        note(edge, endpoint, Found { mark, drift }, endpoints);
-        endpoints.are_rounded |= gain <= 0.0;
-        (start, last, sector) = (end, next, following);
-    }
-    visitor.share(
-        &sides,
-        sector,
-        1.0 - start,
-        [&last, &Corner::new(b, sector)],
-    );
+    endpoints.are_rounded |= passage.is_rounded;
 }
