@@ -7,7 +7,7 @@ use crate::chebyshev::interface::{Endpoint, Interface};
 use crate::chebyshev::mark::{Drift, Mark};
 
 /// The endpoints that are starts.
-const STARTS: u32 = (1 << Interface::SLOTS) - 1;
+pub(crate) const STARTS: u32 = (1 << Interface::SLOTS) - 1;
 
 /// An endpoint's place.
 #[derive(Clone, Copy, Debug, Default)]

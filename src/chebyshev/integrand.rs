@@ -123,7 +123,7 @@ impl Integrand {
     /// Turns the piece about the origin. Areas stay; a density would have to be turned too, and is
     /// not.
     pub fn rotate(&mut self, rotation: &Rotation3<f64>) {
-        self.vertices.apply(|vertex| rotation * vertex);
+        self.vertices.rotate(rotation);
         for facet in &mut self.facets {
             facet.normal = rotation * facet.normal;
         }

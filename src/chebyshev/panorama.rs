@@ -4,10 +4,10 @@ use nalgebra::Vector3;
 use wide::f64x4;
 
 use crate::chebyshev::integrand::{EdgeConstants, Integrand};
-use crate::chebyshev::points::BLOCK;
 use crate::chebyshev::sector::Sector;
 use crate::chebyshev::sight::Sight;
 use crate::chebyshev::visit::{FacetView, Side};
+use crate::geometry::compact::BLOCK;
 use crate::geometry::half_space::HalfSpace;
 
 /// A vertex as seen from the center. With its displacement goes its sector.

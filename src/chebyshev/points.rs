@@ -1,9 +1,8 @@
 //! Points in blocks of four, so that a processor moves four of them at once.
 
-use nalgebra::Vector3;
+use nalgebra::{Rotation3, Vector3};
 
-/// Points of a block.
-pub(crate) const BLOCK: usize = 4;
+use crate::geometry::compact::BLOCK;
 
 /// A list of points.
 #[derive(Clone, Debug, Default)]
@@ -94,11 +93,13 @@ impl Points {
         &self.blocks
     }
 
-    /// Turns all of them into others.
-    pub(crate) fn apply(&mut self, turn: impl Fn(Vector3<f64>) -> Vector3<f64>) {
-        let points: Vec<_> = self.iter().map(turn).collect();
-        self.clear();
-        points.iter().for_each(|point| self.push(point));
+    /// Turns all of them about the origin.
+    pub(crate) fn rotate(&mut self, rotation: &Rotation3<f64>) {
+        for [x, y, z] in &mut self.blocks {
+            for ((x, y), z) in x.iter_mut().zip(y).zip(z) {
+                [*x, *y, *z] = (rotation * Vector3::new(*x, *y, *z)).into();
+            }
+        }
     }
 }
 
@@ -122,8 +123,12 @@ mod tests {
             gathered.gather(axes.each_ref(), &numbers);
             assert_eq!(format!("{pushed:?}"), format!("{gathered:?}"));
             assert_eq!((pushed.len(), pushed.iter().count()), (count, count));
-            pushed.apply(|point| -point);
-            assert!(pushed.iter().zip(assigned.iter()).all(|(a, b)| a == -b));
+            let rotation = Rotation3::from_euler_angles(0.1, 0.2, 0.3);
+            pushed.rotate(&rotation);
+            for (turned, point) in pushed.iter().zip(assigned.iter()) {
+                assert_eq!(turned, rotation * point);
+            }
+            assert_eq!(pushed.iter().count(), count);
         }
     }
 }

@@ -35,16 +35,18 @@ impl Sector {
     /// [`Sector::of`] for four displacements, by axis; see [`Sector::of_code`].
     #[inline]
     pub(crate) fn codes_of_four(displacements: &[f64x4; 3]) -> f64x4 {
-        let [x, y, z] = displacements.each_ref().map(|along| along.abs());
-        let code = |axis: u64| {
+        let [x, y, z] = displacements
+            .each_ref()
+            .map(|displacement| displacement.abs());
+        let along = |axis: u64| {
             let [positive, negative] = [0, 1].map(|side| f64x4::splat(code(2 * axis + side)));
             let is_negative = displacements[axis as usize].simd_lt(f64x4::ZERO);
             is_negative.select(negative, positive)
         };
         let is_higher = y.simd_gt(x);
         let most = is_higher.select(y, x);
-        let sector = is_higher.select(code(1), code(0));
-        z.simd_gt(most).select(code(2), sector)
+        let sector = is_higher.select(along(1), along(0));
+        z.simd_gt(most).select(along(2), sector)
     }
 
     /// The sector of a code: its number in the last bits of a float.

@@ -4,7 +4,7 @@
 //! segments; paired up interface by interface they make the subdivision of the facet into sectors.
 
 use crate::chebyshev::chunks::{Bits, CHUNK, chosen};
-use crate::chebyshev::endpoints::{Endpoints, Found, Spare};
+use crate::chebyshev::endpoints::{Endpoints, Found, STARTS, Spare};
 use crate::chebyshev::interface::{Endpoint, Interface, diagonal_ray, pierced};
 use crate::chebyshev::visit::{FacetView, Visit};
 
@@ -22,12 +22,11 @@ impl Segments {
     /// with a start and an end, one of each.
     #[inline]
     fn take(&mut self, seen: &[u32]) {
-        let starts = (1 << Interface::SLOTS) - 1;
         self.words.clear();
         self.words.extend(seen.chunks(Self::FACETS).map(|chunk| {
             let sets = chunk.iter().enumerate();
             sets.fold(0, |word, (place, one)| {
-                let both = one & one >> Interface::SLOTS & starts;
+                let both = one & one >> Interface::SLOTS & STARTS;
                 word | u64::from(both) << (place * Interface::SLOTS)
             })
         }));
@@ -58,14 +57,13 @@ pub(crate) fn report_segments<'a>(
     segments: &mut Segments,
     visitor: &mut impl Visit,
 ) {
-    let (mut first, count) = (0, endpoints.seen().len());
-    while first < count {
+    let count = endpoints.seen().len();
+    for first in (0..count).step_by(CHUNK) {
         let seen = &endpoints.seen()[first..];
         let crossed = |number: usize, seen: &u32| endpoints.odd(first + number, *seen) != 0;
         for number in chosen(seen, crossed) {
             add_diagonals(&view(first + number), endpoints);
         }
-        first += CHUNK;
     }
     segments.take(endpoints.seen());
     for (facet, interface) in segments.all() {
