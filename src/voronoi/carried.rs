@@ -37,12 +37,14 @@
 //! runs that are resumed, and begin without patterns, agree with uninterrupted ones. Lattices are
 //! always in doubt and are never carried: a sample tells, and all their cells stay as they were cut.
 
-use nalgebra::Point3;
+use std::sync::Arc;
+
 use rayon::prelude::*;
 
 use crate::domain::space::displacement;
 use crate::voronoi::diagram::Diagram;
-use crate::voronoi::packed::{Packed, Ranks};
+use crate::voronoi::index::SiteIndex;
+use crate::voronoi::packed::Packed;
 use crate::voronoi::room::room;
 
 /// Patterns are tried as long as sites have moved by less than this share of the diagonal of a cube
@@ -52,20 +54,24 @@ pub const WORTH: f64 = 0.014;
 /// The memory that is asked for (bytes per site): twice what it takes.
 const BYTES: u64 = 800;
 
+/// The index is made anew after sites have moved by this share of that diagonal in all: its boxes
+/// have come to overlap.
+const DRIFTED: f64 = 0.5;
+
 /// The patterns of a diagram's cells, to be tried in the next one.
 #[derive(Debug, Default)]
 pub struct Carried {
-    /// Per rank: the site. Ranks are the places in the first index, so that near sites have near
+    /// The index of the sites as they were. Places in it are their *ranks*: near sites have near
     /// ranks for as long as sites move little.
-    sites: Vec<u32>,
+    index: Option<Arc<SiteIndex>>,
     /// Per site: its rank.
     ranks: Vec<u32>,
-    /// Per rank: where the site was.
-    positions: Vec<Point3<f64>>,
     /// The records of a few dozen ranks each; none when there is nothing to carry.
     packed: Vec<Packed>,
     keeps: bool,
     rebuilt: usize,
+    /// How far sites have moved since the index was made, as a share of the diagonal.
+    drift: f64,
     /// The memory that may be taken (bytes); none where the system is asked.
     limit: Option<u64>,
 }
@@ -90,21 +96,13 @@ impl Carried {
     #[must_use]
     pub fn memory(&self) -> usize {
         let records: usize = self.packed.iter().map(Packed::memory).sum();
-        let sites = 4 * (self.sites.capacity() + self.ranks.capacity());
-        records + sites + size_of::<Point3<f64>>() * self.positions.capacity()
+        let index = self.index.as_ref().map_or(0, |index| index.memory());
+        records + index + size_of::<u32>() * self.ranks.capacity()
     }
 
-    /// How sites are numbered.
-    pub(crate) fn numbers(&self) -> Ranks<'_> {
-        Ranks {
-            sites: &self.sites,
-            ranks: &self.ranks,
-        }
-    }
-
-    /// Per rank: where the site is.
-    pub(crate) fn positions(&self) -> &[Point3<f64>] {
-        &self.positions
+    /// Per site: its rank.
+    pub(crate) fn ranks(&self) -> &[u32] {
+        &self.ranks
     }
 
     /// Takes the records out.
@@ -117,44 +115,58 @@ impl Carried {
         self.keeps
     }
 
-    /// Puts new records in.
-    pub(crate) fn put(&mut self, packed: Vec<Packed>, rebuilt: usize) {
+    /// Puts new records in, and the index that ranks their cells.
+    pub(crate) fn put(&mut self, packed: Vec<Packed>, index: Arc<SiteIndex>, rebuilt: usize) {
         self.packed = packed;
+        self.index = self.keeps.then_some(index);
         self.rebuilt = rebuilt;
     }
 
-    /// Forgets all but how much memory may be taken.
-    pub(crate) fn forget(&mut self) {
+    /// Forgets all but how much memory may be taken, and how many cells were rebuilt.
+    pub(crate) fn forget(&mut self, rebuilt: usize) {
         *self = Self {
             limit: self.limit,
+            rebuilt,
             ..Self::default()
         };
     }
 
-    /// Gets to know where the sites are now; forgets the patterns if they are of no use any more.
-    pub(crate) fn meet(&mut self, diagram: &Diagram<'_>, places: &[u32]) {
-        let index = &diagram.index;
-        if self.sites.len() != diagram.len() {
-            self.forget();
-            self.sites = (0..diagram.len()).map(|place| index.site(place)).collect();
-            self.ranks = places.to_vec();
+    /// Gets to know where the sites are now and returns their index; forgets the patterns if they
+    /// are of no use any more.
+    pub(crate) fn meet(&mut self, diagram: &Diagram<'_>) -> Arc<SiteIndex> {
+        if let Some(index) = self.follow(diagram) {
+            return index;
         }
-        let position = |&site: &u32| index.position(places[site as usize] as usize);
-        let positions: Vec<_> = self.sites.par_iter().map(position).collect();
-        if !self.packed.is_empty() {
-            let periods = diagram.domain().periods();
-            let moved = self.positions.iter().zip(&positions);
-            let way: f64 = moved
-                .map(|(from, to)| displacement(&periods, from, to).norm())
-                .sum();
-            let count = diagram.len() as f64;
-            let diagonal = 3.0_f64.sqrt() * (diagram.domain().volume() / count).cbrt();
-            if way / count >= WORTH * diagonal {
-                self.packed = Vec::new();
-            }
-        }
-        self.positions = positions;
+        self.forget(self.rebuilt);
+        let index = diagram.index();
+        self.ranks = index.places_of_sites();
         let enough = BYTES * diagram.len() as u64;
-        self.keeps = !self.packed.is_empty() || self.limit.unwrap_or_else(room) >= enough;
+        self.keeps = self.limit.unwrap_or_else(room) >= enough;
+        Arc::clone(index)
+    }
+
+    /// The index of old with the sites where they are now, if there are patterns and they are of use.
+    fn follow(&mut self, diagram: &Diagram<'_>) -> Option<Arc<SiteIndex>> {
+        let mut index = self.index.take()?;
+        if self.packed.is_empty() || index.len() != diagram.len() {
+            return None;
+        }
+        let sites = index.sites().par_iter();
+        let positions: Vec<_> = sites.map(|&site| diagram.position(site)).collect();
+        let periods = diagram.domain().periods();
+        let moved = index.positions().iter().zip(&positions);
+        let (way, drift) = moved.fold((0.0, 0.0), |(way, drift), (from, to)| {
+            let way = way + displacement(&periods, from, to).norm();
+            // Who enters at the opposite side has gone far for the index.
+            (way, drift + (to - from).norm())
+        });
+        let count = diagram.len() as f64;
+        let diagonal = 3.0_f64.sqrt() * (diagram.domain().volume() / count).cbrt();
+        self.drift += drift / (count * diagonal);
+        if way >= WORTH * diagonal * count || self.drift >= DRIFTED {
+            return None;
+        }
+        Arc::make_mut(&mut index).refit(positions);
+        Some(index)
     }
 }

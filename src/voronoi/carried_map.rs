@@ -4,14 +4,18 @@
 //!
 //! [`carried`]: crate::voronoi::carried
 
+use std::sync::Arc;
+
 use rayon::prelude::*;
 
 use crate::voronoi::carried::Carried;
 use crate::voronoi::carry::{Carrier, Standing};
 use crate::voronoi::cell::Cell;
+use crate::voronoi::chunk::{Chunk, Heard};
 use crate::voronoi::diagram::{Diagram, DiagramError, bring_into_order};
+use crate::voronoi::flip::Flip;
+use crate::voronoi::index::SiteIndex;
 use crate::voronoi::packed::{CELLS, Packed};
-use crate::voronoi::search::Duplicate;
 
 /// Of so many sites one is in the sample that tells how often cells are in doubt, up to
 /// [`LARGEST_SAMPLE`] in all.
@@ -22,16 +26,8 @@ const LARGEST_SAMPLE: usize = 64;
 /// quarter less: where one in so many is in doubt, nothing is gained.
 const WORTH_DOUBTING: usize = 4;
 
-/// What has become of the cells of [`CELLS`] ranks.
-struct Chunk<Answer> {
-    packed: Packed,
-    answers: Vec<Answer>,
-    /// Which of them have been rebuilt.
-    rebuilt: u64,
-    /// The ranks of cells that must be rebuilt too.
-    marks: Vec<u32>,
-    duplicate: Option<Duplicate>,
-}
+/// After so many rounds of flips that call for others, the cells are rebuilt.
+const MOST_ROUNDS: usize = 8;
 
 /// A thread's memory: for the cells, and for whoever asks them.
 type Desk<Memory> = (Carrier, Memory);
@@ -53,17 +49,16 @@ impl Diagram<'_> {
         carried: &mut Carried,
         ask: impl Fn(&mut Memory, Cell<'_>) -> Answer + Sync,
     ) -> Result<Vec<Answer>, DiagramError> {
-        let places = self.places();
-        carried.meet(self, &places);
+        let index = carried.meet(self);
         let mut old = carried.take();
         old.resize_with(self.len().div_ceil(CELLS), Packed::default);
-        let standing = Standing::new(self.domain(), &self.index, carried, &places);
+        let standing = Standing::new(self.domain(), &index, carried.ranks());
         if doubts_many(&standing) {
-            carried.put(Vec::new(), self.len());
+            carried.forget(self.len());
             return self.map(ask);
         }
-        let visit_one = |(carrier, memory): &mut Desk<Memory>, (number, old)| {
-            let mut chunk = visit(&standing, carrier, number, old, |cell| ask(memory, cell));
+        let visit_one = |(carrier, memory): &mut Desk<Memory>, chunk| {
+            let mut chunk = Chunk::visit(&standing, carrier, chunk, |cell| ask(memory, cell));
             if !carried.keeps() {
                 chunk.packed = Packed::default();
             }
@@ -72,22 +67,28 @@ impl Diagram<'_> {
         let first = old.into_par_iter().enumerate();
         let mut chunks: Vec<Chunk<Answer>> =
             first.map_init(Desk::<Memory>::default, visit_one).collect();
-        while let Some(wanted) = wanted(&mut chunks) {
-            let marked = chunks.par_iter_mut().enumerate().zip(wanted);
-            marked.filter(|(_, wanted)| *wanted != 0).for_each_init(
+        for round in 0.. {
+            let Some(wanted) = Wanted::by(&mut chunks, &standing, round < MOST_ROUNDS) else {
+                break;
+            };
+            chunks.par_iter_mut().enumerate().for_each_init(
                 Desk::<Memory>::default,
-                |(carrier, memory), ((number, chunk), wanted)| {
-                    let ask = |cell: Cell<'_>| ask(memory, cell);
-                    chunk.revisit(&standing, carrier, number, wanted, ask);
+                |(carrier, memory), (number, chunk)| {
+                    let heard = wanted.of_chunk(number);
+                    if heard.marked != 0 || !heard.flips.is_empty() {
+                        let ask = |cell: Cell<'_>| ask(memory, cell);
+                        let done = chunk.revisit(&standing, carrier, number, heard, ask);
+                        chunk.duplicate = done.err();
+                    }
                 },
             );
         }
         if chunks.iter().any(|chunk| chunk.duplicate.is_some()) {
-            carried.forget();
+            carried.forget(0);
             // Says which sites they are.
             return self.map(ask);
         }
-        Ok(settle(carried, chunks))
+        Ok(settle(carried, index, chunks))
     }
 }
 
@@ -97,108 +98,76 @@ fn doubts_many(standing: &Standing<'_>) -> bool {
     let sites = standing.positions.len();
     let count = sites.div_ceil(SITES_PER_SAMPLE).min(LARGEST_SAMPLE);
     let mut carrier = Carrier::default();
-    let places = (0..count).map(|number| (2 * number + 1) * sites / (2 * count));
-    let doubts = places.filter(|&place| carrier.is_in_doubt(standing, place));
+    let sample = (0..count).map(|number| (2 * number + 1) * sites / (2 * count));
+    let doubts = sample.filter(|&site| carrier.is_in_doubt(standing, site));
     doubts.count() * WORTH_DOUBTING > count
 }
 
-/// Carries or rebuilds the cells of a chunk.
-fn visit<Answer>(
-    standing: &Standing<'_>,
-    carrier: &mut Carrier,
-    number: usize,
-    packed: Packed,
-    mut ask: impl FnMut(Cell<'_>) -> Answer,
-) -> Chunk<Answer> {
-    let mut chunk = Chunk {
-        packed,
-        answers: Vec::with_capacity(CELLS),
-        rebuilt: 0,
-        marks: Vec::new(),
-        duplicate: None,
-    };
-    let is_known = !chunk.packed.is_empty();
-    let ranks = number * CELLS..standing.positions.len().min((number + 1) * CELLS);
-    for (cell, rank) in ranks.enumerate() {
-        if is_known
-            && let record = chunk.packed.record(cell)
-            && let Some(answer) = carrier.carry(standing, rank, &record, &mut ask)
-        {
-            chunk.answers.push(answer);
-            continue;
-        }
-        let records = (&mut chunk.packed, cell, is_known);
-        match carrier.rebuild(standing, rank, records, &mut chunk.marks, &mut ask) {
-            Ok(answer) => chunk.answers.push(answer),
-            Err(duplicate) => {
-                chunk.duplicate = Some(duplicate);
-                break;
-            }
-        }
-        chunk.rebuilt |= 1 << cell;
-    }
-    chunk.close();
-    chunk
+/// What chunks want of each other.
+struct Wanted {
+    /// Per chunk: which cells are marked and not rebuilt yet.
+    marked: Vec<u64>,
+    /// Ranks and what their cells have to follow, sorted.
+    flips: Vec<(u32, Flip)>,
 }
 
-impl<Answer> Chunk<Answer> {
-    /// Rebuilds the cells of a mask.
-    fn revisit(
-        &mut self,
+impl Wanted {
+    /// Takes the news of all chunks; returns nothing where there are none or it is too late. Flips
+    /// are followed if that `may` be, or else whoever is concerned is marked.
+    fn by<Answer>(
+        chunks: &mut [Chunk<Answer>],
         standing: &Standing<'_>,
-        carrier: &mut Carrier,
-        number: usize,
-        wanted: u64,
-        mut ask: impl FnMut(Cell<'_>) -> Answer,
-    ) {
-        for cell in (0..self.answers.len()).filter(|cell| wanted >> cell & 1 == 1) {
-            let rank = number * CELLS + cell;
-            let records = (&mut self.packed, cell, true);
-            match carrier.rebuild(standing, rank, records, &mut self.marks, &mut ask) {
-                Ok(answer) => self.answers[cell] = answer,
-                Err(duplicate) => {
-                    self.duplicate = Some(duplicate);
-                    return;
+        may_follow: bool,
+    ) -> Option<Self> {
+        if chunks.iter().any(|chunk| chunk.duplicate.is_some()) {
+            return None;
+        }
+        let (mut marks, mut told) = (Vec::new(), Vec::new());
+        for chunk in chunks.iter_mut() {
+            marks.append(&mut chunk.news.marks);
+            told.append(&mut chunk.news.flips);
+        }
+        told.sort_unstable();
+        let mut flips = Vec::new();
+        for alike in told.chunk_by(Flip::is_among) {
+            for site in alike[0].sites() {
+                let rank = standing.numbers.ranks[site as usize];
+                if !may_follow {
+                    marks.push(rank);
+                } else if !alike.iter().any(|flip| flip.is_told_by(site)) {
+                    flips.push((rank, alike[0]));
                 }
             }
         }
-        self.rebuilt |= wanted;
-        self.close();
-    }
-
-    /// Gives back the room that is not needed.
-    fn close(&mut self) {
-        // The same cells are marked from many sides.
-        self.marks.sort_unstable();
-        self.marks.dedup();
-        self.marks.shrink_to_fit();
-        self.packed.close();
-    }
-}
-
-/// Takes the marks of all chunks; returns, per chunk, which cells are marked and not rebuilt yet,
-/// or nothing where there are none or it is too late.
-fn wanted<Answer>(chunks: &mut [Chunk<Answer>]) -> Option<Vec<u64>> {
-    if chunks.iter().any(|chunk| chunk.duplicate.is_some()) {
-        return None;
-    }
-    let mut wanted = vec![0; chunks.len()];
-    let mut any = false;
-    for number in 0..chunks.len() {
-        for rank in std::mem::take(&mut chunks[number].marks) {
+        flips.sort_unstable();
+        let mut marked = vec![0; chunks.len()];
+        for rank in marks {
             let (chunk, cell) = (rank as usize / CELLS, rank as usize % CELLS);
-            if chunks[chunk].rebuilt >> cell & 1 == 0 {
-                wanted[chunk] |= 1 << cell;
-                any = true;
-            }
+            marked[chunk] |= (1 << cell) & !chunks[chunk].rebuilt;
+        }
+        let is_empty = flips.is_empty() && marked.iter().all(|&cells| cells == 0);
+        (!is_empty).then_some(Self { marked, flips })
+    }
+
+    fn of_chunk(&self, number: usize) -> Heard<'_> {
+        let before = |number: usize| {
+            let is_before = |(rank, _): &(u32, Flip)| *rank as usize / CELLS < number;
+            self.flips.partition_point(is_before)
+        };
+        Heard {
+            marked: self.marked[number],
+            flips: &self.flips[before(number)..before(number + 1)],
         }
     }
-    any.then_some(wanted)
 }
 
 /// Leaves the records to `carried` and returns the answers in site order.
-fn settle<Answer>(carried: &mut Carried, chunks: Vec<Chunk<Answer>>) -> Vec<Answer> {
-    let goals = carried.numbers().sites.to_vec();
+fn settle<Answer>(
+    carried: &mut Carried,
+    index: Arc<SiteIndex>,
+    chunks: Vec<Chunk<Answer>>,
+) -> Vec<Answer> {
+    let goals = index.sites().to_vec();
     let mut answers = Vec::with_capacity(goals.len());
     let mut packed = Vec::new();
     let mut rebuilt = 0;
@@ -209,7 +178,7 @@ fn settle<Answer>(carried: &mut Carried, chunks: Vec<Chunk<Answer>>) -> Vec<Answ
             packed.push(chunk.packed);
         }
     }
-    carried.put(packed, rebuilt);
+    carried.put(packed, index, rebuilt);
     bring_into_order(&mut answers, goals);
     answers
 }

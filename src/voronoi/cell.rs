@@ -14,7 +14,7 @@ use crate::geometry::half_space::HalfSpace;
 use crate::geometry::polyhedron::Polyhedron;
 use crate::voronoi::body::Body;
 use crate::voronoi::index::SiteIndex;
-use crate::voronoi::search::{Company, Duplicate, Halt, Search};
+use crate::voronoi::search::{Duplicate, Halt, Manner, Search};
 
 /// A cell under the caller's eyes: its body, clipped to the domain's convex start, in coordinates
 /// relative to its site.
@@ -74,13 +74,13 @@ impl CellBuilder {
         index: &SiteIndex,
         place: usize,
     ) -> Result<Cell<'_>, Duplicate> {
-        self.build_in(Company::Crowd, domain, index, place)
+        self.build_in(Manner::Crowd, domain, index, place)
     }
 
-    /// As [`CellBuilder::build`], in company or alone. Which one shows in the order of cuts only.
+    /// As [`CellBuilder::build`], with sites looked for in some manner.
     pub(crate) fn build_in(
         &mut self,
-        company: Company,
+        manner: Manner,
         domain: &dyn Domain,
         index: &SiteIndex,
         place: usize,
@@ -97,7 +97,7 @@ impl CellBuilder {
         let compact = body.slots();
         let halt = if compact.assign(start) {
             let mut shape = (compact, &mut **compact_scratch);
-            search.shape(index, (place, company), &mut shape)
+            search.shape(index, (place, manner), &mut shape)
         } else {
             Err(Halt::Full)
         };
@@ -107,7 +107,7 @@ impl CellBuilder {
             Err(Halt::Full) => body.assign(|polyhedron| {
                 polyhedron.clone_from(start);
                 let mut shape = (&mut *polyhedron, &mut *clip);
-                match search.shape(index, (place, company), &mut shape) {
+                match search.shape(index, (place, manner), &mut shape) {
                     Err(Halt::Duplicate(duplicate)) => Err(duplicate),
                     // Any size fits.
                     Ok(()) | Err(Halt::Full) => Ok(()),

@@ -1,5 +1,7 @@
 //! The diagram of all sites: checked input, cells visited in parallel, answers in site order.
 
+use std::sync::{Arc, OnceLock};
+
 use nalgebra::Point3;
 use rayon::prelude::*;
 use thiserror::Error;
@@ -27,7 +29,9 @@ const CELLS_PER_CHUNK: usize = 4096;
 #[derive(Debug)]
 pub struct Diagram<'a> {
     domain: &'a dyn Domain,
-    pub(crate) index: SiteIndex,
+    sites: &'a [Point3<f64>],
+    /// Made when it is first needed.
+    index: OnceLock<Arc<SiteIndex>>,
 }
 
 /// Why sites have no diagram. Indices count from zero.
@@ -79,7 +83,7 @@ impl<'a> Diagram<'a> {
     /// # Errors
     /// When there are no sites, or one is not finite or outside the domain. Duplicates are found
     /// when cells are built.
-    pub fn new(domain: &'a dyn Domain, sites: &[Point3<f64>]) -> Result<Self, DiagramError> {
+    pub fn new(domain: &'a dyn Domain, sites: &'a [Point3<f64>]) -> Result<Self, DiagramError> {
         if sites.is_empty() {
             return Err(DiagramError::NoSites);
         }
@@ -100,21 +104,36 @@ impl<'a> Diagram<'a> {
         if let Some(error) = sites.par_iter().enumerate().find_map_first(check) {
             return Err(error);
         }
-        let wrapped = sites.par_iter().map(|site| domain.wrap(site));
-        let index = SiteIndex::new(wrapped, domain.periods());
-        Ok(Self { domain, index })
+        Ok(Self {
+            domain,
+            sites,
+            index: OnceLock::new(),
+        })
+    }
+
+    /// The index of the sites.
+    pub(crate) fn index(&self) -> &Arc<SiteIndex> {
+        self.index.get_or_init(|| {
+            let wrapped = self.sites.par_iter().map(|site| self.domain.wrap(site));
+            Arc::new(SiteIndex::new(wrapped, self.domain.periods()))
+        })
+    }
+
+    /// Where a site is, within one period along axes that have one.
+    pub(crate) fn position(&self, site: u32) -> Point3<f64> {
+        self.domain.wrap(&self.sites[site as usize])
     }
 
     /// How many sites there are.
     #[must_use]
     pub fn len(&self) -> usize {
-        self.index.len()
+        self.sites.len()
     }
 
     /// Never true: a diagram has at least one site.
     #[must_use]
     pub fn is_empty(&self) -> bool {
-        self.index.is_empty()
+        self.sites.is_empty()
     }
 
     /// The domain in which the cells lie.
@@ -134,8 +153,9 @@ impl<'a> Diagram<'a> {
         &self,
         ask: impl Fn(&mut Memory, Cell<'_>) -> Answer + Sync,
     ) -> Result<Vec<Answer>, DiagramError> {
+        let index = self.index();
         let one = |(builder, memory): &mut (CellBuilder, Memory), place: usize| {
-            let cell = builder.build(self.domain, &self.index, place)?;
+            let cell = builder.build(self.domain, index, place)?;
             Ok(ask(memory, cell))
         };
         let mut answers = Vec::with_capacity(self.len());
@@ -158,7 +178,7 @@ impl<'a> Diagram<'a> {
         if let Some(duplicate) = duplicate {
             return Err(self.duplicate(duplicate));
         }
-        bring_into_order(&mut answers, self.index.sites().to_vec());
+        bring_into_order(&mut answers, index.sites().to_vec());
         Ok(answers)
     }
 
@@ -172,11 +192,12 @@ impl<'a> Diagram<'a> {
         ask: impl Fn(&mut Memory, Cell<'_>) -> Answer + Sync,
         mut tell: impl FnMut(usize, Answer) -> Result<(), Failure>,
     ) -> Result<(), Failure> {
+        let index = self.index();
         let one = |(builder, memory): &mut (CellBuilder, Memory), &place: &u32| {
-            let cell = builder.build(self.domain, &self.index, place as usize)?;
+            let cell = builder.build(self.domain, index, place as usize)?;
             Ok(ask(memory, cell))
         };
-        for (chunk, places) in self.places().chunks(CELLS_PER_CHUNK).enumerate() {
+        for (chunk, places) in index.places_of_sites().chunks(CELLS_PER_CHUNK).enumerate() {
             let answers: Vec<Result<Answer, Duplicate>> = places
                 .par_iter()
                 .with_min_len(CELLS_PER_TASK)
@@ -189,33 +210,16 @@ impl<'a> Diagram<'a> {
         Ok(())
     }
 
-    /// Where in the index each site is.
-    pub(crate) fn places(&self) -> Vec<u32> {
-        let mut places = vec![0; self.len()];
-        for place in 0..self.len() {
-            places[self.index.site(place) as usize] = place as u32;
-        }
-        places
-    }
-
     fn duplicate(&self, duplicate: Duplicate) -> DiagramError {
         let Duplicate { first, second } = duplicate;
-        let index = &self.index;
-        let place = (0..self.len()).find(|&place| index.site(place) == first);
-        let position = place.map(|place| index.position(place));
+        let position = self.position(first);
         // Of a crowd in one place, any two may have been found.
-        let is_there = |&place: &usize| {
-            let way = position.map(|position| index.position(place) - position);
-            way.is_some_and(|way| way.norm_squared() <= 0.0)
-        };
-        let others = (0..self.len())
-            .filter(is_there)
-            .map(|place| index.site(place));
-        let second = others.filter(|&site| site > first).fold(second, u32::min);
+        let is_there = |&site: &u32| (self.position(site) - position).norm_squared() <= 0.0;
+        let second = (first + 1..second).find(is_there).unwrap_or(second);
         DiagramError::Duplicate {
             first: first as usize,
             second: second as usize,
-            position: position.map_or([f64::NAN; 3], Into::into),
+            position: position.into(),
         }
     }
 }

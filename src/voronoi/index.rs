@@ -101,6 +101,34 @@ impl SiteIndex {
         self.sites.is_empty()
     }
 
+    /// Takes up where the sites are now, by place, and keeps how they are sorted: as good as an index
+    /// made anew as long as sites have moved little.
+    pub(crate) fn refit(&mut self, positions: Vec<Point3<f64>>) {
+        self.positions = positions;
+        self.stamp = STAMPS.fetch_add(1, Ordering::Relaxed);
+        self.enclose();
+    }
+
+    /// Per site: its place.
+    #[must_use]
+    pub fn places_of_sites(&self) -> Vec<u32> {
+        let mut places = vec![0; self.len()];
+        for (place, &site) in self.sites.iter().enumerate() {
+            places[site as usize] = place as u32;
+        }
+        places
+    }
+
+    /// The memory that is held (bytes).
+    #[must_use]
+    pub fn memory(&self) -> usize {
+        size_of::<Self>()
+            + size_of::<Pair>() * self.pairs.capacity()
+            + size_of::<u32>() * self.sites.capacity()
+            + size_of::<Point3<f64>>() * self.positions.capacity()
+            + size_of::<Shift>() * self.shifts.capacity()
+    }
+
     /// The index in the caller's order of the site in `place`.
     #[must_use]
     pub fn site(&self, place: usize) -> u32 {
@@ -111,6 +139,12 @@ impl SiteIndex {
     #[must_use]
     pub fn sites(&self) -> &[u32] {
         &self.sites
+    }
+
+    /// The positions of all sites, by place.
+    #[must_use]
+    pub fn positions(&self) -> &[Point3<f64>] {
+        &self.positions
     }
 
     /// The position of the site in `place`.

@@ -88,6 +88,58 @@ impl Pattern {
         true
     }
 
+    /// Takes up corners, each given by the facets around it, counter-clockwise; returns whether every
+    /// edge has two ends.
+    #[must_use]
+    pub(crate) fn assign_corners(&mut self, corners: impl Iterator<Item = [u8; 3]>) -> bool {
+        let mut order = [(0, [0_u8; 3]); MOST];
+        self.vertex_count = 0;
+        for (entry, [a, b, c]) in order.iter_mut().zip(corners) {
+            let (low, middle, high) = sorted(a, b, c);
+            let from_low = match low {
+                _ if low == a => [a, b, c],
+                _ if low == b => [b, c, a],
+                _ => [c, a, b],
+            };
+            *entry = (key(low, middle, high), from_low);
+            self.vertex_count += 1;
+        }
+        let order = &mut order[..self.vertex_count];
+        order.sort_unstable();
+        if order.windows(2).any(|pair| pair[0].0 == pair[1].0) {
+            return false;
+        }
+        // Per pair of facets: the edge with one on its left and the other on its right, and one more.
+        let mut edges = [[0_u8; MOST]; MOST];
+        for (place, (_, around)) in order.iter().enumerate() {
+            for (edge, &left) in around.iter().enumerate() {
+                let right = around[(edge + 2) % 3];
+                self.facets[4 * place + edge + 1] = left;
+                edges[usize::from(left)][usize::from(right)] = (4 * place + edge) as u8 + 1;
+            }
+            self.facets[4 * place] = around[2];
+        }
+        for (place, (_, around)) in order.iter().enumerate() {
+            for (edge, &left) in around.iter().enumerate() {
+                let right = around[(edge + 2) % 3];
+                let [own, twin] = [(left, right), (right, left)]
+                    .map(|(left, right)| edges[usize::from(left)][usize::from(right)]);
+                let at = 4 * place + edge;
+                if usize::from(own) != at + 1 || twin == 0 {
+                    return false;
+                }
+                self.twins[at] = twin - 1;
+            }
+        }
+        true
+    }
+
+    /// The facets around every vertex, counter-clockwise.
+    pub(crate) fn around(&self) -> impl Iterator<Item = [u8; 3]> + '_ {
+        let (vertices, _) = self.facets().as_chunks();
+        vertices.iter().map(|&[_, a, b, c]| [a, b, c])
+    }
+
     /// Lays the pattern out in a cell's slots, with room for the planes.
     pub(crate) fn write(&self, cell: &mut Compact) {
         cell.clear();

@@ -13,6 +13,7 @@
 //!
 //! What the margins are good for beyond that: see [`carried`](crate::voronoi::carried).
 
+use nalgebra::Vector3;
 use wide::f64x4;
 
 use crate::geometry::compact::{BLOCK, Compact, EDGES};
@@ -97,7 +98,7 @@ impl Realizer {
     /// whether it is beyond doubt.
     #[must_use]
     pub(crate) fn realize(&self, cell: &mut Compact) -> bool {
-        if !self.sum.is_finite() {
+        if !self.is_finite() {
             return false;
         }
         let Meeting {
@@ -111,6 +112,26 @@ impl Realizer {
             && 2.0 * self.nearest >= NEAREST * radius
             && summits == 1
             && room >= MARGIN * radius
+    }
+
+    /// Calls `found` for every edge of the cell just placed that runs the wrong way, with the facets left
+    /// and right of it and those at its ends.
+    pub(crate) fn visit_reversed(&self, cell: &Compact, mut found: impl FnMut([u8; 4])) {
+        for edge in cell.upward() {
+            let twin = usize::from(cell.twins[edge]);
+            let facet = |byte: usize| cell.facets[byte % EDGES];
+            let [near, far] = [edge, twin].map(|edge| facet(edge + THIRD[edge % 4]));
+            let [x, y, z, offset] = self.planes[usize::from(far) % MOST];
+            let along = Vector3::new(x, y, z).dot(&cell.vertex(edge / 4));
+            if along > offset {
+                found([facet(edge + 1), facet(edge), near, far]);
+            }
+        }
+    }
+
+    /// Whether all planes are sound.
+    pub(crate) fn is_finite(&self) -> bool {
+        self.sum.is_finite()
     }
 
     /// How far four vertices are inside the planes that their edges leave at the other end, at least.

@@ -1,0 +1,182 @@
+//! A pattern that is being changed: its corners one by one, in no order.
+//!
+//! Near sites change partners in *flips*: five sites whose cells meet in two vertices afterwards meet
+//! in three, or the other way round. Each of their cells sees it as a flip of its own boundary: among
+//! four of its facets, some meet in threes and the others do not, and afterwards just those others do.
+//! One vertex becomes three (a new facet opens there), two are exchanged for two, or three become one
+//! (a facet with three corners vanishes). These are bistellar moves (Pachner, *P.L. homeomorphic
+//! manifolds are equivalent by elementary shellings*, European J. Combin. 12, 1991): a sphere stays one.
+
+use crate::geometry::label::Label;
+use crate::voronoi::pattern::{MOST, Pattern};
+
+/// Four labels, and sets of them by bits: bit k is the corner of all but the k-th.
+pub(crate) type Four = [Label; 4];
+
+/// The corners of a cell.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Corners {
+    /// Facets that have vanished keep their number.
+    labels: Vec<Label>,
+    /// The numbers of the facets around each corner, counter-clockwise.
+    around: Vec<[u8; 3]>,
+}
+
+impl Corners {
+    /// Forgets all corners.
+    pub(crate) fn clear(&mut self) {
+        self.labels.clear();
+        self.around.clear();
+    }
+
+    /// Becomes those of a pattern.
+    pub(crate) fn assign(&mut self, pattern: &Pattern) {
+        self.clear();
+        self.labels.extend_from_slice(pattern.labels());
+        self.around.extend(pattern.around());
+    }
+
+    /// Which of the four corners there are.
+    pub(crate) fn view(&self, four: &Four) -> u8 {
+        let numbers = four.map(|label| self.number(label));
+        (0..4).fold(0, |set, omitted| {
+            set | u8::from(self.find(&numbers, omitted).is_some()) << omitted
+        })
+    }
+
+    /// Exchanges those of the four corners that there are for the others; returns which there were,
+    /// or nothing if that cannot be.
+    pub(crate) fn flip(&mut self, four: &Four) -> Option<u8> {
+        let known = four.map(|label| self.number(label));
+        let found = [0, 1, 2, 3].map(|omitted| self.find(&known, omitted));
+        let view = (0..4).fold(0, |set, k| set | u8::from(found[k].is_some()) << k);
+        if !self.may_flip(&known, view) {
+            return None;
+        }
+        // As the boundary of a tetrahedron, all turn the same way.
+        let turns = [0, 1, 2, 3].map(|k| found[k].map(|(_, is_even)| is_even == (k % 2 == 0)));
+        let is_outward = turns.into_iter().flatten().next()?;
+        if turns.into_iter().flatten().any(|turn| turn != is_outward) {
+            return None;
+        }
+        let numbers = self.numbers(four)?;
+        let mut gone = found.map(|found| found.map(|(corner, _)| corner));
+        gone.sort_unstable();
+        for corner in gone.into_iter().flatten().rev() {
+            self.around.swap_remove(corner);
+        }
+        for omitted in (0..4).filter(|k| view >> k & 1 == 0) {
+            let [a, b, c] = others(&numbers, omitted);
+            // The other side of the tetrahedron turns the other way.
+            let is_even = is_outward != (omitted % 2 == 0);
+            self.around
+                .push(if is_even { [a, b, c] } else { [a, c, b] });
+        }
+        Some(view)
+    }
+
+    /// Whether the corners of the view can be exchanged for the others.
+    fn may_flip(&self, numbers: &[Option<u8>; 4], view: u8) -> bool {
+        let are_beside = |[one, other]: [Option<u8>; 2]| {
+            let pair = one.zip(other);
+            pair.is_some_and(|(one, other)| {
+                let mut all = self.around.iter();
+                all.any(|corner| corner.contains(&one) && corner.contains(&other))
+            })
+        };
+        let members = |is_there: bool| {
+            let is_member = move |k: &usize| (view >> k & 1 == 1) == is_there;
+            (0..4).filter(is_member)
+        };
+        match view.count_ones() {
+            // The facet that opens is not yet there.
+            1 => members(true).all(|new| {
+                let new = numbers[new];
+                new.is_none_or(|new| !self.around.as_flattened().contains(&new))
+            }),
+            // The facets that part have an edge in common, those that meet have none.
+            2 => {
+                let mut pair = members(true);
+                let pair = [pair.next(), pair.next()].map(|k| k.and_then(|k| numbers[k]));
+                !are_beside(pair)
+            }
+            // The facet that vanishes has no other corner.
+            3 => members(false).all(|gone| {
+                let corners = self.around.as_flattened().iter();
+                numbers[gone].is_some_and(|gone| corners.filter(|&&of| of == gone).count() == 3)
+            }),
+            _ => false,
+        }
+    }
+
+    /// The number of a facet.
+    fn number(&self, label: Label) -> Option<u8> {
+        let place = self.labels.iter().position(|&other| other == label);
+        place.map(|place| place as u8)
+    }
+
+    /// The numbers of four facets, some of which may be new.
+    fn numbers(&mut self, four: &Four) -> Option<[u8; 4]> {
+        let mut numbers = [0; 4];
+        for (number, &label) in numbers.iter_mut().zip(four) {
+            *number = match self.number(label) {
+                Some(known) => known,
+                None if self.labels.len() >= MOST => return None,
+                None => {
+                    self.labels.push(label);
+                    (self.labels.len() - 1) as u8
+                }
+            };
+        }
+        Some(numbers)
+    }
+
+    /// The corner of three of four facets, and whether they are around it in an even order.
+    fn find(&self, numbers: &[Option<u8>; 4], omitted: usize) -> Option<(usize, bool)> {
+        let [a, b, c] = others(numbers, omitted);
+        let (a, b, c) = (a?, b?, c?);
+        let mut all = self.around.iter().enumerate();
+        all.find_map(|(corner, &around)| {
+            let [x, y, z] = around;
+            let is_even = around == [a, b, c] || [y, z, x] == [a, b, c] || [z, x, y] == [a, b, c];
+            let is_odd = around == [a, c, b] || [y, z, x] == [a, c, b] || [z, x, y] == [a, c, b];
+            (is_even || is_odd).then_some((corner, is_even))
+        })
+    }
+
+    /// The pattern of these corners in its one possible order, if they are a sphere's.
+    #[must_use]
+    pub(crate) fn write(&self, pattern: &mut Pattern) -> bool {
+        let mut counts = [0_u8; MOST];
+        for &facet in self.around.as_flattened() {
+            counts[usize::from(facet)] += 1;
+        }
+        let mut order = [(0, 0_u8); MOST];
+        let mut count = 0;
+        for (number, &label) in self.labels.iter().enumerate() {
+            if counts[number] > 0 {
+                order[count] = (label, number as u8);
+                count += 1;
+            }
+        }
+        let has_room = self.around.len() <= MOST;
+        if !has_room || counts.iter().any(|&corners| corners == 1 || corners == 2) {
+            return false;
+        }
+        order[..count].sort_unstable();
+        let mut numbers = [0_u8; MOST];
+        for (number, (label, old)) in order[..count].iter().enumerate() {
+            pattern.labels[number] = *label;
+            numbers[usize::from(*old)] = number as u8;
+        }
+        pattern.facet_count = count;
+        let around = self.around.iter();
+        pattern.assign_corners(around.map(|corner| corner.map(|f| numbers[usize::from(f)])))
+    }
+}
+
+/// All but one, in order.
+fn others<T: Copy>(four: &[T; 4], omitted: usize) -> [T; 3] {
+    let place = |k: usize| four[k + usize::from(k >= omitted)];
+    [place(0), place(1), place(2)]
+}

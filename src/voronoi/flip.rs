@@ -1,0 +1,107 @@
+//! Five sites whose cells change partners, as the cell that noticed tells the others.
+
+use crate::domain::beyond::Beyond;
+use crate::geometry::label::Label;
+use crate::voronoi::corners::{Corners, Four};
+
+/// An exchange of vertices between the cells of five sites, some of which may be walls instead.
+///
+/// A vertex is told by the one of the five that is not around it. Whether the vertex of all but the
+/// teller is lost or gained, the teller does not know.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct Flip {
+    /// In ascending order.
+    five: [Label; 5],
+    /// The vertices that the teller has lost, as a set of bits.
+    lost: u8,
+    /// And those that it has gained.
+    gained: u8,
+}
+
+/// What a cell makes of another's flip.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Heard {
+    /// It has made the same one.
+    Known,
+    /// It makes the flip as well.
+    Followed,
+    /// It sees nothing of the kind.
+    Denied,
+}
+
+impl Flip {
+    /// The flip by which the cell of a site has exchanged, among four of its facets, the corners of a
+    /// view for the others; none where an image is among them, since labels tell images as they are
+    /// seen from that very site.
+    pub(crate) fn told(site: u32, four: &Four, view: u8) -> Option<Self> {
+        let is_here = |&label: &Label| match Beyond::of(label) {
+            Beyond::Neighbor { image, .. } => image == [0; 3],
+            Beyond::Wall(_) => true,
+            Beyond::Inner => false,
+        };
+        if !four.iter().all(is_here) {
+            return None;
+        }
+        let [a, b, c, d] = *four;
+        let mut five = [a, b, c, d, site_label(site)];
+        five.sort_unstable();
+        let (mut lost, mut gained) = (0, 0);
+        for (place, label) in five.iter().enumerate() {
+            if let Some(omitted) = four.iter().position(|other| other == label) {
+                let was_there = view >> omitted & 1;
+                lost |= was_there << place;
+                gained |= (1 - was_there) << place;
+            }
+        }
+        Some(Self { five, lost, gained })
+    }
+
+    /// Whether it is among the same five.
+    pub(crate) fn is_among(&self, other: &Self) -> bool {
+        self.five == other.five
+    }
+
+    /// Whether the cell of a site has told it.
+    pub(crate) fn is_told_by(&self, site: u32) -> bool {
+        let teller = (self.lost | self.gained).trailing_ones();
+        self.five[teller as usize % 5] == site_label(site)
+    }
+
+    /// The sites, walls left out.
+    pub(crate) fn sites(&self) -> impl Iterator<Item = u32> {
+        self.five
+            .into_iter()
+            .filter_map(|label| match Beyond::of(label) {
+                Beyond::Neighbor { site, .. } => Some(site),
+                _ => None,
+            })
+    }
+
+    /// Lets the cell of one of the sites follow, which `may_change`.
+    pub(crate) fn hear(&self, site: u32, corners: &mut Corners, may_change: bool) -> Heard {
+        let own = site_label(site);
+        let Some(place) = self.five.iter().position(|&label| label == own) else {
+            return Heard::Denied;
+        };
+        let four = [0, 1, 2, 3].map(|k| self.five[k + usize::from(k >= place)]);
+        // The sets without the place of the cell itself.
+        let among_four = |set: u8| {
+            let below = (1 << place) - 1;
+            set & below | set >> 1 & !below
+        };
+        let (lost, gained) = (among_four(self.lost), among_four(self.gained));
+        let view = corners.view(&four) & (lost | gained);
+        if view == gained {
+            Heard::Known
+        } else if view == lost && may_change && corners.flip(&four).is_some() {
+            Heard::Followed
+        } else {
+            Heard::Denied
+        }
+    }
+}
+
+fn site_label(site: u32) -> Label {
+    let image = [0; 3];
+    Beyond::Neighbor { site, image }.label()
+}
