@@ -179,9 +179,18 @@ impl Integrand {
         planes: impl Iterator<Item = &'a HalfSpace>,
         labels: impl Iterator<Item = &'a Label>,
     ) {
+        self.copy_facets(planes, labels);
+        HalfSpace::normalize(&mut self.facets);
+    }
+
+    /// As [`Integrand::assign_facets`], with normals as they are.
+    pub(crate) fn copy_facets<'a>(
+        &mut self,
+        planes: impl Iterator<Item = &'a HalfSpace>,
+        labels: impl Iterator<Item = &'a Label>,
+    ) {
         self.facets.clear();
         self.facets.extend(planes);
-        HalfSpace::normalize(&mut self.facets);
         self.labels.clear();
         self.labels.extend(labels);
         self.edges.clear();

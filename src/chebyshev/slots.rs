@@ -5,6 +5,7 @@
 use crate::chebyshev::integrand::{EdgeConstants, Integrand};
 use crate::geometry::compact::{Compact, EDGES, SLOTS};
 use crate::geometry::compact_lists::Lists;
+use crate::geometry::half_space::HalfSpace;
 
 impl Integrand {
     /// Prepares a convex piece of density 1, keeping the memory of the piece before.
@@ -40,7 +41,10 @@ impl Integrand {
         let count = piece.alive.count_ones() as usize;
         let axes = [&piece.x, &piece.y, &piece.z].map(<[f64; SLOTS]>::as_slice);
         self.vertices.assign(axes, count);
-        self.assign_facets(piece.planes.iter(), piece.labels.iter());
+        self.copy_facets(piece.planes.iter(), piece.labels.iter());
+        if !piece.are_units() {
+            HalfSpace::normalize(&mut self.facets);
+        }
         self.assign_edges(piece, |pairs| {
             pairs.map(|pair| pair.map(|number| number as u32))
         });
@@ -79,7 +83,6 @@ mod tests {
     use super::*;
     use crate::geometry::bounds::Bounds;
     use crate::geometry::compact_clip::CompactScratch;
-    use crate::geometry::half_space::HalfSpace;
     use crate::geometry::polyhedron::Polyhedron;
     use nalgebra::{Point3, Vector3};
 

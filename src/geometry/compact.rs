@@ -49,6 +49,8 @@ pub struct Compact {
     pub(crate) alive: u64,
     pub(crate) planes: Vec<HalfSpace>,
     pub(crate) labels: Vec<Label>,
+    /// Whether all normals are known to be units.
+    are_units: bool,
     layout: Layout,
 }
 
@@ -73,6 +75,7 @@ impl Default for Compact {
             alive: 0,
             planes: Vec::new(),
             labels: Vec::new(),
+            are_units: false,
             layout: Layout::default(),
         }
     }
@@ -209,6 +212,18 @@ impl Compact {
         self.alive = 0;
         self.planes.clear();
         self.labels.clear();
+        self.are_units = false;
+    }
+
+    /// Makes all normals units. No plane may be added afterwards.
+    pub(crate) fn normalize(&mut self) {
+        HalfSpace::normalize(&mut self.planes);
+        self.are_units = true;
+    }
+
+    /// Whether all normals are known to be units.
+    pub(crate) fn are_units(&self) -> bool {
+        self.are_units
     }
 }
 

@@ -8,7 +8,7 @@
 //! manifolds are equivalent by elementary shellings*, European J. Combin. 12, 1991): a sphere stays one.
 
 use crate::geometry::label::Label;
-use crate::voronoi::pattern::{MOST, Pattern};
+use crate::voronoi::pattern::{MOST, Pattern, Sides};
 
 /// Four labels, and sets of them by bits: bit k is the corner of all but the k-th.
 pub(crate) type Four = [Label; 4];
@@ -20,6 +20,7 @@ pub(crate) struct Corners {
     labels: Vec<Label>,
     /// The numbers of the facets around each corner, counter-clockwise.
     around: Vec<[u8; 3]>,
+    sides: Sides,
 }
 
 impl Corners {
@@ -135,18 +136,18 @@ impl Corners {
     fn find(&self, numbers: &[Option<u8>; 4], omitted: usize) -> Option<(usize, bool)> {
         let [a, b, c] = others(numbers, omitted);
         let (a, b, c) = (a?, b?, c?);
-        let mut all = self.around.iter().enumerate();
-        all.find_map(|(corner, &around)| {
-            let [x, y, z] = around;
-            let is_even = around == [a, b, c] || [y, z, x] == [a, b, c] || [z, x, y] == [a, b, c];
-            let is_odd = around == [a, c, b] || [y, z, x] == [a, c, b] || [z, x, y] == [a, c, b];
-            (is_even || is_odd).then_some((corner, is_even))
-        })
+        let is_around = |corner: &[u8; 3]| [a, b, c].iter().all(|facet| corner.contains(facet));
+        let corner = self.around.iter().position(is_around)?;
+        let [x, y, z] = self.around[corner];
+        Some((
+            corner,
+            [[x, y, z], [y, z, x], [z, x, y]].contains(&[a, b, c]),
+        ))
     }
 
     /// The pattern of these corners in its one possible order, if they are a sphere's.
     #[must_use]
-    pub(crate) fn write(&self, pattern: &mut Pattern) -> bool {
+    pub(crate) fn write(&mut self, pattern: &mut Pattern) -> bool {
         let mut counts = [0_u8; MOST];
         for &facet in self.around.as_flattened() {
             counts[usize::from(facet)] += 1;
@@ -171,7 +172,8 @@ impl Corners {
         }
         pattern.facet_count = count;
         let around = self.around.iter();
-        pattern.assign_corners(around.map(|corner| corner.map(|f| numbers[usize::from(f)])))
+        let around = around.map(|corner| corner.map(|facet| numbers[usize::from(facet) % MOST]));
+        pattern.assign_corners(around, &mut self.sides)
     }
 }
 

@@ -17,6 +17,9 @@ const SLACK: usize = 2;
 /// One part in so many is then left for records to come.
 const ROOM: usize = 4;
 
+/// Records begin at multiples of this many bytes.
+const GRAIN: usize = 32;
+
 /// The images within one period to either side.
 pub(crate) const IMAGES: usize = 27;
 
@@ -151,63 +154,97 @@ impl Packed {
     /// Sets the record of a cell, counted from the first here and at most one beyond the last, to that
     /// of a pattern.
     pub(crate) fn put(&mut self, cell: usize, pattern: &Pattern, numbers: &Ranks<'_>) {
-        let start = self.bytes.len();
-        self.push_facets(pattern.labels(), pattern.vertex_count, numbers);
+        let vertices = pattern.vertex_count;
+        let size = size_of_record(pattern.labels().len(), vertices);
+        let record = self.set(cell, size);
+        let rest = write_facets(record, pattern.labels(), vertices, numbers);
         let [facets, twins] = [&pattern.facets, &pattern.twins].map(|bytes| rows(bytes));
-        for row in 0..pattern.vertex_count.div_ceil(ROW) {
-            self.bytes.extend_from_slice(&facets[row]);
-            self.bytes.extend_from_slice(&twins[row]);
+        for (number, row) in rows_mut(rest).iter_mut().enumerate() {
+            *row = [facets, twins][number % 2][number / 2];
         }
-        self.set(cell, start);
     }
 
     /// As [`Packed::put`], for a cell without a pattern.
     pub(crate) fn put_neighbors(&mut self, cell: usize, labels: &[Label], numbers: &Ranks<'_>) {
-        let start = self.bytes.len();
-        self.push_facets(labels, 0, numbers);
-        self.set(cell, start);
+        let record = self.set(cell, size_of_record(labels.len(), 0));
+        write_facets(record, labels, 0, numbers);
     }
 
     /// Drops the records that have been replaced, if they or unused memory are much.
     pub(crate) fn close(&mut self) {
         self.places.shrink_to_fit();
-        let sizes = self.places.iter().map(|place| place.end - place.start);
-        let live = sizes.sum::<u32>() as usize;
+        let size = |place: &Place| (place.end - place.start) as usize;
+        let live: usize = self.places.iter().map(|place| room_of(size(place))).sum();
         if self.bytes.capacity() <= live + live / SLACK {
             return;
         }
         let mut bytes = Vec::with_capacity(live + live / ROOM);
         for place in &mut self.places {
-            let start = bytes.len() as u32;
+            let (start, size) = (bytes.len() as u32, size(place));
             bytes.extend_from_slice(&self.bytes[place.start as usize..place.end as usize]);
-            let end = bytes.len() as u32;
+            bytes.resize(start as usize + room_of(size), 0);
+            let end = start + size as u32;
             *place = Place { start, end };
         }
         self.bytes = bytes;
     }
 
-    /// Says that the record of a cell is all from `start` on.
-    fn set(&mut self, cell: usize, start: usize) {
+    /// Room for a new record of a cell: where the old one is, if it fits there.
+    fn set(&mut self, cell: usize, size: usize) -> &mut [u8] {
+        let old = self.places.get(cell).copied();
+        let start = match old {
+            Some(Place { start, end }) if size <= room_of((end - start) as usize) => start as usize,
+            _ => {
+                let start = self.bytes.len();
+                let room = room_of(size);
+                if old.is_some() {
+                    // Few records are replaced: doubling the memory would be too much.
+                    self.bytes.reserve_exact(room.max(start / ROOM));
+                }
+                self.bytes.resize(start + room, 0);
+                start
+            }
+        };
         let place = Place {
             start: start as u32,
-            end: self.bytes.len() as u32,
+            end: (start + size) as u32,
         };
         match self.places.get_mut(cell) {
             Some(old) => *old = place,
             None => self.places.push(place),
         }
+        &mut self.bytes[start..start + size]
     }
+}
 
-    fn push_facets(&mut self, labels: &[Label], vertices: usize, numbers: &Ranks<'_>) {
-        let counts = [labels.len() as u16, vertices as u16];
-        self.bytes
-            .extend(counts.map(u16::to_le_bytes).as_flattened());
-        let across = labels.iter().map(|&label| numbers.across(label));
-        for Across { number, .. } in across.clone() {
-            self.bytes.extend(number.to_le_bytes());
-        }
-        self.bytes.extend(across.map(|across| across.image));
+/// The bytes of a record.
+fn size_of_record(facets: usize, vertices: usize) -> usize {
+    4 + 5 * facets + 2 * 4 * ROW * vertices.div_ceil(ROW)
+}
+
+/// The bytes that are set aside for a record, so that another facet finds room.
+fn room_of(size: usize) -> usize {
+    size.next_multiple_of(GRAIN)
+}
+
+/// Writes the beginning of a record and returns the rest of it.
+fn write_facets<'a>(
+    record: &'a mut [u8],
+    labels: &[Label],
+    vertices: usize,
+    numbers: &Ranks<'_>,
+) -> &'a mut [u8] {
+    let counts = [labels.len() as u16, vertices as u16];
+    let (head, rest) = record.split_at_mut(4);
+    head.copy_from_slice(counts.map(u16::to_le_bytes).as_flattened());
+    let (ranks, rest) = rest.split_at_mut(4 * labels.len());
+    let (images, rest) = rest.split_at_mut(labels.len());
+    let places = ranks.as_chunks_mut().0.iter_mut().zip(images);
+    for (&label, (rank, image)) in labels.iter().zip(places) {
+        let across = numbers.across(label);
+        (*rank, *image) = (across.number.to_le_bytes(), across.image);
     }
+    rest
 }
 
 /// What is kept of one cell.

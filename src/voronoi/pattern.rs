@@ -39,6 +39,26 @@ impl Default for Pattern {
     }
 }
 
+/// Per pair of facets: the edge with one on its left and the other on its right, as far as there is one.
+#[derive(Clone, Debug)]
+pub(crate) struct Sides(Box<[[u8; MOST]; MOST]>);
+
+impl Default for Sides {
+    fn default() -> Self {
+        Self(Box::new([[0; MOST]; MOST]))
+    }
+}
+
+impl Sides {
+    fn put(&mut self, left: u8, right: u8, edge: u8) {
+        self.0[usize::from(left) % MOST][usize::from(right) % MOST] = edge;
+    }
+
+    fn get(&self, left: u8, right: u8) -> usize {
+        usize::from(self.0[usize::from(left) % MOST][usize::from(right) % MOST])
+    }
+}
+
 impl Pattern {
     /// Becomes the pattern of the cell of `site`; returns whether it has one: no two facets on the
     /// same neighbor, none on an image of the site itself, no two vertices on the same facets.
@@ -91,7 +111,11 @@ impl Pattern {
     /// Takes up corners, each given by the facets around it, counter-clockwise; returns whether every
     /// edge has two ends.
     #[must_use]
-    pub(crate) fn assign_corners(&mut self, corners: impl Iterator<Item = [u8; 3]>) -> bool {
+    pub(crate) fn assign_corners(
+        &mut self,
+        corners: impl Iterator<Item = [u8; 3]>,
+        sides: &mut Sides,
+    ) -> bool {
         let mut order = [(0, [0_u8; 3]); MOST];
         self.vertex_count = 0;
         for (entry, [a, b, c]) in order.iter_mut().zip(corners) {
@@ -109,26 +133,26 @@ impl Pattern {
         if order.windows(2).any(|pair| pair[0].0 == pair[1].0) {
             return false;
         }
-        // Per pair of facets: the edge with one on its left and the other on its right, and one more.
-        let mut edges = [[0_u8; MOST]; MOST];
         for (place, (_, around)) in order.iter().enumerate() {
             for (edge, &left) in around.iter().enumerate() {
                 let right = around[(edge + 2) % 3];
-                self.facets[4 * place + edge + 1] = left;
-                edges[usize::from(left)][usize::from(right)] = (4 * place + edge) as u8 + 1;
+                let at = 4 * place + edge;
+                self.facets[at + 1] = left;
+                sides.put(left, right, at as u8);
             }
             self.facets[4 * place] = around[2];
         }
         for (place, (_, around)) in order.iter().enumerate() {
             for (edge, &left) in around.iter().enumerate() {
                 let right = around[(edge + 2) % 3];
-                let [own, twin] = [(left, right), (right, left)]
-                    .map(|(left, right)| edges[usize::from(left)][usize::from(right)]);
                 let at = 4 * place + edge;
-                if usize::from(own) != at + 1 || twin == 0 {
+                let (own, twin) = (sides.get(left, right), sides.get(right, left));
+                let facets = [twin + 1, twin].map(|byte| self.facets[byte % EDGES]);
+                // What is left of other patterns leads astray.
+                if own != at || twin >= 4 * self.vertex_count || facets != [right, left] {
                     return false;
                 }
-                self.twins[at] = twin - 1;
+                self.twins[at] = twin as u8;
             }
         }
         true

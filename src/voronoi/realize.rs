@@ -43,7 +43,7 @@ const UP: [f64; 3] = [0.737_368_878, 0.577_350_269, 0.350_918_142];
 pub(crate) struct Realizer {
     /// Unit normals and offsets.
     planes: [[f64; 4]; MOST],
-    /// The least offset of a neighbor's plane.
+    /// The least offset of a neighbor's bisector: half its squared distance.
     nearest: f64,
     /// Of all numbers: not finite if one of them is not.
     sum: f64,
@@ -78,15 +78,16 @@ impl Realizer {
         (self.nearest, self.sum) = (f64::INFINITY, 0.0);
     }
 
-    /// Adds a plane to those of `cell`.
+    /// Adds a plane, for a neighbor its bisector, to those of `cell`.
     #[inline]
     pub(crate) fn add(&mut self, plane: &HalfSpace, is_neighbor: bool, cell: &mut Compact) {
-        let inverse = 1.0 / plane.normal.norm();
-        let (normal, offset) = (plane.normal * inverse, plane.offset * inverse);
-        self.planes[cell.planes.len() % MOST] = [normal.x, normal.y, normal.z, offset];
-        cell.planes.push(HalfSpace { normal, offset });
-        self.sum += inverse + offset;
-        let away = if is_neighbor { offset } else { f64::INFINITY };
+        cell.planes.push(*plane);
+        self.sum += plane.offset + plane.normal.sum();
+        let away = if is_neighbor {
+            plane.offset
+        } else {
+            f64::INFINITY
+        };
         self.nearest = if away < self.nearest {
             away
         } else {
@@ -97,9 +98,13 @@ impl Realizer {
     /// Places the vertices of `cell`, which is a pattern to which all planes have been added; returns
     /// whether it is beyond doubt.
     #[must_use]
-    pub(crate) fn realize(&self, cell: &mut Compact) -> bool {
+    pub(crate) fn realize(&mut self, cell: &mut Compact) -> bool {
         if !self.is_finite() {
             return false;
+        }
+        cell.normalize();
+        for (plane, HalfSpace { normal, offset }) in self.planes.iter_mut().zip(&cell.planes) {
+            *plane = [normal.x, normal.y, normal.z, *offset];
         }
         let Meeting {
             flattest,
@@ -109,7 +114,7 @@ impl Realizer {
         } = self.meet(cell);
         let radius = radius_squared.sqrt();
         flattest >= FLATTEST
-            && 2.0 * self.nearest >= NEAREST * radius
+            && (2.0 * self.nearest).sqrt() >= NEAREST * radius
             && summits == 1
             && room >= MARGIN * radius
     }
