@@ -102,13 +102,12 @@ impl Carrier {
     ) -> Option<Answer> {
         let (numbers, mold) = (&standing.numbers, &mut self.mold);
         let record = packed.record(number);
-        if !record.read(numbers, &mut mold.pattern) {
+        if !record.write(numbers, mold.body.slots()) {
             return None;
         }
-        mold.across.clear();
-        mold.across.extend(record.beyond());
-        if !mold.realize(standing, rank) {
-            if !mold.mend(standing, rank, &mut news.flips) {
+        if !mold.place(standing, rank, record.beyond()) {
+            let is_read = record.read(numbers, &mut mold.pattern);
+            if !is_read || !mold.mend(standing, rank, &mut news.flips) {
                 return None;
             }
             packed.put(number, &mold.pattern, numbers);
@@ -153,7 +152,6 @@ impl Carrier {
             return Followed::InDoubt;
         }
         packed.put(number, &mold.pattern, numbers);
-        mold.look_across(standing);
         if !mold.realize(standing, rank) {
             if is_denied || !mold.mend(standing, rank, &mut news.flips) {
                 return Followed::InDoubt;
@@ -232,17 +230,7 @@ impl Mold {
     fn take_over(&mut self, standing: &Standing<'_>, rank: usize, built: &Cell<'_>) -> bool {
         let has_pattern =
             (built.compact()).is_some_and(|compact| self.pattern.assign(compact, built.site));
-        if has_pattern {
-            self.look_across(standing);
-        }
         has_pattern && self.realize(standing, rank)
-    }
-
-    /// Finds out what lies beyond the facets of the pattern in hand.
-    fn look_across(&mut self, standing: &Standing<'_>) {
-        self.across.clear();
-        let labels = self.pattern.labels().iter();
-        (self.across).extend(labels.map(|&label| standing.numbers.across(label)));
     }
 
     /// Flips the pattern in hand, which has been realized, where edges run the wrong way, and tells
@@ -270,7 +258,6 @@ impl Mold {
             if told.len() == flipped || !can_tell || !corners.write(pattern) {
                 break;
             }
-            self.look_across(standing);
             if self.realize(standing, rank) {
                 return true;
             }
@@ -290,12 +277,30 @@ impl Mold {
 
     /// Realizes the pattern in hand; returns whether the cell is beyond doubt.
     fn realize(&mut self, standing: &Standing<'_>, rank: usize) -> bool {
+        self.pattern.write(self.body.slots());
+        let mut across = std::mem::take(&mut self.across);
+        across.clear();
+        let labels = self.pattern.labels().iter();
+        across.extend(labels.map(|&label| standing.numbers.across(label)));
+        let is_sound = self.place(standing, rank, across.iter().copied());
+        self.across = across;
+        is_sound
+    }
+
+    /// Places the vertices of a pattern that has been laid out in the body, beyond whose facets lies
+    /// what `across` tells; returns whether the cell is beyond doubt.
+    #[inline(always)]
+    fn place(
+        &mut self,
+        standing: &Standing<'_>,
+        rank: usize,
+        across: impl Iterator<Item = Across>,
+    ) -> bool {
         let here = standing.positions[rank];
         let cell = self.body.slots();
-        self.pattern.write(cell);
         self.realizer.clear();
         let mut has_start = false;
-        for (across, label) in self.across.iter().zip(self.pattern.labels()) {
+        for (facet, across) in across.enumerate() {
             if let Some((rank, image)) = across.site() {
                 let by = standing.shifts[usize::from(image) % IMAGES];
                 let away = standing.positions[rank as usize] - here + by;
@@ -307,7 +312,8 @@ impl Mold {
                 standing.domain.start(&here, site, &mut self.start);
                 has_start = true;
             }
-            let wall = self.start.labels.iter().position(|other| other == label);
+            let label = cell.labels[facet];
+            let wall = self.start.labels.iter().position(|&other| other == label);
             let Some(wall) = wall else {
                 return false;
             };

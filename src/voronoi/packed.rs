@@ -5,6 +5,7 @@
 //! cell's slots. A cell without a pattern has a record without vertices that lists its neighbors only.
 
 use crate::domain::beyond::Beyond;
+use crate::geometry::compact::{Compact, EDGES, SLOTS};
 use crate::geometry::label::Label;
 use crate::voronoi::pattern::Pattern;
 
@@ -266,13 +267,34 @@ impl Record<'_> {
         for (across, label) in self.beyond().zip(&mut pattern.labels) {
             *label = numbers.label(across);
         }
+        self.read_vertices(facets, [&mut pattern.facets, &mut pattern.twins]);
+        true
+    }
+
+    /// Lays the pattern out in a cell's slots; returns whether the cell has one.
+    #[must_use]
+    pub(crate) fn write(&self, numbers: &Ranks<'_>, cell: &mut Compact) -> bool {
+        let (facets, vertices) = self.counts();
+        if vertices == 0 {
+            return false;
+        }
+        cell.clear();
+        cell.alive = u64::MAX >> (SLOTS - vertices);
+        cell.labels
+            .extend(self.beyond().map(|across| numbers.label(across)));
+        self.read_vertices(facets, [&mut cell.facets, &mut cell.twins]);
+        true
+    }
+
+    /// Reads the facets around the vertices and the edges that leave them, in whole rows.
+    #[inline(always)]
+    fn read_vertices(&self, facets: usize, to: [&mut [u8; EDGES]; 2]) {
         let stored = rows(&self.bytes[4 + 5 * facets..]);
-        let (to_facets, to_twins) = (rows_mut(&mut pattern.facets), rows_mut(&mut pattern.twins));
+        let [to_facets, to_twins] = to.map(|bytes| rows_mut(bytes));
         let kept = to_facets.iter_mut().zip(to_twins);
         for ((facets, twins), stored) in kept.zip(stored.as_chunks().0) {
             [*facets, *twins] = *stored;
         }
-        true
     }
 
     /// The ranks of all neighbors.

@@ -116,46 +116,51 @@ impl Pattern {
         corners: impl Iterator<Item = [u8; 3]>,
         sides: &mut Sides,
     ) -> bool {
-        let mut order = [(0, [0_u8; 3]); MOST];
+        let mut order = [0; MOST];
         self.vertex_count = 0;
         for (entry, [a, b, c]) in order.iter_mut().zip(corners) {
             let (low, middle, high) = sorted(a, b, c);
-            let from_low = match low {
-                _ if low == a => [a, b, c],
-                _ if low == b => [b, c, a],
-                _ => [c, a, b],
-            };
-            *entry = (key(low, middle, high), from_low);
+            let follows = [[a, b], [b, c], [c, a]].contains(&[low, middle]);
+            *entry = key(low, middle, high) << 1 | u32::from(follows);
             self.vertex_count += 1;
         }
         let order = &mut order[..self.vertex_count];
         order.sort_unstable();
-        if order.windows(2).any(|pair| pair[0].0 == pair[1].0) {
+        if order.windows(2).any(|pair| pair[0] >> 1 == pair[1] >> 1) {
             return false;
         }
-        for (place, (_, around)) in order.iter().enumerate() {
-            for (edge, &left) in around.iter().enumerate() {
-                let right = around[(edge + 2) % 3];
-                let at = 4 * place + edge;
-                self.facets[at + 1] = left;
-                sides.put(left, right, at as u8);
-            }
-            self.facets[4 * place] = around[2];
+        let vertices = self.facets.as_chunks_mut::<4>().0.iter_mut();
+        for (place, (vertex, entry)) in vertices.zip(order).enumerate() {
+            let [low, middle, high] = [17, 9, 1].map(|shift| (*entry >> shift) as u8);
+            let [b, c] = if *entry & 1 == 1 {
+                [middle, high]
+            } else {
+                [high, middle]
+            };
+            *vertex = [c, low, b, c];
+            let at = 4 * place as u8;
+            sides.put(low, c, at);
+            sides.put(b, low, at + 1);
+            sides.put(c, b, at + 2);
         }
-        for (place, (_, around)) in order.iter().enumerate() {
-            for (edge, &left) in around.iter().enumerate() {
-                let right = around[(edge + 2) % 3];
-                let at = 4 * place + edge;
-                let (own, twin) = (sides.get(left, right), sides.get(right, left));
-                let facets = [twin + 1, twin].map(|byte| self.facets[byte % EDGES]);
-                // What is left of other patterns leads astray.
-                if own != at || twin >= 4 * self.vertex_count || facets != [right, left] {
-                    return false;
-                }
-                self.twins[at] = twin as u8;
+        // What is left in the sides of other patterns leads astray.
+        let is_edge = |edge: usize, left: u8, right: u8| {
+            let [right_of, left_of] = [edge, edge + 1].map(|byte| self.facets[byte % EDGES]);
+            edge < 4 * self.vertex_count && [left_of, right_of] == [left, right]
+        };
+        let mut are_sound = true;
+        let vertices = self.facets.as_chunks::<4>().0[..self.vertex_count].iter();
+        for ((place, vertex), twins) in vertices.enumerate().zip(self.twins.as_chunks_mut::<4>().0)
+        {
+            for edge in 0..3 {
+                let (left, right) = (vertex[edge + 1], vertex[edge]);
+                let twin = sides.get(right, left);
+                are_sound &=
+                    is_edge(twin, right, left) & (sides.get(left, right) == 4 * place + edge);
+                twins[edge] = twin as u8;
             }
         }
-        true
+        are_sound
     }
 
     /// The facets around every vertex, counter-clockwise.
