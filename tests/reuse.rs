@@ -163,6 +163,29 @@ fn carried_cells_are_cold_cells_all_along_a_relaxation() {
 }
 
 #[test]
+fn cells_that_change_partners_are_flipped_and_not_rebuilt() {
+    let domain = Cuboid::unit();
+    let mut random = Uniform::new(21);
+    let mut sites = random_sites(&domain, 3000, 20);
+    let mut from_before = Carried::default();
+    check(&domain, &sites, &mut from_before);
+    // Cells in doubt are always rebuilt.
+    let steady = check(&domain, &sites, &mut from_before);
+    for share in [1e-3, 3e-3, 1e-2] {
+        let labels = |digests: Vec<Digest>| digests.into_iter().map(|digest| digest.labels);
+        let before = carried(&domain, &sites, &mut Carried::default());
+        sites = shaken(&domain, &sites, share, &mut random);
+        let after = carried(&domain, &sites, &mut Carried::default());
+        let pairs = labels(before).zip(labels(after));
+        let changed = pairs.filter(|(before, after)| before != after).count();
+        let rebuilt = check(&domain, &sites, &mut from_before);
+        assert!(changed > 50, "{changed} changed at {share}");
+        let more = rebuilt.saturating_sub(steady);
+        assert!(4 * more < changed, "{more} of {changed} rebuilt at {share}");
+    }
+}
+
+#[test]
 fn cells_are_carried_in_every_convex_domain() {
     let periodic_box: Box<dyn Domain> = Box::new(periodic([true; 3]));
     let slab: Box<dyn Domain> = Box::new(periodic([false, true, false]));

@@ -257,7 +257,9 @@ fn run_stage(
 /// Does the work of a stage that has no minimizer.
 fn run_part(stage: Stage, domain: &dyn Domain, diagram: &Diagram<'_>) -> Result<(), DiagramError> {
     match stage {
-        Stage::Index => {}
+        Stage::Index => {
+            diagram.index();
+        }
         Stage::Cells => {
             diagram.map(|(): &mut (), cell| cell.half_spaces().len())?;
         }

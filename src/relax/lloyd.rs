@@ -12,9 +12,9 @@ use crate::relax::over_relaxation::{Moves, advance, look};
 use crate::relax::record::{Movement, Record};
 use crate::relax::tessellation::{Question, Tessellation};
 
-/// Cells are carried over after a movement below this (%): a fifth of them must be rebuilt then, and
-/// beyond it takes less to build them all.
-pub const LITTLE: f64 = 0.35;
+/// Cells are carried over after a movement below this (%): beyond, so many must follow flips, twice
+/// asked, that it takes less to build them all.
+pub const LITTLE: f64 = 0.7;
 
 /// When to stop, and what to minimize.
 #[derive(Clone, Copy, Debug, PartialEq)]

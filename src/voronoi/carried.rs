@@ -1,26 +1,35 @@
 //! What one diagram leaves to the next: the patterns of its cells, while sites move little.
 //!
-//! Near convergence most cells keep their `pattern` from one iteration to the next. Then no neighbor
-//! need be searched and no plane tried: the vertices are where their three planes meet now.
+//! Near convergence most cells keep their `pattern` from one iteration to the next, and the others
+//! change in few places. Then no neighbor need be searched and no plane tried: the vertices are where
+//! their three planes meet now.
 //!
-//! # What is rebuilt
+//! # What is flipped, and what is rebuilt
 //!
-//! A cell is rebuilt if it has no pattern or its realization (`realize`) is in doubt. If a rebuilt
-//! cell has gained or lost a vertex, the cells around that vertex are rebuilt too; if it is itself
-//! in doubt, or was, all its neighbors are. This goes on until nothing is left to do. In the end
-//! the cells around any vertex of a carried cell hold that vertex as well, and are beyond doubt
-//! themselves. (Lists of neighbors that agree would not do: where a new edge between i and j opens
-//! in the middle of the facet between a and b, no list of a or b changes, and those of i and j
-//! agree as long as both ignore it.)
+//! Sites that move change partners by flips (`corners`), five at a time. Cells notice: an edge has
+//! come to run the wrong way. Such a cell makes the flip in its pattern, is realized again and tells
+//! the cells of the other four sites, which make the same flip. Whoever is told of a flip and sees
+//! nothing of the kind denies it, and all five cells are rebuilt.
+//!
+//! A cell is rebuilt too if it has no pattern or if its realization (`realize`) is in doubt even
+//! after flips. If a rebuilt cell turns out to have other vertices than the others took it to have,
+//! the cells around those vertices are rebuilt; if it is itself in doubt, or was, all its neighbors
+//! are. This goes on until nothing is left to do.
+//!
+//! A vertex comes or goes in a carried cell by a flip of the sites around it only, and that by common
+//! consent; and no rebuilt cell around it may differ. So in the end the cells around any vertex of a
+//! carried cell hold that vertex as well, and are beyond doubt themselves. (Lists of neighbors that
+//! agree would not do: where a new edge between i and j opens in the middle of the facet between a
+//! and b, no list of a or b changes, and those of i and j agree as long as both ignore it.)
 //!
 //! # Why carried cells are right
 //!
-//! The P_i, carried or rebuilt, are convex, P_i holds site i, and its facets are bisectors. Assume
-//! that q inside a carried P_i is nearer to site j, and go straight from q to j. Leaving a carried
-//! cell through a facet one enters the cell beyond, which has the same facet since it has the same
-//! vertices. Let g be the squared distance to the site of the cell one is in less that to j. Along
-//! the way g is linear within a cell and continuous, and its slope falls at every bisector that is
-//! crossed: g is concave. Rebuilt cells are right, so once one of them is entered one goes on in the
+//! The P_i, carried, flipped or not, or rebuilt, are convex, P_i holds site i, and its facets are
+//! bisectors. Assume that q inside a carried P_i is nearer to site j, and go straight from q to j.
+//! Leaving a carried cell through a facet one enters the cell beyond, which has the same facet since it
+//! has the same vertices. Let g be the squared distance to the site of the cell one is in less that to
+//! j. Along the way g is linear within a cell and continuous, and its slope falls at every bisector that
+//! is crossed: g is concave. Rebuilt cells are right, so once one of them is entered one goes on in the
 //! true diagram; in any case the way ends in the cell that holds j. That is P_j, since the P tile
 //! space and P_j holds j; there g vanishes. A concave function that ends in 0 with slope 0 is never
 //! positive, but g(q) > 0. So there is no such q: this is the Delaunay lemma. ∎
@@ -36,6 +45,8 @@
 //! same realization, with the same doubts. So whether cells are carried shows in no bit of any result:
 //! runs that are resumed, and begin without patterns, agree with uninterrupted ones. Lattices are
 //! always in doubt and are never carried: a sample tells, and all their cells stay as they were cut.
+//! Single cells in doubt are cut by ever farther sites, an order that the sites alone decide, for the
+//! index is carried too: its sites stay sorted as they were while they have not moved far.
 
 use std::sync::Arc;
 
@@ -48,7 +59,7 @@ use crate::voronoi::packed::Packed;
 use crate::voronoi::room::room;
 
 /// Patterns are tried as long as sites have moved by less than this share of the diagonal of a cube
-/// of the mean volume: beyond, more than half of the cells must be rebuilt.
+/// of the mean volume: beyond, more than half of the cells change, and many in ways that are not told.
 pub const WORTH: f64 = 0.014;
 
 /// The memory that is asked for (bytes per site): twice what it takes.
@@ -138,7 +149,7 @@ impl Carried {
             return index;
         }
         self.forget(self.rebuilt);
-        let index = diagram.index();
+        let index = diagram.shared_index();
         self.ranks = index.places_of_sites();
         let enough = BYTES * diagram.len() as u64;
         self.keeps = self.limit.unwrap_or_else(room) >= enough;

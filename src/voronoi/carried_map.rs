@@ -9,13 +9,14 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use crate::voronoi::carried::Carried;
-use crate::voronoi::carry::{Carrier, Standing};
+use crate::voronoi::carry::Carrier;
 use crate::voronoi::cell::Cell;
 use crate::voronoi::chunk::{Chunk, Heard};
 use crate::voronoi::diagram::{Diagram, DiagramError, bring_into_order};
 use crate::voronoi::flip::Flip;
 use crate::voronoi::index::SiteIndex;
 use crate::voronoi::packed::{CELLS, Packed};
+use crate::voronoi::standing::Standing;
 
 /// Of so many sites one is in the sample that tells how often cells are in doubt, up to
 /// [`LARGEST_SAMPLE`] in all.

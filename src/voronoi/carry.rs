@@ -1,30 +1,12 @@
-//! One cell on its way from one diagram to the next: realized anew from its pattern, or rebuilt.
+//! One cell on its way from one diagram to the next: realized anew from its pattern, flipped, or rebuilt.
 
-use nalgebra::{Point3, Vector3};
-
-use crate::domain::space::Domain;
-use crate::geometry::half_space::HalfSpace;
-use crate::geometry::polyhedron::Polyhedron;
-use crate::voronoi::body::Body;
 use crate::voronoi::cell::{Cell, CellBuilder};
-use crate::voronoi::corners::Corners;
 use crate::voronoi::flip::{Flip, Heard};
-use crate::voronoi::index::SiteIndex;
-use crate::voronoi::packed::{Across, IMAGES, Packed, Ranks, image_of};
-use crate::voronoi::pattern::{MOST, Pattern};
-use crate::voronoi::realize::Realizer;
+use crate::voronoi::mold::Mold;
+use crate::voronoi::packed::Packed;
+use crate::voronoi::pattern::Pattern;
 use crate::voronoi::search::{Duplicate, Manner};
-
-/// Sites as they stand now. Their ranks are their places in the index.
-pub(crate) struct Standing<'a> {
-    pub(crate) domain: &'a dyn Domain,
-    pub(crate) index: &'a SiteIndex,
-    pub(crate) numbers: Ranks<'a>,
-    /// Per rank: the site's position.
-    pub(crate) positions: &'a [Point3<f64>],
-    /// Per number of an image: its displacement (L).
-    pub(crate) shifts: [Vector3<f64>; IMAGES],
-}
+use crate::voronoi::standing::Standing;
 
 /// The memory in which cells are carried, one after the other.
 #[derive(Debug, Default)]
@@ -52,41 +34,6 @@ pub(crate) enum Followed<Answer> {
     Changed(Answer),
     /// It has to be rebuilt.
     InDoubt,
-}
-
-/// How often a pattern is flipped and realized before it is given up.
-const MOST_MENDED: usize = 3;
-
-/// The memory in which patterns become cells.
-#[derive(Debug, Default)]
-struct Mold {
-    pattern: Pattern,
-    corners: Corners,
-    across: Vec<Across>,
-    realizer: Realizer,
-    start: Polyhedron,
-    body: Body,
-}
-
-impl<'a> Standing<'a> {
-    /// Sites in an index, which `ranks` gives per site.
-    pub(crate) fn new(domain: &'a dyn Domain, index: &'a SiteIndex, ranks: &'a [u32]) -> Self {
-        let periods = domain.periods().map(Option::unwrap_or_default);
-        let shift = |number: usize| {
-            let copies = image_of(number as u8).map(f64::from);
-            Vector3::from([0, 1, 2].map(|axis| copies[axis] * periods[axis]))
-        };
-        Self {
-            domain,
-            index,
-            numbers: Ranks {
-                sites: index.sites(),
-                ranks,
-            },
-            positions: index.positions(),
-            shifts: std::array::from_fn(shift),
-        }
-    }
 }
 
 impl Carrier {
@@ -151,15 +98,16 @@ impl Carrier {
         if !has_followed || !mold.corners.write(&mut mold.pattern) {
             return Followed::InDoubt;
         }
+        // If the cell is rebuilt, this is what others take it to be.
         packed.put(number, &mold.pattern, numbers);
+        if is_denied {
+            return Followed::InDoubt;
+        }
         if !mold.realize(standing, rank) {
-            if is_denied || !mold.mend(standing, rank, &mut news.flips) {
+            if !mold.mend(standing, rank, &mut news.flips) {
                 return Followed::InDoubt;
             }
             packed.put(number, &mold.pattern, numbers);
-        }
-        if is_denied {
-            return Followed::InDoubt;
         }
         Followed::Changed(ask(mold.cell(standing, rank)))
     }
@@ -221,104 +169,5 @@ impl Carrier {
         }
         let body = if has_pattern { &mold.body } else { built.body };
         Ok(ask(Cell { body, ..built }))
-    }
-}
-
-impl Mold {
-    /// Takes the pattern of a cell that was built and realizes it; returns whether it has one and is
-    /// beyond doubt.
-    fn take_over(&mut self, standing: &Standing<'_>, rank: usize, built: &Cell<'_>) -> bool {
-        let has_pattern =
-            (built.compact()).is_some_and(|compact| self.pattern.assign(compact, built.site));
-        has_pattern && self.realize(standing, rank)
-    }
-
-    /// Flips the pattern in hand, which has been realized, where edges run the wrong way, and tells
-    /// of it; returns whether the cell is then beyond doubt.
-    fn mend(&mut self, standing: &Standing<'_>, rank: usize, told: &mut Vec<Flip>) -> bool {
-        let (site, before) = (standing.numbers.sites[rank], told.len());
-        for _ in 0..MOST_MENDED {
-            let cell = self.body.slots();
-            if cell.planes.len() < self.pattern.facet_count || !self.realizer.is_finite() {
-                break;
-            }
-            let Self {
-                pattern, corners, ..
-            } = self;
-            corners.assign(pattern);
-            let (flipped, mut can_tell) = (told.len(), true);
-            self.realizer.visit_reversed(cell, |facets| {
-                let four = facets.map(|facet| pattern.labels[usize::from(facet) % MOST]);
-                if let Some(view) = corners.flip(&four) {
-                    let flip = Flip::told(site, &four, view);
-                    can_tell &= flip.is_some();
-                    told.extend(flip);
-                }
-            });
-            if told.len() == flipped || !can_tell || !corners.write(pattern) {
-                break;
-            }
-            if self.realize(standing, rank) {
-                return true;
-            }
-        }
-        told.truncate(before);
-        false
-    }
-
-    /// The cell that has been realized.
-    fn cell(&self, standing: &Standing<'_>, rank: usize) -> Cell<'_> {
-        Cell {
-            site: standing.numbers.sites[rank],
-            position: standing.positions[rank],
-            body: &self.body,
-        }
-    }
-
-    /// Realizes the pattern in hand; returns whether the cell is beyond doubt.
-    fn realize(&mut self, standing: &Standing<'_>, rank: usize) -> bool {
-        self.pattern.write(self.body.slots());
-        let mut across = std::mem::take(&mut self.across);
-        across.clear();
-        let labels = self.pattern.labels().iter();
-        across.extend(labels.map(|&label| standing.numbers.across(label)));
-        let is_sound = self.place(standing, rank, across.iter().copied());
-        self.across = across;
-        is_sound
-    }
-
-    /// Places the vertices of a pattern that has been laid out in the body, beyond whose facets lies
-    /// what `across` tells; returns whether the cell is beyond doubt.
-    #[inline(always)]
-    fn place(
-        &mut self,
-        standing: &Standing<'_>,
-        rank: usize,
-        across: impl Iterator<Item = Across>,
-    ) -> bool {
-        let here = standing.positions[rank];
-        let cell = self.body.slots();
-        self.realizer.clear();
-        let mut has_start = false;
-        for (facet, across) in across.enumerate() {
-            if let Some((rank, image)) = across.site() {
-                let by = standing.shifts[usize::from(image) % IMAGES];
-                let away = standing.positions[rank as usize] - here + by;
-                (self.realizer).add(&HalfSpace::bisector(away), true, cell);
-                continue;
-            }
-            if !has_start {
-                let site = standing.numbers.sites[rank];
-                standing.domain.start(&here, site, &mut self.start);
-                has_start = true;
-            }
-            let label = cell.labels[facet];
-            let wall = self.start.labels.iter().position(|&other| other == label);
-            let Some(wall) = wall else {
-                return false;
-            };
-            (self.realizer).add(&self.start.planes[wall], false, cell);
-        }
-        self.realizer.realize(cell)
     }
 }

@@ -1,10 +1,11 @@
 //! Some dozen cells that are carried together, by one thread at a time.
 
-use crate::voronoi::carry::{Carrier, Followed, News, Standing};
+use crate::voronoi::carry::{Carrier, Followed, News};
 use crate::voronoi::cell::Cell;
 use crate::voronoi::flip::Flip;
 use crate::voronoi::packed::{CELLS, Packed};
 use crate::voronoi::search::Duplicate;
+use crate::voronoi::standing::Standing;
 
 /// What has become of the cells of [`CELLS`] ranks.
 pub(crate) struct Chunk<Answer> {

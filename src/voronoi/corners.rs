@@ -182,3 +182,132 @@ fn others<T: Copy>(four: &[T; 4], omitted: usize) -> [T; 3] {
     let place = |k: usize| four[k + usize::from(k >= omitted)];
     [place(0), place(1), place(2)]
 }
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::{Point3, Vector3};
+
+    use super::*;
+    use crate::domain::beyond::Beyond;
+    use crate::geometry::bounds::Bounds;
+    use crate::geometry::compact::Compact;
+    use crate::geometry::compact_clip::CompactScratch;
+    use crate::geometry::half_space::HalfSpace;
+    use crate::geometry::polyhedron::Polyhedron;
+
+    const SITE: u32 = 1000;
+
+    fn label(site: u32) -> Label {
+        let image = [0; 3];
+        Beyond::Neighbor { site, image }.label()
+    }
+
+    fn pattern(cell: &Compact) -> Pattern {
+        let mut pattern = Pattern::default();
+        assert!(pattern.assign(cell, SITE));
+        pattern
+    }
+
+    fn is_same(one: &Pattern, other: &Pattern) -> bool {
+        let bytes = 4 * one.vertex_count;
+        one.labels() == other.labels()
+            && one.vertex_count == other.vertex_count
+            && one.facets[..bytes] == other.facets[..bytes]
+            && (0..bytes).all(|edge| edge % 4 == 3 || one.twins[edge] == other.twins[edge])
+    }
+
+    /// A cube cut by planes in many directions.
+    fn cell() -> Compact {
+        let corner = Point3::new(1.0, 1.0, 1.0);
+        let bounds = Bounds {
+            min: -corner,
+            max: corner,
+        };
+        let mut cell = Compact::default();
+        let labels = [0, 1, 2, 3, 4, 5].map(|wall| Beyond::Wall(wall).label());
+        assert!(cell.assign(&Polyhedron::cuboid(&bounds, labels)));
+        for number in 0..18 {
+            let turn = f64::from(number);
+            let away = Vector3::new((2.3 * turn).sin(), (3.7 * turn).cos(), (1.9 * turn).sin());
+            let plane = HalfSpace::bisector(away.normalize() * 2.0);
+            let scratch = &mut CompactScratch::default();
+            cell.clip(&plane, || label(number as u32), scratch).unwrap();
+        }
+        cell
+    }
+
+    #[test]
+    fn a_corner_cut_off_is_a_flip() {
+        let cell = cell();
+        let before = pattern(&cell);
+        for slot in crate::geometry::compact::slots(cell.alive) {
+            // A plane that leaves just this vertex beyond.
+            let vertex = cell.vertex(slot);
+            let along = |other: usize| vertex.dot(&cell.vertex(other)) / vertex.norm_squared();
+            let others = crate::geometry::compact::slots(cell.alive).filter(|&other| other != slot);
+            let nearest = others.map(along).fold(f64::NEG_INFINITY, f64::max);
+            if nearest >= 1.0 {
+                continue;
+            }
+            let plane = HalfSpace {
+                normal: vertex,
+                offset: vertex.norm_squared() * (1.0 + nearest) / 2.0,
+            };
+            let mut cut = cell.clone();
+            let scratch = &mut CompactScratch::default();
+            cut.clip(&plane, || label(500), scratch).unwrap();
+            let around = [1, 2, 3].map(|byte| usize::from(cell.facets[4 * slot + byte]));
+            let [a, b, c] = around.map(|facet| cell.labels[facet]);
+            let (mut corners, mut flipped) = (Corners::default(), Pattern::default());
+            corners.assign(&before);
+            let four = [a, label(500), c, b];
+            assert_eq!(corners.view(&four), 0b0010);
+            assert_eq!(corners.flip(&four), Some(0b0010));
+            assert!(corners.write(&mut flipped));
+            assert!(is_same(&flipped, &pattern(&cut)));
+            // Back, and as it was.
+            assert_eq!(corners.flip(&four), Some(0b1101));
+            assert!(corners.write(&mut flipped));
+            assert!(is_same(&flipped, &before));
+        }
+    }
+
+    #[test]
+    fn an_edge_that_turns_is_a_flip_and_other_exchanges_are_none() {
+        let before = pattern(&cell());
+        let mut corners = Corners::default();
+        let mut turned = 0;
+        for edge in (0..4 * before.vertex_count).filter(|edge| edge % 4 < 3) {
+            corners.assign(&before);
+            let twin = usize::from(before.twins[edge]);
+            let third = |edge: usize| before.facets[4 * (edge / 4) + 1 + (edge % 4 + 1) % 3];
+            let facets = [
+                before.facets[edge + 1],
+                before.facets[edge],
+                third(edge),
+                third(twin),
+            ];
+            let four = facets.map(|facet| before.labels[usize::from(facet)]);
+            let view = corners.view(&four);
+            assert_eq!(view & 0b1100, 0b1100, "both ends are there");
+            if view != 0b1100 {
+                continue;
+            }
+            assert_eq!(corners.flip(&four), Some(0b1100));
+            turned += 1;
+            let mut flipped = Pattern::default();
+            assert!(corners.write(&mut flipped));
+            assert_eq!(flipped.vertex_count, before.vertex_count);
+            assert_eq!(corners.view(&four), 0b0011);
+            corners.assign(&before);
+            // Among facets that do not meet nothing is exchanged.
+            let strangers = [label(600), label(601), four[2], four[3]];
+            assert_eq!(corners.flip(&strangers), None);
+            assert_eq!(corners.flip(&four), Some(0b1100));
+            assert_eq!(corners.flip(&four), Some(0b0011));
+            assert!(corners.write(&mut flipped));
+            assert!(is_same(&flipped, &before));
+        }
+        assert!(turned > 40, "{turned}");
+    }
+}

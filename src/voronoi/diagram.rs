@@ -30,7 +30,7 @@ const CELLS_PER_CHUNK: usize = 4096;
 pub struct Diagram<'a> {
     domain: &'a dyn Domain,
     sites: &'a [Point3<f64>],
-    /// Made when it is first needed.
+    /// Made when it is first needed: cells that are carried bring their own.
     index: OnceLock<Arc<SiteIndex>>,
 }
 
@@ -111,8 +111,13 @@ impl<'a> Diagram<'a> {
         })
     }
 
-    /// The index of the sites.
-    pub(crate) fn index(&self) -> &Arc<SiteIndex> {
+    /// The index of the sites, made now if nothing has been asked of it before.
+    pub fn index(&self) -> &SiteIndex {
+        self.shared_index()
+    }
+
+    /// As [`Diagram::index`], to be kept.
+    pub(crate) fn shared_index(&self) -> &Arc<SiteIndex> {
         self.index.get_or_init(|| {
             let wrapped = self.sites.par_iter().map(|site| self.domain.wrap(site));
             Arc::new(SiteIndex::new(wrapped, self.domain.periods()))

@@ -84,3 +84,53 @@ impl PartialEq for Entry {
 }
 
 impl Eq for Entry {}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Point3;
+    use rayon::prelude::*;
+
+    use crate::domain::cuboid::Cuboid;
+    use crate::domain::space::Domain;
+    use crate::geometry::bounds::Bounds;
+    use crate::voronoi::cell::CellBuilder;
+    use crate::voronoi::index::SiteIndex;
+    use crate::voronoi::search::Manner;
+
+    /// The bits of all cells, by site.
+    fn cells(domain: &dyn Domain, index: &SiteIndex) -> Vec<String> {
+        let (mut builder, places) = (CellBuilder::default(), index.places_of_sites());
+        let cells = places.iter().map(|&place| {
+            let built = builder.build_in(Manner::InOrder, domain, index, place as usize);
+            format!("{:?}", built.map(|cell| cell.polyhedron().clone()))
+        });
+        cells.collect()
+    }
+
+    #[test]
+    fn however_the_index_lies_cells_are_cut_alike() {
+        // Every vertex of a lattice is shared by eight cells, and each site has equally far others.
+        let at = |n: usize| (n as f64 + 0.5) / 5.0;
+        let sites: Vec<_> = (0..125)
+            .map(|n| Point3::new(at(n % 5), at(n / 5 % 5), at(n / 25)))
+            .collect();
+        let bounds = Bounds::of(&[Point3::origin(), Point3::new(1.0, 1.0, 1.0)]);
+        for axes in [[false; 3], [true, false, true]] {
+            let domain = Cuboid::new(bounds, axes).expect("a box");
+            let index =
+                |sites: &[Point3<f64>]| SiteIndex::new(sites.par_iter().copied(), domain.periods());
+            let fresh = index(&sites);
+            // One that was made for the sites in other places.
+            let turned: Vec<_> = sites
+                .iter()
+                .map(|p| Point3::new(p.y, 1.0 - p.z, p.x))
+                .collect();
+            let mut refitted = index(&turned);
+            let now = refitted.sites().iter().map(|&site| sites[site as usize]);
+            let now = now.collect();
+            refitted.refit(now);
+            assert_ne!(fresh.sites(), refitted.sites());
+            assert!(cells(&domain, &fresh) == cells(&domain, &refitted));
+        }
+    }
+}

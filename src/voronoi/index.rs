@@ -16,6 +16,7 @@ use wide::f64x2;
 use crate::geometry::bounds::Bounds;
 use crate::voronoi::leaf_order::{Entry, sort, start};
 use crate::voronoi::shifts::{Shift, shifts};
+use crate::voronoi::siblings::Pair;
 
 /// Sites a leaf at most. Fewer cost more steps through the tree, more are looked at in vain.
 const LEAF: usize = 12;
@@ -45,13 +46,6 @@ pub struct SiteIndex {
     stamp: u64,
     /// Squared first look per squared diagonal of a crowd's box.
     look: f64,
-}
-
-/// The boxes of two siblings, by component.
-#[derive(Clone, Copy, Debug, Default)]
-struct Pair {
-    min: [f64x2; 3],
-    max: [f64x2; 3],
 }
 
 impl SiteIndex {
@@ -276,26 +270,5 @@ impl SiteIndex {
         }
         self.bounds = lowest[1].both();
         self.pairs = lowest;
-    }
-}
-
-impl Pair {
-    fn new([one, other]: [Bounds<3>; 2]) -> Self {
-        let lanes = |axis: usize, end: fn(&Bounds<3>) -> &Point3<f64>| {
-            f64x2::new([end(&one)[axis], end(&other)[axis]])
-        };
-        Self {
-            min: [0, 1, 2].map(|axis| lanes(axis, |bounds| &bounds.min)),
-            max: [0, 1, 2].map(|axis| lanes(axis, |bounds| &bounds.max)),
-        }
-    }
-
-    /// The box around both.
-    fn both(&self) -> Bounds<3> {
-        let ends = |end: f64x2| end.to_array();
-        Bounds {
-            min: Point3::from(self.min.map(|end| ends(end)[0].min(ends(end)[1]))),
-            max: Point3::from(self.max.map(|end| ends(end)[0].max(ends(end)[1]))),
-        }
     }
 }
