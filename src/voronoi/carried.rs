@@ -16,8 +16,8 @@
 //! the cells around those vertices are rebuilt; if it is itself in doubt, or was, all its neighbors
 //! are. This goes on until nothing is left to do.
 //!
-//! A vertex comes or goes in a carried cell by a flip of the sites around it only, and that by common
-//! consent; and no rebuilt cell around it may differ. So in the end the cells around any vertex of a
+//! A vertex comes or goes in a carried cell by a flip of the sites around it only, which all five cells
+//! make or none; and no rebuilt cell around it may differ. So in the end the cells around any vertex of a
 //! carried cell hold that vertex as well, and are beyond doubt themselves. (Lists of neighbors that
 //! agree would not do: where a new edge between i and j opens in the middle of the facet between a
 //! and b, no list of a or b changes, and those of i and j agree as long as both ignore it.)

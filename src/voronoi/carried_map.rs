@@ -131,6 +131,7 @@ impl Wanted {
         told.sort_unstable();
         let mut flips = Vec::new();
         for alike in told.chunk_by(Flip::is_among) {
+            let may_follow = may_follow && alike.iter().all(|flip| flip.agrees(&alike[0]));
             for site in alike[0].sites() {
                 let rank = standing.numbers.ranks[site as usize];
                 if !may_follow {

@@ -82,7 +82,7 @@ impl Carrier {
         let site = numbers.sites[rank];
         let (mut has_followed, mut is_denied) = (false, false);
         for (_, flip) in told {
-            match flip.hear(site, &mut mold.corners, !is_rebuilt) {
+            match flip.hear(site, &mut mold.corners, is_rebuilt) {
                 Heard::Known => {}
                 Heard::Followed => has_followed = true,
                 Heard::Denied => {

@@ -21,7 +21,7 @@ pub(crate) struct Flip {
 /// What a cell makes of another's flip.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Heard {
-    /// It has made the same one.
+    /// It has the same vertices already.
     Known,
     /// It makes the flip as well.
     Followed,
@@ -61,6 +61,12 @@ impl Flip {
         self.five == other.five
     }
 
+    /// Whether another one among the same five, told by another cell, is the same.
+    pub(crate) fn agrees(&self, other: &Self) -> bool {
+        let lost_and_gained = (self.lost & other.gained) | (self.gained & other.lost);
+        self.is_among(other) && lost_and_gained == 0
+    }
+
     /// Whether the cell of a site has told it.
     pub(crate) fn is_told_by(&self, site: u32) -> bool {
         let teller = (self.lost | self.gained).trailing_ones();
@@ -77,8 +83,11 @@ impl Flip {
             })
     }
 
-    /// Lets the cell of one of the sites follow, which `may_change`.
-    pub(crate) fn hear(&self, site: u32, corners: &mut Corners, may_change: bool) -> Heard {
+    /// Lets the cell of one of the sites follow, or compares its vertices if `is_right`.
+    ///
+    /// A cell has what it had and, since then, every flip that it told or followed: each exchanges what
+    /// there is for what there is not. So cells that agreed before and have made the same flips agree.
+    pub(crate) fn hear(&self, site: u32, corners: &mut Corners, is_right: bool) -> Heard {
         let own = site_label(site);
         let Some(place) = self.five.iter().position(|&label| label == own) else {
             return Heard::Denied;
@@ -91,9 +100,9 @@ impl Flip {
         };
         let (lost, gained) = (among_four(self.lost), among_four(self.gained));
         let view = corners.view(&four) & (lost | gained);
-        if view == gained {
+        if is_right && view == gained {
             Heard::Known
-        } else if view == lost && may_change && corners.flip(&four).is_some() {
+        } else if !is_right && view == lost && corners.flip(&four).is_some() {
             Heard::Followed
         } else {
             Heard::Denied

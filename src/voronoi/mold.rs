@@ -57,16 +57,22 @@ impl Mold {
                 pattern, corners, ..
             } = self;
             corners.assign(pattern);
-            let (flipped, mut can_tell) = (told.len(), true);
+            let (mut any, mut can_tell) = (false, true);
             self.realizer.visit_reversed(cell, |facets| {
                 let four = facets.map(|facet| pattern.labels[usize::from(facet) % MOST]);
                 if let Some(view) = corners.flip(&four) {
                     let flip = Flip::told(site, &four, view);
                     can_tell &= flip.is_some();
-                    told.extend(flip);
+                    any = true;
+                    let same = |other: &Flip| flip.is_some_and(|flip| flip.is_among(other));
+                    match told[before..].iter().position(same) {
+                        // It takes the other one back.
+                        Some(place) => drop(told.remove(before + place)),
+                        None => told.extend(flip),
+                    }
                 }
             });
-            if told.len() == flipped || !can_tell || !corners.write(pattern) {
+            if !any || !can_tell || !corners.write(pattern) {
                 break;
             }
             if self.realize(standing, rank) {
