@@ -27,7 +27,7 @@ use peak_alloc::PeakAlloc;
 use rayon::ThreadPoolBuilder;
 
 mod common;
-use common::{grid_sites, random_sites};
+use common::random_sites;
 
 #[global_allocator]
 static HEAP: PeakAlloc = PeakAlloc;
@@ -43,8 +43,8 @@ const MANY: usize = 30;
 const WITHOUT_REUSE: f64 = 300.0;
 const WITH_REUSE: f64 = 800.0;
 
-/// How far sites are shaken, as a share of their distance.
-const NOISE: f64 = 0.02;
+/// Moves after which cells are carried.
+const MOVES_BEFORE: u64 = 40;
 
 const QUESTION: Question = Question {
     norm: Norm::Linf,
@@ -127,17 +127,19 @@ fn run(mut sites: Vec<Point3<f64>>, iterations: u64, is_accelerated: bool) -> (u
     (taken, (1..sites.len()).contains(&space.rebuilt()))
 }
 
-/// Sites near those of a lattice, whose moves are so small that most cells keep their pattern.
+/// Sites relaxed so far that most cells keep their pattern.
 fn near_sites(side: usize) -> Vec<Point3<f64>> {
-    let noise = random_sites(side.pow(3), 2);
-    let shaken = |(site, noise): (Point3<f64>, &Point3<f64>)| {
-        site + (noise - Point3::new(0.5, 0.5, 0.5)) * (NOISE / side as f64)
+    let space = Space::new(Box::new(Cuboid::unit()));
+    let mut sites = random_sites(side.pow(3), 2);
+    let options = LloydOptions {
+        iterations: MOVES_BEFORE,
+        tolerance: 0.0,
+        question: QUESTION,
+        is_accelerated: false,
     };
-    grid_sites(side)
-        .into_iter()
-        .zip(&noise)
-        .map(shaken)
-        .collect()
+    let mut go_on = |_: &Record, _: &[Point3<f64>]| ControlFlow::Continue(());
+    lloyd(&space, &mut sites, &options, None, &mut go_on).unwrap();
+    sites
 }
 
 #[test]

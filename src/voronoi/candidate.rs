@@ -2,6 +2,8 @@
 
 use nalgebra::{Point3, Vector3};
 
+use crate::domain::beyond::Beyond;
+use crate::geometry::label::Label;
 use crate::voronoi::index::SiteIndex;
 
 /// A site, or a periodic image of one, near another.
@@ -70,5 +72,14 @@ impl Candidate {
             place: place as u32,
             shift,
         }
+    }
+
+    /// What lies beyond a facet towards it.
+    pub(crate) fn label(&self, index: &SiteIndex) -> Label {
+        let beyond = Beyond::Neighbor {
+            site: index.site(self.place as usize),
+            image: index.shifts()[self.shift as usize].image,
+        };
+        beyond.label()
     }
 }

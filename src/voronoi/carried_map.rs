@@ -18,17 +18,20 @@ use crate::voronoi::index::SiteIndex;
 use crate::voronoi::packed::{CELLS, Packed};
 use crate::voronoi::standing::Standing;
 
-/// Of so many sites one is in the sample that tells how often cells are in doubt, up to
+/// Of so many sites one is in the sample that tells how many cells are fragile, up to
 /// [`LARGEST_SAMPLE`] in all.
-const SITES_PER_SAMPLE: usize = 256;
+const SITES_PER_SAMPLE: usize = 64;
 const LARGEST_SAMPLE: usize = 64;
 
-/// A cell in doubt costs seven tenths more than one that nobody wants to carry, a carried one a
-/// quarter less: where one in so many is in doubt, nothing is gained.
-const WORTH_DOUBTING: usize = 4;
+/// Where one cell in so many is fragile, near a lattice, nothing is gained: where one changes, it
+/// changes in many places, and so do all around it.
+const WORTH_CARRYING: usize = 2;
 
 /// After so many rounds of flips that call for others, the cells are rebuilt.
 const MOST_ROUNDS: usize = 8;
+
+/// As they are where there are more flips than so many per cell.
+const MOST_FLIPS: usize = 3;
 
 /// A thread's memory: for the cells, and for whoever asks them.
 type Desk<Memory> = (Carrier, Memory);
@@ -40,8 +43,8 @@ impl Diagram<'_> {
     ///
     /// Cells with a pattern are realized from it. So the answers do not depend on what `carried`
     /// holds, though they may differ from those of [`Diagram::map`] by rounding. Where a sample of
-    /// the cells is in doubt too often for that to pay, as in lattices, nothing is taken over and
-    /// the answers are those of [`Diagram::map`].
+    /// the cells is too fragile for that to pay, in lattices and near them, nothing is taken over
+    /// and the answers are those of [`Diagram::map`].
     ///
     /// # Errors
     /// [`DiagramError::Duplicate`] for the first pair of sites in one place.
@@ -54,7 +57,7 @@ impl Diagram<'_> {
         let mut old = carried.take();
         old.resize_with(self.len().div_ceil(CELLS), Packed::default);
         let standing = Standing::new(self.domain(), &index, carried.ranks());
-        if doubts_many(&standing) {
+        if are_fragile(&standing) {
             carried.forget(self.len());
             return self.map(ask);
         }
@@ -93,15 +96,15 @@ impl Diagram<'_> {
     }
 }
 
-/// Whether more cells are in doubt than pay, as a sample of them tells. That depends on nothing but
+/// Whether more cells are fragile than pay, as a sample of them tells. That depends on nothing but
 /// where the sites are now.
-fn doubts_many(standing: &Standing<'_>) -> bool {
+fn are_fragile(standing: &Standing<'_>) -> bool {
     let sites = standing.positions.len();
     let count = sites.div_ceil(SITES_PER_SAMPLE).min(LARGEST_SAMPLE);
     let mut carrier = Carrier::default();
     let sample = (0..count).map(|number| (2 * number + 1) * sites / (2 * count));
-    let doubts = sample.filter(|&site| carrier.is_in_doubt(standing, site));
-    doubts.count() * WORTH_DOUBTING > count
+    let fragile = sample.filter(|&site| carrier.is_fragile(standing, site));
+    fragile.count() * WORTH_CARRYING > count
 }
 
 /// What chunks want of each other.
@@ -129,6 +132,7 @@ impl Wanted {
             told.append(&mut chunk.news.flips);
         }
         told.sort_unstable();
+        let may_follow = may_follow && told.len() <= MOST_FLIPS * CELLS * chunks.len();
         let mut flips = Vec::new();
         for alike in told.chunk_by(Flip::is_among) {
             let may_follow = may_follow && alike.iter().all(|flip| flip.agrees(&alike[0]));

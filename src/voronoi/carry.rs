@@ -112,12 +112,12 @@ impl Carrier {
         Followed::Changed(ask(mold.cell(standing, rank)))
     }
 
-    /// Whether the cell of a site has no pattern, or is in doubt.
-    pub(crate) fn is_in_doubt(&mut self, standing: &Standing<'_>, site: usize) -> bool {
+    /// Whether the cell of a site has no pattern, is in doubt or hardly keeps its pattern.
+    pub(crate) fn is_fragile(&mut self, standing: &Standing<'_>, site: usize) -> bool {
         let Self { builder, mold, .. } = self;
         let rank = standing.numbers.ranks[site] as usize;
         let built = builder.build_in(Manner::InOrder, standing.domain, standing.index, rank);
-        !built.is_ok_and(|built| mold.take_over(standing, rank, &built))
+        !built.is_ok_and(|built| mold.take_over(standing, rank, &built)) || mold.is_fragile()
     }
 
     /// Builds a cell, asks it and puts its record where the numbered one is, or if none is known,

@@ -4,14 +4,17 @@ use crate::domain::beyond::Beyond;
 use crate::geometry::label::Label;
 use crate::voronoi::corners::{Corners, Four};
 
+/// Added to the number of a wall where it stands beside numbers of sites.
+const WALL: u32 = 1 << 31;
+
 /// An exchange of vertices between the cells of five sites, some of which may be walls instead.
 ///
 /// A vertex is told by the one of the five that is not around it. Whether the vertex of all but the
 /// teller is lost or gained, the teller does not know.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Flip {
-    /// In ascending order.
-    five: [Label; 5],
+    /// Sites, and walls behind them ([`WALL`]), in ascending order.
+    five: [u32; 5],
     /// The vertices that the teller has lost, as a set of bits.
     lost: u8,
     /// And those that it has gained.
@@ -34,20 +37,14 @@ impl Flip {
     /// view for the others; none where an image is among them, since labels tell images as they are
     /// seen from that very site.
     pub(crate) fn told(site: u32, four: &Four, view: u8) -> Option<Self> {
-        let is_here = |&label: &Label| match Beyond::of(label) {
-            Beyond::Neighbor { image, .. } => image == [0; 3],
-            Beyond::Wall(_) => true,
-            Beyond::Inner => false,
-        };
-        if !four.iter().all(is_here) {
-            return None;
-        }
-        let [a, b, c, d] = *four;
-        let mut five = [a, b, c, d, site_label(site)];
+        let [a, b, c, d] = four.map(number);
+        let of_four = [a?, b?, c?, d?];
+        let [a, b, c, d] = of_four;
+        let mut five = [a, b, c, d, number(site_label(site))?];
         five.sort_unstable();
         let (mut lost, mut gained) = (0, 0);
-        for (place, label) in five.iter().enumerate() {
-            if let Some(omitted) = four.iter().position(|other| other == label) {
+        for (place, one) in five.iter().enumerate() {
+            if let Some(omitted) = of_four.iter().position(|other| other == one) {
                 let was_there = view >> omitted & 1;
                 lost |= was_there << place;
                 gained |= (1 - was_there) << place;
@@ -70,17 +67,12 @@ impl Flip {
     /// Whether the cell of a site has told it.
     pub(crate) fn is_told_by(&self, site: u32) -> bool {
         let teller = (self.lost | self.gained).trailing_ones();
-        self.five[teller as usize % 5] == site_label(site)
+        self.five[teller as usize % 5] == site
     }
 
     /// The sites, walls left out.
     pub(crate) fn sites(&self) -> impl Iterator<Item = u32> {
-        self.five
-            .into_iter()
-            .filter_map(|label| match Beyond::of(label) {
-                Beyond::Neighbor { site, .. } => Some(site),
-                _ => None,
-            })
+        self.five.into_iter().filter(|&number| number < WALL)
     }
 
     /// Lets the cell of one of the sites follow, or compares its vertices if `is_right`.
@@ -88,11 +80,10 @@ impl Flip {
     /// A cell has what it had and, since then, every flip that it told or followed: each exchanges what
     /// there is for what there is not. So cells that agreed before and have made the same flips agree.
     pub(crate) fn hear(&self, site: u32, corners: &mut Corners, is_right: bool) -> Heard {
-        let own = site_label(site);
-        let Some(place) = self.five.iter().position(|&label| label == own) else {
+        let Some(place) = self.five.iter().position(|&other| other == site) else {
             return Heard::Denied;
         };
-        let four = [0, 1, 2, 3].map(|k| self.five[k + usize::from(k >= place)]);
+        let four = [0, 1, 2, 3].map(|k| label(self.five[k + usize::from(k >= place)]));
         // The sets without the place of the cell itself.
         let among_four = |set: u8| {
             let below = (1 << place) - 1;
@@ -113,4 +104,21 @@ impl Flip {
 fn site_label(site: u32) -> Label {
     let image = [0; 3];
     Beyond::Neighbor { site, image }.label()
+}
+
+/// The number that stands for a site where it is itself, or for a wall.
+fn number(label: Label) -> Option<u32> {
+    match Beyond::of(label) {
+        Beyond::Neighbor { site, image } => (image == [0; 3] && site < WALL).then_some(site),
+        Beyond::Wall(wall) => (wall < WALL).then_some(WALL + wall),
+        Beyond::Inner => None,
+    }
+}
+
+fn label(number: u32) -> Label {
+    if number < WALL {
+        site_label(number)
+    } else {
+        Beyond::Wall(number - WALL).label()
+    }
 }

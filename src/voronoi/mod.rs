@@ -39,3 +39,4 @@ mod shape;
 mod siblings;
 mod standing;
 mod surroundings;
+mod touch;

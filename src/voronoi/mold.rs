@@ -10,6 +10,7 @@ use crate::voronoi::pattern::{MOST, Pattern};
 use crate::voronoi::ranks::{Across, IMAGES};
 use crate::voronoi::realize::Realizer;
 use crate::voronoi::standing::Standing;
+use crate::voronoi::touch::Touch;
 
 /// How often a pattern is flipped and realized before it is given up.
 const MOST_MENDED: usize = 3;
@@ -21,13 +22,14 @@ pub(crate) struct Mold {
     pub(crate) corners: Corners,
     across: Vec<Across>,
     realizer: Realizer,
+    touch: Touch,
     start: Polyhedron,
     pub(crate) body: Body,
 }
 
 impl Mold {
     /// Takes the pattern of a cell that was built and realizes it; returns whether it has one and is
-    /// beyond doubt.
+    /// beyond doubt: sound by itself and touched by no other site.
     pub(crate) fn take_over(
         &mut self,
         standing: &Standing<'_>,
@@ -36,7 +38,10 @@ impl Mold {
     ) -> bool {
         let has_pattern =
             (built.compact()).is_some_and(|compact| self.pattern.assign(compact, built.site));
-        has_pattern && self.realize(standing, rank)
+        let is_sound = has_pattern && self.realize(standing, rank);
+        let Self { body, touch, .. } = self;
+        let cell = body.compact().filter(|_| is_sound);
+        cell.is_some_and(|cell| !touch.is_touched(standing.index, rank, cell))
     }
 
     /// Flips the pattern in hand, which has been realized, where edges run the wrong way, and tells
@@ -81,6 +86,11 @@ impl Mold {
         }
         told.truncate(before);
         false
+    }
+
+    /// Whether the cell that has been realized will hardly keep its pattern.
+    pub(crate) fn is_fragile(&self) -> bool {
+        self.realizer.is_fragile()
     }
 
     /// The cell that has been realized.

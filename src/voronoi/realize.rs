@@ -28,6 +28,10 @@ const FLATTEST: f64 = 1e-3;
 /// cell's radius: far above what rounding does to vertices, and rare.
 const MARGIN: f64 = 1e-7;
 
+/// The least such distance with which a cell is expected to keep its pattern. One in seven relaxed
+/// cells has less; so have most where sites are within a tenth of their distance of a lattice.
+const FRAGILE: f64 = 3e-3;
+
 /// The least distance of a neighbor relative to the cell's radius: bisectors of nearer sites could
 /// pass by a vertex within rounding unseen.
 const NEAREST: f64 = 0.02;
@@ -47,6 +51,8 @@ pub(crate) struct Realizer {
     nearest: f64,
     /// Of all numbers: not finite if one of them is not.
     sum: f64,
+    /// The room of the cell last placed, relative to its radius.
+    room: f64,
 }
 
 impl Default for Realizer {
@@ -55,6 +61,7 @@ impl Default for Realizer {
             planes: [[0.0; 4]; MOST],
             nearest: f64::INFINITY,
             sum: 0.0,
+            room: 0.0,
         }
     }
 }
@@ -113,10 +120,16 @@ impl Realizer {
             room,
         } = self.meet(cell);
         let radius = radius_squared.sqrt();
+        self.room = room / radius;
         flattest >= FLATTEST
             && (2.0 * self.nearest).sqrt() >= NEAREST * radius
             && summits == 1
             && room >= MARGIN * radius
+    }
+
+    /// Whether an edge of the cell last placed is so short that hardly a move leaves it as it is.
+    pub(crate) fn is_fragile(&self) -> bool {
+        self.room < FRAGILE
     }
 
     /// Calls `found` for every edge of the cell just placed that runs the wrong way, with the facets left

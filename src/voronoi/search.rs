@@ -7,11 +7,9 @@
 
 use nalgebra::Point3;
 
-use crate::domain::beyond::Beyond;
 use crate::geometry::clip::Clip;
 use crate::geometry::compact_clip::Full;
 use crate::geometry::half_space::HalfSpace;
-use crate::geometry::label::Label;
 use crate::voronoi::candidate::{Candidate, Subtree};
 use crate::voronoi::far::FarVertices;
 use crate::voronoi::in_order::{Next, Queue};
@@ -204,7 +202,7 @@ impl<S: Shape> Task<'_, S> {
             let at = (place, subtree.shift);
             let candidate = Candidate::new(self.index, &self.site, at, &by);
             if place != self.place && candidate.distance_squared < self.needed {
-                queue.push_candidate(candidate, label(self.index, &candidate));
+                queue.push_candidate(candidate, candidate.label(self.index));
             }
         }
     }
@@ -257,7 +255,7 @@ impl<S: Shape> Task<'_, S> {
             return Err(Halt::Duplicate(self.duplicate(candidate)));
         }
         let index = self.index;
-        let label = || label(index, candidate);
+        let label = || candidate.label(index);
         match self.shape.cut(&candidate.bisector(), label) {
             Ok(Clip::Unchanged) => {}
             Ok(_) => self.needed = 4.0 * self.shape.radius_squared(),
@@ -276,15 +274,6 @@ impl<S: Shape> Task<'_, S> {
             second: site.max(other),
         }
     }
-}
-
-/// What lies beyond the facet that a candidate cuts.
-fn label(index: &SiteIndex, candidate: &Candidate) -> Label {
-    let beyond = Beyond::Neighbor {
-        site: index.site(candidate.place as usize),
-        image: index.shifts()[candidate.shift as usize].image,
-    };
-    beyond.label()
 }
 
 impl Candidate {
