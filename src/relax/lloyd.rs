@@ -12,8 +12,8 @@ use crate::relax::over_relaxation::{Moves, advance, look};
 use crate::relax::record::{Movement, Record};
 use crate::relax::tessellation::{Question, Tessellation};
 
-/// Cells are carried over after a movement below this (%): beyond, so many must follow flips, twice
-/// asked, that it takes less to build them all.
+/// Cells are carried over after a movement below this (%): beyond, so many change that it takes less to
+/// build them all.
 pub const LITTLE: f64 = 0.7;
 
 /// When to stop, and what to minimize.

@@ -12,9 +12,10 @@
 //! nothing of the kind denies it, and all five cells are rebuilt.
 //!
 //! A cell is rebuilt too if it has no pattern or if its realization (`realize`) is in doubt even
-//! after flips; what is built is in doubt also where other sites touch it (`touch`). If a rebuilt cell turns out to have other vertices than the others took it to have,
-//! the cells around those vertices are rebuilt; if it is itself in doubt, or was, all its neighbors
-//! are. This goes on until nothing is left to do.
+//! after flips; what is built is in doubt also where other sites touch it (`touch`). If a rebuilt
+//! cell turns out to have other vertices than the others took it to have, the cells around those
+//! vertices are rebuilt; if it is itself in doubt, or was, all its neighbors are. This goes on until
+//! nothing is left to do.
 //!
 //! A vertex comes or goes in a carried cell by a flip of the sites around it only, which all five cells
 //! make or none; and no rebuilt cell around it may differ. So in the end the cells around any vertex of a
@@ -41,13 +42,14 @@
 //! Around a vertex of a carried cell all cells are beyond doubt, so for some ρ, the margin times the
 //! flatness allowed, they fill the ball of radius ρ about it. Every other site is farther away than
 //! theirs by a share of ρ that only very near sites make small, which is a doubt of its own. All this
-//! is far above rounding, so that a cold build finds the same pattern, and no touch. It then hands the cell to the
-//! same realization, with the same doubts. So whether cells are carried shows in no bit of any result:
-//! runs that are resumed, and begin without patterns, agree with uninterrupted ones. Lattices are
-//! always in doubt, and near them the least move makes eight sites change partners at every vertex:
-//! such cells are never carried. A sample tells, and then all cells stay as they were cut.
-//! Single cells in doubt are cut by ever farther sites, an order that the sites alone decide, for the
-//! index is carried too: its sites stay sorted as they were while they have not moved far.
+//! is far above rounding, so that a cold build finds the same pattern, and no touch. It then hands the
+//! cell to the same realization, with the same doubts. So whether cells are carried shows in no bit of
+//! any result: runs that are resumed, and begin without patterns, agree with uninterrupted ones.
+//!
+//! Lattices are always in doubt, and near them the least move makes eight sites change partners at
+//! every vertex: such cells are never carried. A sample tells, and then all cells stay as they were
+//! cut. Single cells in doubt are cut by ever farther sites, an order that the sites alone decide, for
+//! the index is carried too: its sites stay sorted as they were while they have not moved far.
 
 use std::sync::Arc;
 

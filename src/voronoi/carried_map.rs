@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use crate::voronoi::carried::Carried;
 use crate::voronoi::carry::Carrier;
 use crate::voronoi::cell::Cell;
-use crate::voronoi::chunk::{Chunk, Heard};
+use crate::voronoi::chunk::{Chunk, Errand};
 use crate::voronoi::diagram::{Diagram, DiagramError, bring_into_order};
 use crate::voronoi::flip::Flip;
 use crate::voronoi::index::SiteIndex;
@@ -78,10 +78,10 @@ impl Diagram<'_> {
             chunks.par_iter_mut().enumerate().for_each_init(
                 Desk::<Memory>::default,
                 |(carrier, memory), (number, chunk)| {
-                    let heard = wanted.of_chunk(number);
-                    if heard.marked != 0 || !heard.flips.is_empty() {
+                    let errand = wanted.of_chunk(number);
+                    if errand.marked != 0 || !errand.flips.is_empty() {
                         let ask = |cell: Cell<'_>| ask(memory, cell);
-                        let done = chunk.revisit(&standing, carrier, number, heard, ask);
+                        let done = chunk.revisit(&standing, carrier, number, errand, ask);
                         chunk.duplicate = done.err();
                     }
                 },
@@ -99,7 +99,7 @@ impl Diagram<'_> {
 /// Whether more cells are fragile than pay, as a sample of them tells. That depends on nothing but
 /// where the sites are now.
 fn are_fragile(standing: &Standing<'_>) -> bool {
-    let sites = standing.positions.len();
+    let sites = standing.index.len();
     let count = sites.div_ceil(SITES_PER_SAMPLE).min(LARGEST_SAMPLE);
     let mut carrier = Carrier::default();
     let sample = (0..count).map(|number| (2 * number + 1) * sites / (2 * count));
@@ -155,12 +155,12 @@ impl Wanted {
         (!is_empty).then_some(Self { marked, flips })
     }
 
-    fn of_chunk(&self, number: usize) -> Heard<'_> {
+    fn of_chunk(&self, number: usize) -> Errand<'_> {
         let before = |number: usize| {
             let is_before = |(rank, _): &(u32, Flip)| *rank as usize / CELLS < number;
             self.flips.partition_point(is_before)
         };
-        Heard {
+        Errand {
             marked: self.marked[number],
             flips: &self.flips[before(number)..before(number + 1)],
         }

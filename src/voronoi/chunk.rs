@@ -1,4 +1,4 @@
-//! Some dozen cells that are carried together, by one thread at a time.
+//! Some dozens of cells that are carried together, by one thread at a time.
 
 use crate::voronoi::carry::{Carrier, Followed, News};
 use crate::voronoi::cell::Cell;
@@ -17,9 +17,9 @@ pub(crate) struct Chunk<Answer> {
     pub(crate) duplicate: Option<Duplicate>,
 }
 
-/// What a chunk has heard from others.
+/// What others have made necessary in a chunk.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Heard<'a> {
+pub(crate) struct Errand<'a> {
     /// Which of its cells must be rebuilt.
     pub(crate) marked: u64,
     /// Which flips its cells have to follow, sorted by rank.
@@ -42,7 +42,7 @@ impl<Answer> Chunk<Answer> {
             duplicate: None,
         };
         let is_known = !chunk.packed.is_empty();
-        let ranks = number * CELLS..standing.positions.len().min((number + 1) * CELLS);
+        let ranks = number * CELLS..standing.index.len().min((number + 1) * CELLS);
         for (cell, rank) in ranks.enumerate() {
             let Self { packed, news, .. } = &mut chunk;
             let carried = is_known
@@ -71,13 +71,13 @@ impl<Answer> Chunk<Answer> {
         standing: &Standing<'_>,
         carrier: &mut Carrier,
         number: usize,
-        heard: Heard<'_>,
+        errand: Errand<'_>,
         mut ask: impl FnMut(Cell<'_>) -> Answer,
     ) -> Result<(), Duplicate> {
-        for cell in (0..self.answers.len()).filter(|cell| heard.marked >> cell & 1 == 1) {
+        for cell in (0..self.answers.len()).filter(|cell| errand.marked >> cell & 1 == 1) {
             self.rebuild(standing, carrier, number * CELLS + cell, &mut ask)?;
         }
-        for told in heard.flips.chunk_by(|one, other| one.0 == other.0) {
+        for told in errand.flips.chunk_by(|one, other| one.0 == other.0) {
             let rank = told[0].0 as usize;
             let cell = rank % CELLS;
             let is_rebuilt = self.rebuilt >> cell & 1 == 1;

@@ -8,7 +8,7 @@
 //! manifolds are equivalent by elementary shellings*, European J. Combin. 12, 1991): a sphere stays one.
 
 use crate::geometry::label::Label;
-use crate::voronoi::pattern::{MOST, Pattern, Sides};
+use crate::voronoi::pattern::{MOST, Pattern};
 
 /// Four labels, and sets of them by bits: bit k is the corner of all but the k-th.
 pub(crate) type Four = [Label; 4];
@@ -20,7 +20,6 @@ pub(crate) struct Corners {
     labels: Vec<Label>,
     /// The numbers of the facets around each corner, counter-clockwise.
     around: Vec<[u8; 3]>,
-    sides: Sides,
 }
 
 impl Corners {
@@ -147,33 +146,27 @@ impl Corners {
 
     /// The pattern of these corners in its one possible order, if they are a sphere's.
     #[must_use]
-    pub(crate) fn write(&mut self, pattern: &mut Pattern) -> bool {
+    pub(crate) fn write(&self, pattern: &mut Pattern) -> bool {
         let mut counts = [0_u8; MOST];
         for &facet in self.around.as_flattened() {
             counts[usize::from(facet)] += 1;
-        }
-        let mut order = [(0, 0_u8); MOST];
-        let mut count = 0;
-        for (number, &label) in self.labels.iter().enumerate() {
-            if counts[number] > 0 {
-                order[count] = (label, number as u8);
-                count += 1;
-            }
         }
         let has_room = self.around.len() <= MOST;
         if !has_room || counts.iter().any(|&corners| corners == 1 || corners == 2) {
             return false;
         }
-        order[..count].sort_unstable();
-        let mut numbers = [0_u8; MOST];
-        for (number, (label, old)) in order[..count].iter().enumerate() {
-            pattern.labels[number] = *label;
-            numbers[usize::from(*old)] = number as u8;
+        let (mut facets, mut count) = ([(0, 0); MOST], 0);
+        for (number, &label) in self.labels.iter().enumerate() {
+            if counts[number] > 0 {
+                facets[count] = (label, number as u8);
+                count += 1;
+            }
         }
-        pattern.facet_count = count;
+        let Some(numbers) = pattern.assign_labels(facets[..count].iter().copied()) else {
+            return false;
+        };
         let around = self.around.iter();
-        let around = around.map(|corner| corner.map(|facet| numbers[usize::from(facet) % MOST]));
-        pattern.assign_corners(around, &mut self.sides)
+        pattern.assign_corners(around.map(|corner| corner.map(|facet| numbers[usize::from(facet)])))
     }
 }
 
@@ -190,7 +183,7 @@ mod tests {
     use super::*;
     use crate::domain::beyond::Beyond;
     use crate::geometry::bounds::Bounds;
-    use crate::geometry::compact::Compact;
+    use crate::geometry::compact::{Compact, slots};
     use crate::geometry::compact_clip::CompactScratch;
     use crate::geometry::half_space::HalfSpace;
     use crate::geometry::polyhedron::Polyhedron;
@@ -205,6 +198,26 @@ mod tests {
     fn pattern(cell: &Compact) -> Pattern {
         let mut pattern = Pattern::default();
         assert!(pattern.assign(cell, SITE));
+        // The same edges, told by what is around their ends.
+        let ends = |around: &[u8], twins: &[u8], labels: &[Label], slots: &[usize]| {
+            let corner = |slot: usize| {
+                let mut three = [1, 2, 3].map(|byte| labels[usize::from(around[4 * slot + byte])]);
+                three.sort_unstable();
+                three
+            };
+            let edges = slots
+                .iter()
+                .flat_map(|slot| [0, 1, 2].map(|edge| 4 * slot + edge));
+            let ends = edges.map(|edge| [edge / 4, usize::from(twins[edge] / 4)].map(corner));
+            let mut all: Vec<_> = ends.collect();
+            all.sort_unstable();
+            all
+        };
+        let (places, slots): (Vec<_>, Vec<_>) = slots(cell.alive).enumerate().unzip();
+        assert_eq!(
+            ends(&pattern.facets, &pattern.twins, pattern.labels(), &places),
+            ends(&cell.facets, &cell.twins, &cell.labels, &slots),
+        );
         pattern
     }
 
@@ -240,11 +253,11 @@ mod tests {
     fn a_corner_cut_off_is_a_flip() {
         let cell = cell();
         let before = pattern(&cell);
-        for slot in crate::geometry::compact::slots(cell.alive) {
+        for slot in slots(cell.alive) {
             // A plane that leaves just this vertex beyond.
             let vertex = cell.vertex(slot);
             let along = |other: usize| vertex.dot(&cell.vertex(other)) / vertex.norm_squared();
-            let others = crate::geometry::compact::slots(cell.alive).filter(|&other| other != slot);
+            let others = slots(cell.alive).filter(|&other| other != slot);
             let nearest = others.map(along).fold(f64::NEG_INFINITY, f64::max);
             if nearest >= 1.0 {
                 continue;

@@ -105,7 +105,7 @@ impl SiteIndex {
 
     /// Per site: its place.
     #[must_use]
-    pub fn places_of_sites(&self) -> Vec<u32> {
+    pub(crate) fn places_of_sites(&self) -> Vec<u32> {
         let mut places = vec![0; self.len()];
         for (place, &site) in self.sites.iter().enumerate() {
             places[site as usize] = place as u32;
@@ -115,7 +115,7 @@ impl SiteIndex {
 
     /// The memory that is held (bytes).
     #[must_use]
-    pub fn memory(&self) -> usize {
+    pub(crate) fn memory(&self) -> usize {
         size_of::<Self>()
             + size_of::<Pair>() * self.pairs.capacity()
             + size_of::<u32>() * self.sites.capacity()
@@ -137,7 +137,7 @@ impl SiteIndex {
 
     /// The positions of all sites, by place.
     #[must_use]
-    pub fn positions(&self) -> &[Point3<f64>] {
+    pub(crate) fn positions(&self) -> &[Point3<f64>] {
         &self.positions
     }
 

@@ -20,7 +20,6 @@ const MOST_MENDED: usize = 3;
 pub(crate) struct Mold {
     pub(crate) pattern: Pattern,
     pub(crate) corners: Corners,
-    across: Vec<Across>,
     realizer: Realizer,
     touch: Touch,
     start: Polyhedron,
@@ -97,7 +96,7 @@ impl Mold {
     pub(crate) fn cell(&self, standing: &Standing<'_>, rank: usize) -> Cell<'_> {
         Cell {
             site: standing.numbers.sites[rank],
-            position: standing.positions[rank],
+            position: standing.index.position(rank),
             body: &self.body,
         }
     }
@@ -105,13 +104,13 @@ impl Mold {
     /// Realizes the pattern in hand; returns whether the cell is beyond doubt.
     pub(crate) fn realize(&mut self, standing: &Standing<'_>, rank: usize) -> bool {
         self.pattern.write(self.body.slots());
-        let mut across = std::mem::take(&mut self.across);
-        across.clear();
-        let labels = self.pattern.labels().iter();
-        across.extend(labels.map(|&label| standing.numbers.across(label)));
-        let is_sound = self.place(standing, rank, across.iter().copied());
-        self.across = across;
-        is_sound
+        let (labels, count) = (self.pattern.labels, self.pattern.facet_count);
+        let across = labels[..count].iter();
+        self.place(
+            standing,
+            rank,
+            across.map(|&label| standing.numbers.across(label)),
+        )
     }
 
     /// Places the vertices of a pattern that has been laid out in the body, beyond whose facets lies
@@ -123,14 +122,14 @@ impl Mold {
         rank: usize,
         across: impl Iterator<Item = Across>,
     ) -> bool {
-        let here = standing.positions[rank];
+        let here = standing.index.position(rank);
         let cell = self.body.slots();
         self.realizer.clear();
         let mut has_start = false;
         for (facet, across) in across.enumerate() {
             if let Some((rank, image)) = across.site() {
                 let by = standing.shifts[usize::from(image) % IMAGES];
-                let away = standing.positions[rank as usize] - here + by;
+                let away = standing.index.position(rank as usize) - here + by;
                 (self.realizer).add(&HalfSpace::bisector(away), true, cell);
                 continue;
             }

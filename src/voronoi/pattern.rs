@@ -25,6 +25,8 @@ pub(crate) struct Pattern {
     /// The edges that leave the vertices, as in the first slots.
     pub(crate) twins: [u8; EDGES],
     pub(crate) vertex_count: usize,
+    /// Memory in which edges find their other ends.
+    pub(crate) sides: Sides,
 }
 
 impl Default for Pattern {
@@ -35,6 +37,7 @@ impl Default for Pattern {
             facets: [0; EDGES],
             twins: [0; EDGES],
             vertex_count: 0,
+            sides: Sides::default(),
         }
     }
 }
@@ -67,55 +70,18 @@ impl Pattern {
         let Some(numbers) = self.number_facets(cell, site) else {
             return false;
         };
-        let mut order = [0_u32; MOST];
-        let mut firsts = [0_u8; MOST];
-        let mut count = 0;
-        for slot in slots(cell.alive) {
-            let [a, b, c] = [1, 2, 3].map(|byte| number(&numbers, cell, 4 * slot + byte));
-            let first = if a < b && a < c {
-                0
-            } else if b < c {
-                1
-            } else {
-                2
-            };
-            let (low, middle, high) = sorted(a, b, c);
-            firsts[slot] = first;
-            order[count] = key(low, middle, high) << 8 | slot as u32;
-            count += 1;
-        }
-        order[..count].sort_unstable();
-        if order[..count].windows(2).any(|w| w[0] >> 8 == w[1] >> 8) {
-            return false;
-        }
-        let mut places = [0_u8; MOST];
-        for (place, entry) in order[..count].iter().enumerate() {
-            places[(entry & 0xff) as usize] = place as u8;
-        }
-        self.vertex_count = count;
-        for (place, entry) in order[..count].iter().enumerate() {
-            let slot = (entry & 0xff) as usize;
-            let turn = |edge: u8, slot: usize| (edge + 3 - firsts[slot]) % 3;
-            for edge in 0..3 {
-                let at = 4 * place + usize::from(turn(edge, slot));
-                let old = 4 * slot + usize::from(edge);
-                self.facets[at + 1] = number(&numbers, cell, old + 1);
-                let (end, back) = (usize::from(cell.twins[old] / 4), cell.twins[old] % 4);
-                self.twins[at] = 4 * places[end] + turn(back, end);
-            }
-            self.facets[4 * place] = self.facets[4 * place + 3];
-        }
-        true
+        let corners = slots(cell.alive);
+        self.assign_corners(corners.map(|slot| {
+            let facet = |byte: usize| usize::from(cell.facets[4 * slot + byte]);
+            [1, 2, 3].map(|byte| numbers[facet(byte)])
+        }))
     }
 
     /// Takes up corners, each given by the facets around it, counter-clockwise; returns whether every
-    /// edge has two ends.
+    /// edge has two ends and no two corners are alike.
     #[must_use]
-    pub(crate) fn assign_corners(
-        &mut self,
-        corners: impl Iterator<Item = [u8; 3]>,
-        sides: &mut Sides,
-    ) -> bool {
+    pub(crate) fn assign_corners(&mut self, corners: impl Iterator<Item = [u8; 3]>) -> bool {
+        let sides = &mut self.sides;
         let mut order = [0; MOST];
         self.vertex_count = 0;
         for (entry, [a, b, c]) in order.iter_mut().zip(corners) {
@@ -183,32 +149,37 @@ impl Pattern {
         if cell.alive.count_ones() < 4 {
             return None;
         }
-        let Lists {
-            planes,
-            facets: mut numbers,
-            ..
-        } = Lists::of(cell);
+        let Lists { planes, .. } = Lists::of(cell);
+        let label = |plane: u8| cell.labels[usize::from(plane)];
+        let facets = planes.listed().iter().map(|&plane| (label(plane), plane));
+        if facets.clone().any(|(label, _)| !may_bound(label, site)) {
+            return None;
+        }
+        self.assign_labels(facets)
+    }
+
+    /// Takes up facets, each given by its label and an old number, in the order of the labels; returns
+    /// their new numbers by the old ones. No label may come twice.
+    pub(crate) fn assign_labels(
+        &mut self,
+        facets: impl ExactSizeIterator<Item = (Label, u8)>,
+    ) -> Option<[u8; PLANES]> {
         let mut order = [(0, 0_u8); MOST];
-        let count = planes.listed().len();
+        let count = facets.len();
         if count > MOST {
             return None;
         }
-        for (entry, &plane) in order.iter_mut().zip(planes.listed()) {
-            *entry = (cell.labels[usize::from(plane)], plane);
-        }
-        if order[..count]
-            .iter()
-            .any(|&(label, _)| !may_bound(label, site))
-        {
-            return None;
+        for (entry, facet) in order.iter_mut().zip(facets) {
+            *entry = facet;
         }
         order[..count].sort_unstable();
         if order[..count].windows(2).any(|pair| pair[0].0 == pair[1].0) {
             return None;
         }
-        for (number, (label, plane)) in order[..count].iter().enumerate() {
+        let mut numbers = [0_u8; PLANES];
+        for (number, (label, old)) in order[..count].iter().enumerate() {
             self.labels[number] = *label;
-            numbers[usize::from(*plane)] = number as u8;
+            numbers[usize::from(*old)] = number as u8;
         }
         self.facet_count = count;
         Some(numbers)
@@ -269,11 +240,6 @@ fn may_bound(label: Label, cell_site: u32) -> bool {
         Beyond::Wall(_) => true,
         Beyond::Inner => false,
     }
-}
-
-/// The new number of the facet in a byte of the slots.
-fn number(numbers: &[u8; PLANES], cell: &Compact, byte: usize) -> u8 {
-    numbers[usize::from(cell.facets[byte])]
 }
 
 fn sorted(a: u8, b: u8, c: u8) -> (u8, u8, u8) {

@@ -1,6 +1,6 @@
 //! Sites as they stand now, by rank.
 
-use nalgebra::{Point3, Vector3};
+use nalgebra::Vector3;
 
 use crate::domain::space::Domain;
 use crate::voronoi::index::SiteIndex;
@@ -11,8 +11,6 @@ pub(crate) struct Standing<'a> {
     pub(crate) domain: &'a dyn Domain,
     pub(crate) index: &'a SiteIndex,
     pub(crate) numbers: Ranks<'a>,
-    /// Per rank: the site's position.
-    pub(crate) positions: &'a [Point3<f64>],
     /// Per number of an image: its displacement (L).
     pub(crate) shifts: [Vector3<f64>; IMAGES],
 }
@@ -32,7 +30,6 @@ impl<'a> Standing<'a> {
                 sites: index.sites(),
                 ranks,
             },
-            positions: index.positions(),
             shifts: std::array::from_fn(shift),
         }
     }
