@@ -18,11 +18,11 @@
 use nalgebra::Vector3;
 use wide::f64x4;
 
+use crate::chebyshev::endpoints::Found;
 use crate::chebyshev::energy::{SignedPiece, tetrahedron};
 use crate::chebyshev::integrand::Integrand;
 use crate::chebyshev::interface::Interface;
 use crate::chebyshev::linear_borders::LinearSums;
-use crate::chebyshev::mark::Mark;
 use crate::chebyshev::sector::Sector;
 use crate::chebyshev::visit::{Corner, FacetView, Side, Visit};
 use crate::chebyshev::walk::{WalkScratch, walk};
@@ -213,7 +213,8 @@ impl Visit for Sums<'_> {
         }
     }
 
-    fn segment(&mut self, facet: &FacetView<'_>, interface: Interface, u: &Mark, v: &Mark) {
+    fn segment(&mut self, facet: &FacetView<'_>, interface: Interface, u: &Found, v: &Found) {
+        let [u, v] = [&u.mark, &v.mark];
         let (left, right) = interface.sectors();
         let [u, v] = [u, v].map(|mark| interface.point(mark));
         let (doubled_area, anchor) = (facet.doubled_area(&u, &v), facet.anchor.point());

@@ -8,16 +8,16 @@
 
 use std::ops::ControlFlow;
 
-use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
+use nalgebra::{SVector, Vector3};
 
 use crate::chebyshev::energy::{SignedPiece, energy_jet};
-use crate::chebyshev::quartic::fourth;
+use crate::chebyshev::quartic::ahead;
 use crate::chebyshev::walk::WalkScratch;
 use crate::geometry::bounds::Bounds;
 use crate::minimize::lbfgsb::lbfgsb;
 use crate::minimize::lbfgsb_options::LbfgsbOptions;
 use crate::minimize::newton::{NewtonOptions, minimize};
-use crate::minimize::objective::{Objective, Plain};
+use crate::minimize::objective::{Ahead, Objective, Plain};
 use crate::minimize::problem::Jet;
 
 /// The projected gradient at which L-BFGS-B stops, relative to that of a step of the cell's size.
@@ -178,8 +178,8 @@ impl<const D: usize, Energy: Objective<D>> Objective<D> for Noted<D, Energy> {
         jet
     }
 
-    fn fourth(&mut self, step: &SVector<f64, D>) -> Option<SMatrix<f64, D, D>> {
-        self.energy.fourth(step)
+    fn ahead(&mut self, step: &SVector<f64, D>) -> Option<Ahead<D>> {
+        self.energy.ahead(step)
     }
 }
 
@@ -195,13 +195,12 @@ impl Objective<3> for EnergyOf<'_> {
         energy_jet(self.pieces, center, self.order, self.scratch)
     }
 
-    fn fourth(&mut self, step: &Vector3<f64>) -> Option<Matrix3<f64>> {
+    fn ahead(&mut self, step: &Vector3<f64>) -> Option<Ahead<3>> {
         let [SignedPiece { sign, integrand }] = self.pieces else {
             return None;
         };
-        let is_plain = self.order == 1 && integrand.density.is_none();
-        let fourth = is_plain.then(|| fourth(integrand, step, self.scratch))?;
-        fourth.map(|fourth| fourth * *sign)
+        let is_plain = self.order == 1 && integrand.density.is_none() && *sign > 0.0;
+        is_plain.then(|| ahead(integrand, step, self.scratch))?
     }
 }
 

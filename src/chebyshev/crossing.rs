@@ -4,7 +4,7 @@ use wide::f64x2;
 
 use crate::chebyshev::endpoints::Found;
 use crate::chebyshev::interface::Endpoint;
-use crate::chebyshev::mark::{Drift, Mark};
+use crate::chebyshev::mark::Mark;
 use crate::chebyshev::panorama::VertexSight;
 use crate::chebyshev::sector::Sector;
 use crate::chebyshev::sight::Sight;
@@ -139,12 +139,11 @@ impl Crossing {
 /// How the crossing slides along the edge from `a` to `b`, for `scale` the inverse of how much the
 /// distance of the sector ahead gains, along the whole edge, on that of the one behind.
 #[inline]
-fn drift_of([a, b]: [&Sight; 2], endpoint: Endpoint, scale: f64) -> Drift {
+fn drift_of([a, b]: [&Sight; 2], endpoint: Endpoint, scale: f64) -> Mark {
     let interface = endpoint.interface();
     let (left, third) = (interface.sectors().0, interface.third_axis());
     let slide = b.mark(left, third) - a.mark(left, third);
-    let [distance, third] = (slide * f64x2::splat(endpoint.signed(scale))).to_array();
-    Drift { distance, third }
+    Mark::of(slide * f64x2::splat(endpoint.signed(scale)))
 }
 
 /// The point at `end` along the edge from `a` to `b`, on an interface of `sector`.

@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 use wide::f64x2;
 
 use crate::chebyshev::interface::{Endpoint, Interface};
-use crate::chebyshev::mark::{Drift, Mark};
+use crate::chebyshev::mark::Mark;
 
 /// The endpoints that are starts.
 pub(crate) const STARTS: u32 = (1 << Interface::SLOTS) - 1;
@@ -14,20 +14,30 @@ pub(crate) const STARTS: u32 = (1 << Interface::SLOTS) - 1;
 pub(crate) struct Found {
     /// Where it is.
     pub(crate) mark: Mark,
-    /// How it slides along its edge; no number at a diagonal.
-    pub(crate) drift: Drift,
+    /// How it slides along its edge; zero at a diagonal. A center that moves by δ, of which δ_l
+    /// and δ_r are the parts along the interface's two sectors and δ_t that along the third axis,
+    /// takes the interface with it, and the mark changes by −(δ_l, δ_t) − (δ_l − δ_r) drift.
+    pub(crate) drift: Mark,
 }
 
 impl Found {
     /// What does not lie on an edge.
     #[inline]
     pub(crate) fn off_edges(mark: Mark) -> Self {
-        let drift = Drift {
-            distance: f64::NAN,
-            third: f64::NAN,
-        };
-        Self { mark, drift }
+        Self {
+            mark,
+            drift: Mark::default(),
+        }
     }
+}
+
+/// Where diagonals pierce facets.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Tips {
+    /// The facets.
+    pub(crate) facets: [u32; 8],
+    /// The coordinates along all axes, but for their signs.
+    pub(crate) reaches: [f64; 8],
 }
 
 /// A second start or end on an interface of a facet. A convex facet has none but by rounding.
@@ -50,6 +60,9 @@ pub(crate) struct Endpoints {
     found: Vec<[Found; Endpoint::SLOTS]>,
     /// Those elsewhere.
     pub(crate) spare: Vec<Spare>,
+    tips: Tips,
+    /// The diagonals of `tips`, as a set of bits.
+    pierced: u8,
     /// Whether rounding alone has added some, or nobody can tell how one slides.
     pub(crate) are_rounded: bool,
 }
@@ -64,6 +77,7 @@ impl Endpoints {
                 .resize(count, [Found::default(); Endpoint::SLOTS]);
         }
         self.spare.clear();
+        self.pierced = 0;
         self.are_rounded = false;
     }
 
@@ -87,7 +101,19 @@ impl Endpoints {
 
     /// Adds those at a diagonal that pierces the facet `reach` along every axis.
     #[inline]
-    pub(crate) fn enter_diagonal(&mut self, facet: usize, all: &[(Endpoint, f64); 3], reach: f64) {
+    pub(crate) fn enter_diagonal(
+        &mut self,
+        facet: usize,
+        diagonal: u8,
+        reach: f64,
+        is_inside: bool,
+    ) {
+        let all = Endpoint::at_diagonal(diagonal, is_inside);
+        let (place, bit) = (usize::from(diagonal % 8), 1 << (diagonal % 8));
+        self.are_rounded |= self.pierced & bit != 0;
+        self.pierced |= bit;
+        self.tips.facets[place] = facet as u32;
+        self.tips.reaches[place] = reach;
         let bits = all.iter().fold(0, |set, (one, _)| set | one.bit());
         let found = |sign: f64| {
             let signs = f64x2::new([1.0, sign]);
@@ -104,6 +130,18 @@ impl Endpoints {
         for (endpoint, sign) in all {
             places[endpoint.number()] = found(*sign);
         }
+    }
+
+    /// Where diagonals pierce facets, if each pierces one, all segments have two ends, and all ends are
+    /// known to slide.
+    #[inline]
+    pub(crate) fn tips(&self) -> Option<&Tips> {
+        let unpaired = self
+            .seen
+            .iter()
+            .fold(0, |all, one| all | one ^ one >> Interface::SLOTS);
+        let is_sound = self.pierced == u8::MAX && unpaired & STARTS == 0 && !self.are_rounded;
+        is_sound.then_some(&self.tips)
     }
 
     /// An endpoint that was seen.

@@ -11,9 +11,9 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use crate::chebyshev::endpoints::Found;
 use crate::chebyshev::integrand::Integrand;
 use crate::chebyshev::interface::Interface;
-use crate::chebyshev::mark::Mark;
 use crate::chebyshev::sector::Sector;
 use crate::chebyshev::visit::{Corner, FacetView, Side, Visit};
 use crate::chebyshev::walk::{WalkScratch, walk};
@@ -96,6 +96,7 @@ fn energy_of_piece(
     } else if order == 1 {
         let mut sums = Linear::default();
         walk(integrand, center, scratch, &mut sums);
+        scratch.slides = sums.segments.map(|sums| sums[6]);
         sums.jet()
     } else {
         let mut sums = Power::new(order);
@@ -112,8 +113,9 @@ struct Linear {
     shares: [[f64; 2]; Sector::SLOTS],
     /// Of the segments on an interface: 24 E, 6 V for the first sector and against the second, √2 of
     /// the interface's area A, and three components of 1/(2√2) of its loss by the center's motion:
-    /// −∂A/∂c = Σ |v−u|/|n∥| n, n∥ the part of the facet's normal n along the interface.
-    segments: [[f64; 6]; Interface::SLOTS],
+    /// −∂A/∂c = Σ |v−u|/|n∥| n, n∥ the part of the facet's normal n along the interface; and what
+    /// `quartic` makes of how crossings slide.
+    segments: [[f64; 7]; Interface::SLOTS],
 }
 
 impl Visit for Linear {
@@ -129,9 +131,10 @@ impl Visit for Linear {
     }
 
     #[inline]
-    fn segment(&mut self, facet: &FacetView<'_>, interface: Interface, u: &Mark, v: &Mark) {
+    fn segment(&mut self, facet: &FacetView<'_>, interface: Interface, u: &Found, v: &Found) {
         let (left, right) = interface.sectors();
-        let determinant = interface.determinant(u, v);
+        let determinant = interface.determinant(&u.mark, &v.mark);
+        let slide = interface.determinant(&u.drift, &v.drift);
         let difference = facet.anchor.distance(left) - facet.anchor.distance(right);
         let volume = determinant * difference;
         let loss = facet.normal() * (determinant * facet.per_height);
@@ -143,6 +146,7 @@ impl Visit for Linear {
             loss.x,
             loss.y,
             loss.z,
+            slide,
         ];
         let sums = &mut self.segments[interface.number()];
         for (sum, term) in sums.iter_mut().zip(terms) {
@@ -252,7 +256,8 @@ impl Visit for Power {
         }
     }
 
-    fn segment(&mut self, facet: &FacetView<'_>, interface: Interface, u: &Mark, v: &Mark) {
+    fn segment(&mut self, facet: &FacetView<'_>, interface: Interface, u: &Found, v: &Found) {
+        let [u, v] = [&u.mark, &v.mark];
         let (left, right) = interface.sectors();
         let [on_left, on_right] = [left, right].map(|sector| facet.anchor.distance(sector));
         let determinant = interface.determinant(u, v);

@@ -53,6 +53,13 @@ impl Interface {
         SECTORS[self.number()]
     }
 
+    /// The diagonals at the start and at the end of the interface's segments on a surface about the
+    /// center, with their signs along the third axis.
+    #[inline]
+    pub(crate) fn diagonals(self) -> &'static [(u8, f64); 2] {
+        &DIAGONALS[self.number()]
+    }
+
     /// The axis of neither sector.
     #[inline]
     pub(crate) fn third_axis(self) -> usize {
@@ -213,6 +220,25 @@ const fn diagonal_table(seen_from_inside: bool) -> [[(Endpoint, f64); 3]; 8] {
         let number = interface + if ends { Interface::SLOTS } else { 0 };
         let is_negative = diagonal >> (2 - pair) & 1 == 1;
         table[diagonal][pair] = (Endpoint(number as u8), if is_negative { -1.0 } else { 1.0 });
+        entry += 1;
+    }
+    table
+}
+
+/// [`Interface::diagonals`].
+static DIAGONALS: [[(u8, f64); 2]; Interface::SLOTS] = diagonals_table();
+
+const fn diagonals_table() -> [[(u8, f64); 2]; Interface::SLOTS] {
+    let mut table = [[(0, 0.0); 2]; Interface::SLOTS];
+    let mut entry = 0;
+    while entry < 24 {
+        let diagonal = entry / 3;
+        let (endpoint, sign) = AT_DIAGONAL[1][diagonal][entry % 3];
+        let (interface, end) = (
+            endpoint.0 as usize % Interface::SLOTS,
+            endpoint.0 as usize / Interface::SLOTS,
+        );
+        table[interface][end] = (diagonal as u8, sign);
         entry += 1;
     }
     table

@@ -7,6 +7,7 @@ use nalgebra::Vector3;
 use wide::f64x4;
 
 use crate::chebyshev::borders::FacetSums;
+use crate::chebyshev::endpoints::Found;
 use crate::chebyshev::interface::Interface;
 use crate::chebyshev::mark::Mark;
 use crate::chebyshev::sector::Sector;
@@ -56,7 +57,8 @@ impl Visit for LinearSums<'_> {
     }
 
     #[inline]
-    fn segment(&mut self, facet: &FacetView<'_>, interface: Interface, u: &Mark, v: &Mark) {
+    fn segment(&mut self, facet: &FacetView<'_>, interface: Interface, u: &Found, v: &Found) {
+        let [u, v] = [&u.mark, &v.mark];
         let (left, right) = interface.sectors();
         let lean = left.distance(facet.normal()) - right.distance(facet.normal());
         // The anchor stands on the normal through the origin: so this is twice the area of its

@@ -1,4 +1,4 @@
-//! Points of interfaces, and how they move.
+//! Points of interfaces.
 
 use wide::f64x2;
 
@@ -18,17 +18,10 @@ impl Mark {
         let [distance, third] = lanes.to_array();
         Self { distance, third }
     }
-}
 
-/// How fast the crossing of an interface with an edge slides along that edge.
-///
-/// A center that moves by δ, of which δ_l and δ_r are the parts along the interface's two sectors
-/// and δ_t that along the third axis, takes the interface with it: the crossing's mark changes by
-/// −(δ_l + (δ_l − δ_r) distance, δ_t + (δ_l − δ_r) third).
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Drift {
-    /// Of the first sector's distance.
-    pub(crate) distance: f64,
-    /// Of the coordinate along the third axis.
-    pub(crate) third: f64,
+    /// Its two numbers.
+    #[inline]
+    pub(crate) fn lanes(&self) -> f64x2 {
+        f64x2::new([self.distance, self.third])
+    }
 }

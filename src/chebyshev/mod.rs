@@ -20,10 +20,14 @@ pub(crate) mod weighted;
 pub(crate) mod weighted_borders;
 
 mod chunks;
+mod corners;
 mod crossing;
 mod endpoints;
 mod linear_borders;
 mod panorama;
+mod passing;
+mod passings;
+mod pierced;
 mod points;
 mod quartic;
 mod segments;

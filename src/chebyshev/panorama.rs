@@ -1,8 +1,11 @@
 //! A piece as it is seen from the center: where its vertices and facets stand.
 
+use std::ops::{Add, Mul, Sub};
+
 use nalgebra::Vector3;
 use wide::f64x4;
 
+use crate::chebyshev::chunks::{Bits, CHUNK};
 use crate::chebyshev::integrand::{EdgeConstants, Integrand};
 use crate::chebyshev::sector::Sector;
 use crate::chebyshev::sight::Sight;
@@ -22,13 +25,15 @@ struct FacetSight(Sight);
 /// A piece as seen from a center, in memory to be reused from one center to the next.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Panorama {
+    center: Vector3<f64>,
     vertices: Vec<VertexSight>,
+    /// The sectors of the vertices, see [`Sector::of_code`].
+    codes: Vec<f64x4>,
     facets: Vec<FacetSight>,
 }
 
 impl VertexSight {
     /// A vertex at `displacement` from the center.
-    #[cfg(test)]
     pub(crate) fn of(displacement: &Vector3<f64>) -> Self {
         let displacement: [f64; 3] = (*displacement).into();
         let away = displacement.map(f64x4::splat);
@@ -52,50 +57,35 @@ impl VertexSight {
 impl Panorama {
     /// Looks at the piece from `center`.
     pub(crate) fn take(&mut self, piece: &Integrand, center: &Vector3<f64>) {
+        self.center = *center;
         let center: [f64; 3] = (*center).into();
         let center = center.map(f64x4::splat);
         let blocks = piece.vertices.blocks();
         let sights = rows(&mut self.vertices, blocks.len());
-        for (sights, block) in sights.iter_mut().zip(blocks) {
-            let away = [0, 1, 2].map(|axis| f64x4::new(block[axis]) - center[axis]);
-            let sectors = Sector::codes_of_four(&away);
-            *sights = Sight::four(away, [sectors, f64x4::ZERO]).map(VertexSight);
+        if self.codes.len() < blocks.len() {
+            self.codes.resize(blocks.len(), f64x4::ZERO);
+        }
+        for ((sights, block), codes) in sights.iter_mut().zip(blocks).zip(&mut self.codes) {
+            let away = away(block, &center);
+            *codes = Sector::codes_of_four(&away);
+            *sights = Sight::four(away, [*codes, f64x4::ZERO]).map(VertexSight);
         }
         let sights = rows(&mut self.facets, piece.facets.len().div_ceil(BLOCK));
         for (sights, facets) in sights.iter_mut().zip(piece.facets.chunks(BLOCK)) {
-            *sights = facets_from(facets, &center);
+            *sights = facets_from(facets, center);
         }
     }
 
-    /// Whether all vertices stay in their sectors, and the center below or above every facet, where
-    /// the center moves by `step`, which is `from`. Sectors are convex: what is so at both ends of the
-    /// step is so all along. If they do, `lowerings` are the shares by which the heights below facets
-    /// shrink.
+    /// From where the piece was looked at.
     #[inline]
-    pub(crate) fn stays(
-        &self,
-        piece: &Integrand,
-        (step, from): (&Vector3<f64>, &Sight),
-        lowerings: &mut Vec<f64>,
-    ) -> bool {
-        // Cheaper than a branch at each.
-        let vertices = self.vertices.iter().take(piece.vertices.len());
-        let mut stay = vertices.fold(f64x4::splat(f64::from_bits(u64::MAX)), |all, vertex| {
-            all & vertex.0.staying_in(vertex.sector(), from)
-        });
-        let [x, y, z] = (*step).into();
-        let step = [x, y, z].map(f64x4::splat);
-        let rows = rows(lowerings, piece.facets.len().div_ceil(BLOCK)).iter_mut();
-        let sights = self.facets.as_chunks().0.iter();
-        for ((lowerings, sights), facets) in rows.zip(sights).zip(piece.facets.chunks(BLOCK)) {
-            let [x, y, z, _] = lanes(facets);
-            let lowered = x * step[0] + y * step[1] + z * step[2];
-            let per_height = sights.each_ref().map(|FacetSight(sight)| sight.more()[1]);
-            let lowering = lowered * f64x4::new(per_height);
-            stay &= lowering.simd_lt(f64x4::ONE);
-            *lowerings = lowering.to_array();
-        }
-        stay.to_bitmask() == 0b1111
+    pub(crate) fn center(&self) -> &Vector3<f64> {
+        &self.center
+    }
+
+    /// The sectors of the vertices, in blocks.
+    #[inline]
+    pub(crate) fn codes(&self, piece: &Integrand) -> &[f64x4] {
+        &self.codes[..piece.vertices.blocks().len()]
     }
 
     /// The vertices at the ends of an edge.
@@ -137,20 +127,64 @@ fn rows<Item: Clone + Default>(list: &mut Vec<Item>, count: usize) -> &mut [[Ite
     &mut list.as_chunks_mut().0[..count]
 }
 
+/// The vertices that are in other sectors, as seen from `center`, than `codes` tells.
+#[inline]
+pub(crate) fn vertices_elsewhere<'a>(
+    piece: &'a Integrand,
+    center: &Vector3<f64>,
+    codes: &'a [f64x4],
+) -> impl Iterator<Item = usize> + 'a {
+    const BLOCKS: usize = CHUNK / BLOCK;
+    let center = *center;
+    let blocks = piece.vertices.blocks().chunks(BLOCKS);
+    let all = blocks.zip(codes.chunks(BLOCKS)).enumerate();
+    let all = all.flat_map(move |(chunk, (blocks, codes))| {
+        let mut bits = 0;
+        for (number, (block, codes)) in blocks.iter().zip(codes).enumerate() {
+            let elsewhere = codes_from(block, &center).simd_ne(*codes).to_bitmask();
+            bits |= u64::from(elsewhere) << (number * BLOCK);
+        }
+        Bits::of(bits).map(move |bit| chunk * CHUNK + bit)
+    });
+    all.filter(|&vertex| vertex < piece.vertices.len())
+}
+
+/// The sectors of four vertices as seen from a center.
+#[inline]
+pub(crate) fn codes_from(block: &[[f64; BLOCK]; 3], center: &Vector3<f64>) -> f64x4 {
+    let center: [f64; 3] = (*center).into();
+    Sector::codes_of_four(&away(block, &center.map(f64x4::splat)))
+}
+
+/// Four vertices as seen from the center.
+#[inline(always)]
+fn away(block: &[[f64; BLOCK]; 3], center: &[f64x4; 3]) -> [f64x4; 3] {
+    [0, 1, 2].map(|axis| f64x4::new(block[axis]) - center[axis])
+}
+
 /// At most four facets as seen from the center.
 #[inline(always)]
-fn facets_from(facets: &[HalfSpace], center: &[f64x4; 3]) -> [FacetSight; BLOCK] {
+fn facets_from(facets: &[HalfSpace], center: [f64x4; 3]) -> [FacetSight; BLOCK] {
     let [x, y, z, offset] = lanes(facets);
-    let height = offset - (x * center[0] + y * center[1] + z * center[2]);
+    let height = height_below([x, y, z], offset, center);
     let foot = [x, y, z].map(|along| along * offset);
     let anchor = [0, 1, 2].map(|axis| foot[axis] - center[axis]);
     Sight::four(anchor, [height, f64x4::ONE / height]).map(FacetSight)
 }
 
+/// The height of `center` below a plane, in one lane or in four.
+#[inline(always)]
+pub(crate) fn height_below<T>([x, y, z]: [T; 3], offset: T, center: [T; 3]) -> T
+where
+    T: Copy + Add<Output = T> + Sub<Output = T> + Mul<Output = T>,
+{
+    offset - (x * center[0] + y * center[1] + z * center[2])
+}
+
 /// The coordinates of at most four normals, and the offsets. Lanes beyond the last facet repeat the
 /// first.
 #[inline(always)]
-fn lanes(facets: &[HalfSpace]) -> [f64x4; 4] {
+pub(crate) fn lanes(facets: &[HalfSpace]) -> [f64x4; 4] {
     let number = |lane: usize| if lane < facets.len() { lane } else { 0 };
     HalfSpace::lanes([0, 1, 2, 3].map(|lane| &facets[number(lane)]))
 }

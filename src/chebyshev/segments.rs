@@ -69,7 +69,7 @@ pub(crate) fn report_segments<'a>(
     for (facet, interface) in segments.all() {
         let [u, v] = [false, true].map(|ends| {
             let endpoint = Endpoint::of(interface, ends);
-            &endpoints.found(facet, endpoint).mark
+            endpoints.found(facet, endpoint)
         });
         visitor.segment(&view(facet), interface, u, v);
     }
@@ -98,7 +98,8 @@ fn report_spare(view: &FacetView<'_>, spare: &mut Vec<Spare>, visitor: &mut impl
         } else {
             (&other, &one)
         };
-        visitor.segment(view, one.endpoint.interface(), &start.mark, &end.mark);
+        let [u, v] = [start, end].map(|end| Found::off_edges(end.mark));
+        visitor.segment(view, one.endpoint.interface(), &u, &v);
     }
 }
 
@@ -117,8 +118,7 @@ fn add_diagonals(view: &FacetView<'_>, endpoints: &mut Endpoints) {
         // Both change sign where the center lies beyond the facet.
         let reach = view.height / view.normal().dot(diagonal_ray(diagonal));
         if (0.0..=f64::MAX).contains(&reach) {
-            let all = Endpoint::at_diagonal(diagonal, view.height >= 0.0);
-            endpoints.enter_diagonal(view.number, all, reach);
+            endpoints.enter_diagonal(view.number, diagonal, reach, view.height >= 0.0);
         } else {
             add_flat_diagonal(diagonal, view, endpoints);
         }

@@ -36,21 +36,6 @@ impl Sight {
         [self.0[6], self.0[7]]
     }
 
-    /// In all lanes all bits, if no sector's distance function is greater than that of `sector` where
-    /// the point is as seen from `center`, with which go two infinite numbers.
-    #[inline]
-    pub(crate) fn staying_in(&self, sector: Sector, center: &Self) -> f64x4 {
-        let most = f64x4::splat(self.distance(sector) - center.distance(sector));
-        let [one, two] = [0, 4].map(|first| {
-            let [a, b] = [self, center].map(|sight| {
-                let [a, b, c, d] = [0, 1, 2, 3].map(|lane| sight.0[first + lane]);
-                f64x4::new([a, b, c, d])
-            });
-            (a - b).simd_le(most)
-        });
-        one & two
-    }
-
     /// The displacement.
     #[inline]
     pub(crate) fn point(&self) -> Vector3<f64> {

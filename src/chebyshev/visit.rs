@@ -2,9 +2,9 @@
 
 use nalgebra::Vector3;
 
+use crate::chebyshev::endpoints::Found;
 use crate::chebyshev::integrand::Integrand;
 use crate::chebyshev::interface::Interface;
-use crate::chebyshev::mark::Mark;
 use crate::chebyshev::sector::Sector;
 use crate::chebyshev::sight::Sight;
 
@@ -75,5 +75,5 @@ pub(crate) trait Visit {
     fn share(&mut self, sides: &[Side<'_>; 2], sector: Sector, part: f64, ends: [&Corner; 2]);
 
     /// The directed part (u, v) of the interface lies on the facet.
-    fn segment(&mut self, facet: &FacetView<'_>, interface: Interface, u: &Mark, v: &Mark);
+    fn segment(&mut self, facet: &FacetView<'_>, interface: Interface, u: &Found, v: &Found);
 }

@@ -18,9 +18,10 @@ use crate::chebyshev::chunks::{CHUNK, chosen};
 use crate::chebyshev::crossing::Passage;
 use crate::chebyshev::endpoints::Endpoints;
 use crate::chebyshev::integrand::{EdgeConstants, Integrand};
-use crate::chebyshev::interface::Endpoint;
+use crate::chebyshev::interface::{Endpoint, Interface};
 use crate::chebyshev::mark::Mark;
 use crate::chebyshev::panorama::Panorama;
+use crate::chebyshev::passings::Passings;
 use crate::chebyshev::segments::{Segments, report_segments};
 use crate::chebyshev::visit::{Corner, Visit};
 use crate::chebyshev::weighted::Places;
@@ -31,8 +32,10 @@ pub struct WalkScratch {
     pub(crate) panorama: Panorama,
     pub(crate) endpoints: Endpoints,
     pub(crate) segments: Segments,
-    /// Per facet, by which share a step of the center has last lowered the height below it.
-    pub(crate) lowerings: Vec<f64>,
+    /// Of the walk for the energy of order 1, see `quartic`.
+    pub(crate) slides: [f64; Interface::SLOTS],
+    /// What passes on the way of a center from there.
+    pub(crate) passings: Passings,
     /// For pieces with a density.
     pub(crate) places: Option<Places>,
 }
@@ -49,8 +52,10 @@ pub(crate) fn walk(
         panorama,
         endpoints,
         segments,
+        passings,
         ..
     } = scratch;
+    passings.reset();
     panorama.take(piece, center);
     endpoints.reset(piece.facets.len());
     for edges in piece.edges.chunks(CHUNK) {

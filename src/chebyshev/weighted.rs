@@ -8,9 +8,9 @@
 
 use nalgebra::{Point3, Vector3};
 
+use crate::chebyshev::endpoints::Found;
 use crate::chebyshev::energy::sums_evaluation;
 use crate::chebyshev::interface::Interface;
-use crate::chebyshev::mark::Mark;
 use crate::chebyshev::sector::Sector;
 use crate::chebyshev::terms::{Place, Table, Terms, power};
 use crate::chebyshev::visit::{Corner, FacetView, Side, Visit};
@@ -107,7 +107,8 @@ impl Visit for Weighted<'_> {
         }
     }
 
-    fn segment(&mut self, facet: &FacetView<'_>, interface: Interface, u: &Mark, v: &Mark) {
+    fn segment(&mut self, facet: &FacetView<'_>, interface: Interface, u: &Found, v: &Found) {
+        let [u, v] = [&u.mark, &v.mark];
         let (left, right) = interface.sectors();
         let determinant = interface.determinant(u, v);
         let difference = facet.anchor.distance(left) - facet.anchor.distance(right);

@@ -9,8 +9,8 @@
 use nalgebra::Vector3;
 
 use crate::chebyshev::borders::FacetSums;
+use crate::chebyshev::endpoints::Found;
 use crate::chebyshev::interface::Interface;
-use crate::chebyshev::mark::Mark;
 use crate::chebyshev::sector::Sector;
 use crate::chebyshev::terms::{Place, Table, Terms, power};
 use crate::chebyshev::visit::{Corner, FacetView, Side, Visit};
@@ -110,7 +110,8 @@ impl Visit for WeightedSums<'_> {
         }
     }
 
-    fn segment(&mut self, facet: &FacetView<'_>, interface: Interface, u: &Mark, v: &Mark) {
+    fn segment(&mut self, facet: &FacetView<'_>, interface: Interface, u: &Found, v: &Found) {
+        let [u, v] = [&u.mark, &v.mark];
         let (left, right) = interface.sectors();
         let [u, v] = [u, v].map(|mark| interface.point(mark));
         let doubled_area = facet.doubled_area(&u, &v);

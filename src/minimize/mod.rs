@@ -26,7 +26,7 @@ pub mod newton;
 pub(crate) mod objective;
 pub mod problem;
 
-mod ahead;
+pub(crate) mod ahead;
 mod backtracking;
 mod box_quadratic;
 mod cauchy;

@@ -2,22 +2,29 @@
 
 use nalgebra::{SMatrix, SVector};
 
-use crate::minimize::problem::Jet;
+use crate::minimize::problem::{Evaluation, Jet};
 
 /// A function to minimize.
 pub(crate) trait Objective<const D: usize> {
     /// Value and derivatives at `point`.
     fn jet(&mut self, point: &SVector<f64, D>) -> Jet<D>;
 
-    /// The fourth derivative, applied twice to `step`, if the function is one polynomial of degree
-    /// four all along `step` from the point of the last jet, whose third derivative is known.
-    ///
-    /// Value and derivatives at the end of the step then follow from the jet, exactly. A function that
-    /// cannot tell says `None`.
-    fn fourth(&mut self, step: &SVector<f64, D>) -> Option<SMatrix<f64, D, D>> {
+    /// What lies ahead at the end of `step` from the point of the last jet, the third derivative of
+    /// which is known. A function that cannot tell says `None`.
+    fn ahead(&mut self, step: &SVector<f64, D>) -> Option<Ahead<D>> {
         let _ = step;
         None
     }
+}
+
+/// What tells, with a jet, a function at the end of a step, if the function is one polynomial of degree
+/// four near the step's start.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Ahead<const D: usize> {
+    /// The fourth derivative, applied twice to the step.
+    pub(crate) fourth: SMatrix<f64, D, D>,
+    /// What is to be added to the polynomial at the end of the step, if anything.
+    pub(crate) passed: Option<Evaluation<D>>,
 }
 
 /// A function that knows its jets only.

@@ -1,0 +1,67 @@
+//! Which facets meet at a vertex.
+
+use std::fmt;
+
+use crate::geometry::compact::{Compact, SLOTS};
+use crate::geometry::compact_lists::Lists;
+use crate::geometry::polyhedron::Polyhedron;
+
+/// The three facets at each vertex of a convex piece, as they are found in its slots: what is rarely
+/// looked up is not worth being renamed.
+#[derive(Clone, Default)]
+pub(crate) struct Corners {
+    /// By vertex three planes, after a byte without meaning.
+    planes: Vec<[u8; 4]>,
+    /// By plane its facet; empty where planes are facets.
+    facets: Vec<u8>,
+}
+
+impl Corners {
+    /// Becomes empty.
+    pub(crate) fn clear(&mut self) {
+        self.planes.clear();
+        self.facets.clear();
+    }
+
+    /// Becomes those of a piece in which slots are vertices and planes are facets.
+    pub(crate) fn assign_dense(&mut self, piece: &Compact, count: usize) {
+        self.clear();
+        self.planes
+            .extend_from_slice(&piece.facets.as_chunks().0[..count]);
+    }
+
+    /// Becomes those of a piece in which `lists` tell what is in use.
+    pub(crate) fn assign_sparse(&mut self, piece: &Compact, lists: &Lists) {
+        self.clear();
+        let planes = piece.facets.as_chunks().0;
+        let slots = lists.slots.listed().iter();
+        self.planes
+            .extend(slots.map(|&slot| planes[usize::from(slot) % SLOTS]));
+        self.facets
+            .extend_from_slice(&lists.facets[..piece.planes.len()]);
+    }
+
+    /// Becomes those of a polyhedron, or empty where it has more facets than a byte tells apart.
+    pub(crate) fn assign_polyhedron(&mut self, piece: &Polyhedron) {
+        self.clear();
+        if u8::try_from(piece.planes.len()).is_ok() {
+            let corners = piece.facets.iter();
+            self.planes
+                .extend(corners.map(|&[a, b, c]| [0, a as u8, b as u8, c as u8]));
+        }
+    }
+
+    /// The facets at a vertex, if they are known.
+    pub(crate) fn facets(&self, vertex: usize) -> Option<[usize; 3]> {
+        let &[_, planes @ ..] = self.planes.get(vertex)?;
+        let named = |plane: u8| *self.facets.get(usize::from(plane)).unwrap_or(&plane);
+        Some(planes.map(|plane| usize::from(named(plane))))
+    }
+}
+
+impl fmt::Debug for Corners {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let corners = (0..self.planes.len()).map(|vertex| self.facets(vertex));
+        formatter.debug_list().entries(corners).finish()
+    }
+}

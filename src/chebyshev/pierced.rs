@@ -1,0 +1,134 @@
+//! Where diagonals pierce facets, and where they pass from one to the next.
+
+use std::ops::{Add, Neg, Sub};
+
+use nalgebra::Vector3;
+use wide::f64x4;
+
+use crate::chebyshev::chunks::{Bits, CHUNK};
+use crate::chebyshev::integrand::Integrand;
+use crate::chebyshev::interface::diagonal_ray;
+use crate::chebyshev::panorama::{height_below, lanes};
+use crate::chebyshev::passing::Passing;
+use crate::geometry::compact::BLOCK;
+use crate::geometry::half_space::HalfSpace;
+
+/// For each diagonal the facets, as a set of bits, the planes of which it pierces before that of its
+/// tip as seen from `center`, if that is inside the piece.
+pub(crate) fn nearer_facets(
+    piece: &Integrand,
+    center: &Vector3<f64>,
+    tips: &[u32; 8],
+) -> Option<[u64; 8]> {
+    let center = [center.x, center.y, center.z].map(f64x4::splat);
+    let facets = tips.map(|facet| &piece.facets[facet as usize]);
+    let [one, other] = [0, 4].map(|first| {
+        let [x, y, z, offset] = HalfSpace::lanes([0, 1, 2, 3].map(|lane| facets[first + lane]));
+        let along = along_four_rays([x, y, z], first as u8);
+        let height = height_below([x, y, z], offset, center);
+        [along.to_array(), height.to_array()]
+    });
+    let tips = [0, 1, 2, 3, 4, 5, 6, 7].map(|diagonal: usize| {
+        let four = if diagonal < 4 { &one } else { &other };
+        four.map(|all| f64x4::splat(all[diagonal % 4]))
+    });
+    let mut inside = f64x4::splat(f64::from_bits(u64::MAX));
+    let mut nearer = [0; 8];
+    for (block, facets) in piece.facets.chunks(BLOCK).enumerate() {
+        let [x, y, z, offset] = lanes(facets);
+        let heights = height_below([x, y, z], offset, center);
+        inside &= heights.simd_gt(f64x4::ZERO);
+        let rays = along_rays([x, y, z]);
+        for ((nearer, [along, height]), ray) in nearer.iter_mut().zip(tips).zip(rays) {
+            let are_nearer = (along * heights).simd_lt(height * ray);
+            *nearer |= u64::from(are_nearer.to_bitmask()) << (block * BLOCK % CHUNK);
+        }
+    }
+    let is_known = inside.to_bitmask() == 0b1111 && piece.facets.len() <= CHUNK;
+    is_known.then_some(nearer)
+}
+
+/// Adds the passages of a diagonal from one facet to the next, all of them among those that are nearer
+/// in the end, and returns the last one.
+pub(crate) fn add_diagonal(
+    piece: &Integrand,
+    (diagonal, facet): (usize, u32),
+    nearer: u64,
+    centers: &[Vector3<f64>; 2],
+    all: &mut Vec<Passing>,
+) -> u32 {
+    let pierced = |facet| Pierced::new(facet, diagonal, centers);
+    let (mut last, mut now) = (facet, pierced(&piece.facets[facet as usize]));
+    // What is pierced first is the least of functions linear along the way.
+    loop {
+        let ahead = Bits::of(nearer).filter(|&facet| facet < piece.facets.len());
+        let ahead = ahead.map(|facet| (facet as u32, pierced(&piece.facets[facet])));
+        let nearer = ahead.filter(|(_, next)| next.is_nearer(&now));
+        let first = nearer.min_by(|(_, a), (_, b)| now.meets(a).total_cmp(&now.meets(b)));
+        let Some((facet, next)) = first else {
+            return last;
+        };
+        all.push(Passing::of_diagonal(diagonal, &now, &next));
+        (last, now) = (facet, next);
+    }
+}
+
+/// A facet as a diagonal pierces its plane.
+#[derive(Clone, Copy)]
+pub(crate) struct Pierced<'a> {
+    pub(crate) plane: &'a HalfSpace,
+    /// The normal times the diagonal's ray.
+    pub(crate) along: f64,
+    /// The heights of the step's start and end below the facet.
+    heights: [f64; 2],
+}
+
+impl<'a> Pierced<'a> {
+    #[inline]
+    fn new(facet: &'a HalfSpace, diagonal: usize, centers: &[Vector3<f64>; 2]) -> Self {
+        let HalfSpace { normal, offset } = facet;
+        let along: [f64; 3] = (*normal).into();
+        Self {
+            plane: facet,
+            along: along_rays(along)[diagonal % 8],
+            heights: centers
+                .each_ref()
+                .map(|center| height_below(along, *offset, (*center).into())),
+        }
+    }
+
+    /// Whether it is pierced before another in the end.
+    #[inline]
+    fn is_nearer(&self, other: &Self) -> bool {
+        other.along * self.heights[1] < other.heights[1] * self.along
+    }
+
+    /// How far along the diagonal it is pierced, from the step's start or end.
+    fn reach(&self, end: usize) -> f64 {
+        self.heights[end] / self.along
+    }
+
+    /// At which share of the step the diagonal passes to another facet, which ends nearer.
+    fn meets(&self, next: &Self) -> f64 {
+        let [start, end] = [0, 1].map(|end| next.reach(end) - self.reach(end));
+        start / (start - end)
+    }
+}
+
+/// Four normals times the rays of four diagonals, from number `first` on, rounded as by [`along_rays`].
+#[inline]
+pub(crate) fn along_four_rays([x, y, z]: [f64x4; 3], first: u8) -> f64x4 {
+    let [a, b, c] =
+        [0, 1, 2].map(|axis| f64x4::new([0, 1, 2, 3].map(|lane| diagonal_ray(first + lane)[axis])));
+    x * a + y * b + z * c
+}
+
+/// A normal times the rays of all diagonals.
+#[inline]
+fn along_rays<T>([x, y, z]: [T; 3]) -> [T; 8]
+where
+    T: Copy + Add<Output = T> + Sub<Output = T> + Neg<Output = T>,
+{
+    let [a, b, c, d] = [x + y + z, -x + y + z, x - y + z, -x - y + z];
+    [a, b, c, d, -d, -c, -b, -a]
+}
