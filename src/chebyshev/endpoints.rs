@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 use wide::f64x2;
 
-use crate::chebyshev::interface::{Endpoint, Interface};
+use crate::chebyshev::interface::{AtDiagonal, Endpoint, Interface};
 use crate::chebyshev::mark::Mark;
 
 /// The endpoints that are starts.
@@ -60,9 +60,9 @@ pub(crate) struct Endpoints {
     found: Vec<[Found; Endpoint::SLOTS]>,
     /// Those elsewhere.
     pub(crate) spare: Vec<Spare>,
+    /// Where diagonals pierce facets, each one facet and from inside; meaningless without `has_tips`.
     tips: Tips,
-    /// The diagonals of `tips`, as a set of bits.
-    pierced: u8,
+    has_tips: bool,
     /// Whether rounding alone has added some, or nobody can tell how one slides.
     pub(crate) are_rounded: bool,
 }
@@ -77,7 +77,7 @@ impl Endpoints {
                 .resize(count, [Found::default(); Endpoint::SLOTS]);
         }
         self.spare.clear();
-        self.pierced = 0;
+        self.has_tips = false;
         self.are_rounded = false;
     }
 
@@ -99,48 +99,49 @@ impl Endpoints {
         }
     }
 
-    /// Adds those at a diagonal that pierces the facet `reach` along every axis.
+    /// Adds those at all diagonals, which pierce one facet each and from inside.
     #[inline]
-    pub(crate) fn enter_diagonal(
-        &mut self,
-        facet: usize,
-        diagonal: u8,
-        reach: f64,
-        is_inside: bool,
-    ) {
-        let all = Endpoint::at_diagonal(diagonal, is_inside);
-        let (place, bit) = (usize::from(diagonal % 8), 1 << (diagonal % 8));
-        self.are_rounded |= self.pierced & bit != 0;
-        self.pierced |= bit;
-        self.tips.facets[place] = facet as u32;
-        self.tips.reaches[place] = reach;
-        let bits = all.iter().fold(0, |set, (one, _)| set | one.bit());
+    pub(crate) fn enter_tips(&mut self, tips: Tips) {
+        for (diagonal, (facet, reach)) in (0..).zip(tips.facets.iter().zip(tips.reaches)) {
+            self.enter_diagonal(
+                *facet as usize,
+                Endpoint::at_diagonal(diagonal, true),
+                reach,
+            );
+        }
+        (self.tips, self.has_tips) = (tips, true);
+    }
+
+    /// Adds those at a diagonal that pierces the facet `reach` along every axis.
+    #[inline(always)]
+    pub(crate) fn enter_diagonal(&mut self, facet: usize, there: &AtDiagonal, reach: f64) {
         let found = |sign: f64| {
             let signs = f64x2::new([1.0, sign]);
             Found::off_edges(Mark::of(signs * f64x2::splat(reach)))
         };
-        if self.seen[facet] & bits != 0 {
-            for (endpoint, sign) in all {
+        let seen = &mut self.seen[facet];
+        if *seen & there.bits != 0 {
+            for (endpoint, sign) in &there.endpoints {
                 self.enter(facet, *endpoint, found(*sign));
             }
             return;
         }
-        self.seen[facet] |= bits;
+        *seen |= there.bits;
         let places = &mut self.found[facet];
-        for (endpoint, sign) in all {
+        for (endpoint, sign) in &there.endpoints {
             places[endpoint.number()] = found(*sign);
         }
     }
 
-    /// Where diagonals pierce facets, if each pierces one, all segments have two ends, and all ends are
-    /// known to slide.
+    /// Where diagonals pierce facets, if each pierces one and from inside, all segments have two ends,
+    /// and all ends are known to slide.
     #[inline]
     pub(crate) fn tips(&self) -> Option<&Tips> {
         let unpaired = self
             .seen
             .iter()
             .fold(0, |all, one| all | one ^ one >> Interface::SLOTS);
-        let is_sound = self.pierced == u8::MAX && unpaired & STARTS == 0 && !self.are_rounded;
+        let is_sound = self.has_tips && unpaired & STARTS == 0 && !self.are_rounded;
         is_sound.then_some(&self.tips)
     }
 

@@ -181,12 +181,21 @@ impl Endpoint {
         self.number() < Interface::SLOTS
     }
 
-    /// The three endpoints at the diagonal, for a facet seen from outside with the center inside or
-    /// beyond it, each with the sign of the diagonal along the interface's third axis.
+    /// The endpoints at the diagonal, for a facet seen from outside with the center inside or beyond
+    /// it.
     #[inline]
-    pub(crate) fn at_diagonal(diagonal: u8, seen_from_inside: bool) -> &'static [(Self, f64); 3] {
+    pub(crate) fn at_diagonal(diagonal: u8, seen_from_inside: bool) -> &'static AtDiagonal {
         &AT_DIAGONAL[usize::from(seen_from_inside)][usize::from(diagonal & 7)]
     }
+}
+
+/// What ends where a diagonal pierces a facet.
+#[derive(Clone, Copy)]
+pub(crate) struct AtDiagonal {
+    /// Three endpoints, each with the sign of the diagonal along the interface's third axis.
+    pub(crate) endpoints: [(Endpoint, f64); 3],
+    /// The same endpoints as a set of bits.
+    pub(crate) bits: u32,
 }
 
 /// [`Endpoint::passing`]; meaningless between sectors of one axis.
@@ -205,10 +214,14 @@ const fn passing_table() -> [[Endpoint; Sector::SLOTS]; Sector::SLOTS] {
     table
 }
 
-static AT_DIAGONAL: [[[(Endpoint, f64); 3]; 8]; 2] = [diagonal_table(false), diagonal_table(true)];
+static AT_DIAGONAL: [[AtDiagonal; 8]; 2] = [diagonal_table(false), diagonal_table(true)];
 
-const fn diagonal_table(seen_from_inside: bool) -> [[(Endpoint, f64); 3]; 8] {
-    let mut table = [[(Endpoint(0), 0.0); 3]; 8];
+const fn diagonal_table(seen_from_inside: bool) -> [AtDiagonal; 8] {
+    let none = AtDiagonal {
+        endpoints: [(Endpoint(0), 0.0); 3],
+        bits: 0,
+    };
+    let mut table = [none; 8];
     let mut entry = 0;
     while entry < 24 {
         let (diagonal, pair) = (entry / 3, entry % 3);
@@ -219,7 +232,9 @@ const fn diagonal_table(seen_from_inside: bool) -> [[(Endpoint, f64); 3]; 8] {
         let ends = ((pair == 1) == is_mirrored) == seen_from_inside;
         let number = interface + if ends { Interface::SLOTS } else { 0 };
         let is_negative = diagonal >> (2 - pair) & 1 == 1;
-        table[diagonal][pair] = (Endpoint(number as u8), if is_negative { -1.0 } else { 1.0 });
+        let sign = if is_negative { -1.0 } else { 1.0 };
+        table[diagonal].endpoints[pair] = (Endpoint(number as u8), sign);
+        table[diagonal].bits |= 1 << number;
         entry += 1;
     }
     table
@@ -233,7 +248,7 @@ const fn diagonals_table() -> [[(u8, f64); 2]; Interface::SLOTS] {
     let mut entry = 0;
     while entry < 24 {
         let diagonal = entry / 3;
-        let (endpoint, sign) = AT_DIAGONAL[1][diagonal][entry % 3];
+        let (endpoint, sign) = AT_DIAGONAL[1][diagonal].endpoints[entry % 3];
         let (interface, end) = (
             endpoint.0 as usize % Interface::SLOTS,
             endpoint.0 as usize / Interface::SLOTS,
@@ -314,7 +329,7 @@ mod tests {
     #[test]
     fn a_walk_around_one_diagonal_pierces_it() {
         for diagonal in 0..8 {
-            let endpoints = Endpoint::at_diagonal(diagonal, true);
+            let endpoints = &Endpoint::at_diagonal(diagonal, true).endpoints;
             let crossed = endpoints.iter().fold(0, |set, (endpoint, _)| {
                 set ^ 1 << endpoint.interface().number()
             });
@@ -325,7 +340,7 @@ mod tests {
     #[test]
     fn marks_and_points_are_two_ways_to_tell_the_same() {
         for diagonal in 0..8 {
-            for (endpoint, sign) in Endpoint::at_diagonal(diagonal, false) {
+            for (endpoint, sign) in &Endpoint::at_diagonal(diagonal, false).endpoints {
                 let mark = Mark {
                     distance: 2.0,
                     third: 2.0 * sign,
@@ -341,7 +356,7 @@ mod tests {
     #[test]
     fn determinants_measure_the_cross_product() {
         for diagonal in 0..8 {
-            for (endpoint, _) in Endpoint::at_diagonal(diagonal, false) {
+            for (endpoint, _) in &Endpoint::at_diagonal(diagonal, false).endpoints {
                 let interface = endpoint.interface();
                 let [u, v] =
                     [(1.0, 0.25), (3.0, -2.0)].map(|(distance, third)| Mark { distance, third });

@@ -3,10 +3,14 @@
 //! A facet's boundary crosses interfaces, and diagonals pierce its inside. Both are endpoints of
 //! segments; paired up interface by interface they make the subdivision of the facet into sectors.
 
+use wide::f64x4;
+
 use crate::chebyshev::chunks::{Bits, CHUNK, chosen};
-use crate::chebyshev::endpoints::{Endpoints, Found, STARTS, Spare};
+use crate::chebyshev::endpoints::{Endpoints, Found, STARTS, Spare, Tips};
 use crate::chebyshev::interface::{Endpoint, Interface, diagonal_ray, pierced};
+use crate::chebyshev::pierced::along_four_rays;
 use crate::chebyshev::visit::{FacetView, Visit};
+use crate::geometry::half_space::HalfSpace;
 
 /// Which segments there are: per facet a set of interfaces, those of some facets in one word.
 #[derive(Clone, Debug, Default)]
@@ -57,14 +61,7 @@ pub(crate) fn report_segments<'a>(
     segments: &mut Segments,
     visitor: &mut impl Visit,
 ) {
-    let count = endpoints.seen().len();
-    for first in (0..count).step_by(CHUNK) {
-        let seen = &endpoints.seen()[first..];
-        let crossed = |number: usize, seen: &u32| endpoints.odd(first + number, *seen) != 0;
-        for number in chosen(seen, crossed) {
-            add_diagonals(&view(first + number), endpoints);
-        }
-    }
+    add_diagonals(&view, endpoints);
     segments.take(endpoints.seen());
     for (facet, interface) in segments.all() {
         let [u, v] = [false, true].map(|ends| {
@@ -74,7 +71,7 @@ pub(crate) fn report_segments<'a>(
         visitor.segment(&view(facet), interface, u, v);
     }
     if !endpoints.spare.is_empty() {
-        for facet in 0..count {
+        for facet in 0..endpoints.seen().len() {
             report_spare(&view(facet), &mut endpoints.spare, visitor);
         }
     }
@@ -103,24 +100,84 @@ fn report_spare(view: &FacetView<'_>, spare: &mut Vec<Spare>, visitor: &mut impl
     }
 }
 
-/// Adds the points in which diagonals pierce the facet, each an endpoint of three interfaces.
+/// The facets that diagonals pierce, and which.
 #[inline]
-fn add_diagonals(view: &FacetView<'_>, endpoints: &mut Endpoints) {
-    let inside = pierced(endpoints.odd(view.number, endpoints.seen()[view.number]));
-    let mut left = if inside.count_ones() == 4 {
-        likelier(inside, view)
-    } else {
-        inside
-    };
-    while left != 0 {
-        let diagonal = left.trailing_zeros() as u8;
-        left &= left - 1;
-        // Both change sign where the center lies beyond the facet.
-        let reach = view.height / view.normal().dot(diagonal_ray(diagonal));
-        if (0.0..=f64::MAX).contains(&reach) {
-            endpoints.enter_diagonal(view.number, diagonal, reach, view.height >= 0.0);
-        } else {
-            add_flat_diagonal(diagonal, view, endpoints);
+fn pierced_facets<'a>(
+    view: &impl Fn(usize) -> FacetView<'a>,
+    endpoints: &Endpoints,
+    mut visit: impl FnMut(usize, u8),
+) {
+    let count = endpoints.seen().len();
+    for first in (0..count).step_by(CHUNK) {
+        let seen = &endpoints.seen()[first..];
+        let crossed = |number: usize, seen: &u32| endpoints.odd(first + number, *seen) != 0;
+        for number in chosen(seen, crossed) {
+            let facet = first + number;
+            let inside = pierced(endpoints.odd(facet, endpoints.seen()[facet]));
+            visit(
+                facet,
+                if inside.count_ones() == 4 {
+                    likelier(inside, &view(facet))
+                } else {
+                    inside
+                },
+            );
+        }
+    }
+}
+
+/// Adds the points in which diagonals pierce facets, each an endpoint of three interfaces.
+#[inline]
+fn add_diagonals<'a>(view: &impl Fn(usize) -> FacetView<'a>, endpoints: &mut Endpoints) {
+    let (mut facets, mut all, mut is_once) = ([0; 8], 0, true);
+    pierced_facets(view, endpoints, |facet, inside| {
+        is_once &= all & inside == 0;
+        all |= inside;
+        for diagonal in Bits::of(u64::from(inside)) {
+            facets[diagonal % 8] = facet as u32;
+        }
+    });
+    let is_plain = is_once && all == u8::MAX;
+    let reaches = is_plain.then(|| reaches(facets.map(|facet| view(facet as usize))));
+    match reaches.flatten() {
+        Some(reaches) => endpoints.enter_tips(Tips { facets, reaches }),
+        None => add_any_diagonals(view, endpoints),
+    }
+}
+
+/// How far along the diagonals a facet for each is pierced, if all are from inside.
+#[inline]
+fn reaches(views: [FacetView<'_>; 8]) -> Option<[f64; 8]> {
+    let [one, other] = [0, 4].map(|first| {
+        let four = [0, 1, 2, 3].map(|lane| &views[first + lane]);
+        let [x, y, z, _] = HalfSpace::lanes(four.map(|view| &view.piece.facets[view.number]));
+        let heights = f64x4::new(four.map(|view| view.height));
+        let reaches = heights / along_four_rays([x, y, z], first as u8);
+        let [zero, most] = [0.0, f64::MAX].map(f64x4::splat);
+        let are_inside = heights.simd_ge(zero) & reaches.simd_ge(zero) & reaches.simd_le(most);
+        (reaches.to_array(), are_inside.to_bitmask() == 0b1111)
+    });
+    let ([a, b, c, d], [e, f, g, h]) = (one.0, other.0);
+    (one.1 & other.1).then_some([a, b, c, d, e, f, g, h])
+}
+
+/// As [`add_diagonals`], where diagonals may pierce several facets, none, or one from outside.
+#[inline(never)]
+fn add_any_diagonals<'a>(view: &impl Fn(usize) -> FacetView<'a>, endpoints: &mut Endpoints) {
+    let mut all = Vec::new();
+    pierced_facets(view, endpoints, |facet, inside| all.push((facet, inside)));
+    for (facet, inside) in all {
+        let view = view(facet);
+        for diagonal in Bits::of(u64::from(inside)) {
+            let diagonal = diagonal as u8;
+            // Both change sign where the center lies beyond the facet.
+            let reach = view.height / view.normal().dot(diagonal_ray(diagonal));
+            if (0.0..=f64::MAX).contains(&reach) {
+                let there = Endpoint::at_diagonal(diagonal, view.height >= 0.0);
+                endpoints.enter_diagonal(facet, there, reach);
+            } else {
+                add_flat_diagonal(diagonal, &view, endpoints);
+            }
         }
     }
 }
@@ -130,7 +187,7 @@ fn add_diagonals(view: &FacetView<'_>, endpoints: &mut Endpoints) {
 fn add_flat_diagonal(diagonal: u8, view: &FacetView<'_>, endpoints: &mut Endpoints) {
     let point = endpoints.any_point(view.number);
     let point = point.unwrap_or_else(|| view.anchor.point());
-    for &(endpoint, _) in Endpoint::at_diagonal(diagonal, view.height >= 0.0) {
+    for &(endpoint, _) in &Endpoint::at_diagonal(diagonal, view.height >= 0.0).endpoints {
         let found = Found::off_edges(endpoint.interface().mark(&point));
         endpoints.enter(view.number, endpoint, found);
     }
