@@ -170,16 +170,24 @@ mod tests {
             let size = number as usize % 3;
             let step = step * [1e-3, 0.02, 0.5][size];
             let start = energy_jet(&piece, &center, 1, scratch);
-            let Some(ahead) = ahead(&piece[0].integrand, &step, scratch) else {
+            // A way goes on from where it has come to, and may come back.
+            let ways = [step, step * 1.2 + step.yzx() * 0.3, step * -0.4, step];
+            let known_ahead = ways.map(|way| (way, ahead(&piece[0].integrand, &way, scratch)));
+            let Some((_, Some(first))) = known_ahead.first() else {
                 continue;
             };
             known[size] += 1;
-            passed[size] += usize::from(ahead.passed.is_some());
-            let found = at_end(&start, &ahead, &step);
-            let end = energy_jet(&piece, &(center + step), 1, scratch).evaluation;
-            assert!((found.value - end.value).abs() < 1e-13, "{number}");
-            assert!((found.gradient - end.gradient).amax() < 1e-13, "{number}");
-            assert!((found.hessian - end.hessian).amax() < 1e-12, "{number}");
+            passed[size] += usize::from(first.passed.is_some());
+            for (way, ahead) in known_ahead {
+                let Some(ahead) = ahead else {
+                    continue;
+                };
+                let found = at_end(&start, &ahead, &way);
+                let end = energy_jet(&piece, &(center + way), 1, scratch).evaluation;
+                assert!((found.value - end.value).abs() < 1e-13, "{number}");
+                assert!((found.gradient - end.gradient).amax() < 1e-13, "{number}");
+                assert!((found.hessian - end.hessian).amax() < 1e-12, "{number}");
+            }
         }
         // On long steps diagonals pass over several edges, or the center leaves the piece.
         assert!(known[0] > 95 && known[1] > 95 && known[2] > 15, "{known:?}");
