@@ -1,7 +1,7 @@
 //! Where the segments of a piece's facets begin and end.
 
 use nalgebra::Vector3;
-use wide::f64x2;
+use wide::{f64x2, f64x4};
 
 use crate::chebyshev::interface::{AtDiagonal, Endpoint, Interface};
 use crate::chebyshev::mark::Mark;
@@ -11,6 +11,7 @@ pub(crate) const STARTS: u32 = (1 << Interface::SLOTS) - 1;
 
 /// An endpoint's place.
 #[derive(Clone, Copy, Debug, Default)]
+#[repr(C)]
 pub(crate) struct Found {
     /// Where it is.
     pub(crate) mark: Mark,
@@ -21,6 +22,13 @@ pub(crate) struct Found {
 }
 
 impl Found {
+    /// The mark's two numbers and those of its drift.
+    #[inline(always)]
+    pub(crate) fn lanes(&self) -> f64x4 {
+        let Self { mark, drift } = self;
+        f64x4::new([mark.distance, mark.third, drift.distance, drift.third])
+    }
+
     /// What does not lie on an edge.
     #[inline]
     pub(crate) fn off_edges(mark: Mark) -> Self {

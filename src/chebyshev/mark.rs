@@ -4,6 +4,7 @@ use wide::f64x2;
 
 /// A point of an interface, told by two numbers.
 #[derive(Clone, Copy, Debug, Default)]
+#[repr(C)]
 pub(crate) struct Mark {
     /// Its Chebyshev distance from the center: that along either axis of the interface.
     pub(crate) distance: f64,
@@ -17,11 +18,5 @@ impl Mark {
     pub(crate) fn of(lanes: f64x2) -> Self {
         let [distance, third] = lanes.to_array();
         Self { distance, third }
-    }
-
-    /// Its two numbers.
-    #[inline]
-    pub(crate) fn lanes(&self) -> f64x2 {
-        f64x2::new([self.distance, self.third])
     }
 }

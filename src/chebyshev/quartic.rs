@@ -19,16 +19,14 @@
 //! diagonals.
 
 use nalgebra::Vector3;
-use wide::{f64x2, f64x4};
+use wide::{f64x4, i32x4};
 
 use crate::chebyshev::endpoints::{Endpoints, Tips};
 use crate::chebyshev::energy::interface_hessian;
 use crate::chebyshev::integrand::Integrand;
-use crate::chebyshev::interface::{Endpoint, Interface};
-use crate::chebyshev::mark::Mark;
+use crate::chebyshev::interface::{Endpoint, Family, Interface};
 use crate::chebyshev::panorama::vertices_elsewhere;
 use crate::chebyshev::pierced::along_four_rays;
-use crate::chebyshev::sight::Sight;
 use crate::chebyshev::walk::WalkScratch;
 use crate::geometry::half_space::HalfSpace;
 use crate::minimize::objective::Ahead;
@@ -94,36 +92,66 @@ fn areas(
     endpoints: &Endpoints,
     slides: &[f64; Interface::SLOTS],
 ) -> ([f64; Interface::SLOTS], bool) {
-    let from = Sight::of(step);
     let mut areas = [0.0; Interface::SLOTS];
-    let both = losses.iter().zip(&tips.reaches);
-    let mut keeps_shape = both.fold(true, |all, (loss, reach)| all & (loss < reach));
-    for interface in Interface::all() {
-        let (left, right) = interface.sectors();
-        let within = from.mark(left, interface.third_axis());
-        let across = from.distance(left) - from.distance(right);
-        let diagonals = interface.diagonals();
-        let facets = diagonals.map(|(diagonal, _)| tips.facets[usize::from(diagonal % 8)]);
-        let [u, v] = diagonals.map(|(diagonal, sign)| {
-            f64x2::new([1.0, sign]) * f64x2::splat(losses[usize::from(diagonal % 8)])
-        });
-        let beside = [0, 1]
-            .map(|end| endpoints.found(facets[end] as usize, Endpoint::of(interface, end == 0)));
-        let slid = beside.map(|found| within + f64x2::splat(across) * found.drift.lanes());
-        let determinant = |u: f64x2, v: f64x2| interface.determinant(&Mark::of(u), &Mark::of(v));
-        let joined = across * across * slides[interface.number()]
-            + (determinant(u - within, slid[0]) + determinant(slid[1], v - within));
-        let is_direct = facets[0] == facets[1];
-        let mask = u64::from(is_direct).wrapping_neg();
-        let bits = joined.to_bits() & !mask | determinant(u, v).to_bits() & mask;
-        areas[interface.number()] = f64::from_bits(bits);
-        let stays = [0, 1].map(|end| {
-            let [distance, third] = (beside[end].mark.lanes() - slid[end]).to_array();
-            distance >= third.abs()
-        });
-        keeps_shape &= is_direct | (stays[0] & stays[1]);
+    let lasting = losses.iter().zip(&tips.reaches);
+    let lasts = lasting.fold(true, |all, (loss, reach)| all & (loss < reach));
+    let mut stays = f64x4::splat(f64::from_bits(u64::MAX));
+    for (first, family) in Family::all() {
+        let [left, right, third] = family.axes.map(|axis| f64x4::splat(step[axis % 3]));
+        let [left_signs, right_signs] = family.signs.map(f64x4::new);
+        let within = [left * left_signs, third];
+        let across = within[0] - right * right_signs;
+        let of_diagonals = |all: &[f64; 8], end: usize| {
+            f64x4::new(family.diagonals[end].map(|diagonal| all[diagonal % 8]))
+        };
+        let tip = |end: usize| {
+            let loss = of_diagonals(losses, end);
+            [loss, loss * f64x4::new(family.along[end])]
+        };
+        let facets = family
+            .diagonals
+            .map(|four| four.map(|diagonal| tips.facets[diagonal % 8]));
+        let beside = |end: usize| {
+            let found = [0, 1, 2, 3].map(|lane| {
+                let interface = Interface::of_number(first + lane);
+                let endpoint = Endpoint::of(interface, end == 0);
+                endpoints
+                    .found(facets[end][lane] as usize, endpoint)
+                    .lanes()
+            });
+            let [distance, along, slide, slide_along] = f64x4::transpose(found);
+            let slid = [within[0] + across * slide, within[1] + across * slide_along];
+            let stays = (distance - slid[0]).simd_ge((along - slid[1]).abs());
+            (slid, stays)
+        };
+        let [(u, u_stays), (v, v_stays)] = [beside(0), beside(1)];
+        let (start, end) = (tip(0), tip(1));
+        let joined = determinants(less(start, within), u) + determinants(v, less(end, within));
+        let slides = f64x4::new([0, 1, 2, 3].map(|lane| slides[(first + lane) % slides.len()]));
+        let turns = f64x4::new(family.turns);
+        let [one, other] =
+            facets.map(|four| f64x4::from(i32x4::new(four.map(|facet| facet as i32))));
+        let is_direct = one.simd_eq(other);
+        let area = is_direct.select(
+            turns * determinants(start, end),
+            across * across * slides + turns * joined,
+        );
+        areas[first..first + Family::SIZE].copy_from_slice(&area.to_array());
+        stays &= is_direct | (u_stays & v_stays);
     }
-    (areas, keeps_shape)
+    (areas, lasts && stays.to_bitmask() == 0b1111)
+}
+
+/// The differences of two lists of marks.
+#[inline(always)]
+fn less(one: [f64x4; 2], other: [f64x4; 2]) -> [f64x4; 2] {
+    [one[0] - other[0], one[1] - other[1]]
+}
+
+/// The determinants of marks, but for the interfaces' turns.
+#[inline(always)]
+fn determinants(u: [f64x4; 2], v: [f64x4; 2]) -> f64x4 {
+    u[0] * v[1] - u[1] * v[0]
 }
 
 #[cfg(test)]

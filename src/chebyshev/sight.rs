@@ -23,13 +23,6 @@ impl Sight {
         })
     }
 
-    /// A displacement with which go two infinite numbers.
-    #[inline]
-    pub(crate) fn of(displacement: &Vector3<f64>) -> Self {
-        let [x, y, z] = (*displacement).into();
-        Self([x, -x, y, -y, z, -z, f64::INFINITY, f64::INFINITY])
-    }
-
     /// The two numbers that go with it.
     #[inline]
     pub(crate) fn more(&self) -> [f64; 2] {

@@ -37,7 +37,7 @@ impl<const D: usize> ProjectedNewton<D> {
             if self.is_flat(&point, &evaluation.gradient) {
                 return Some((point, evaluation));
             }
-            let step = self.step(&point, &evaluation.into())?;
+            let step = self.step(&point, &evaluation, None)?;
             let size = step.amax();
             if self.is_negligible(size, last, false) {
                 let end = self.moved(&point, &step, 1.0);

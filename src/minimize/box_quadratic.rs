@@ -31,7 +31,7 @@ pub(crate) fn positive_definite<const D: usize>(
     length: f64,
 ) -> Option<(SMatrix<f64, D, D>, Inverse<D>)> {
     let mut shift = (SHIFT_OF_TRACE * hessian.trace().abs())
-        .max(SHIFT_OF_GRADIENT * gradient.amax() / length)
+        .max(SHIFT_OF_GRADIENT / length * gradient.amax())
         .max(f64::MIN_POSITIVE);
     for _ in 0..MAX_SHIFTS {
         let shifted = hessian + SMatrix::from_diagonal_element(shift);

@@ -21,13 +21,13 @@
 //!   once the steps before it show that what remains is below `step_tolerance`; and where the
 //!   function is known to be one polynomial as far as the minimum, that is found `ahead`.
 
-use nalgebra::SVector;
+use nalgebra::{SMatrix, SVector};
 
 use crate::minimize::backtracking::{VALUE_ROUNDING, cut, is_accepted, is_finite};
 use crate::minimize::newton_state::{NewtonState, predicted};
 use crate::minimize::newton_step::newton_step;
 use crate::minimize::objective::{Objective, Plain};
-use crate::minimize::problem::{Ended, Jet, Minimum};
+use crate::minimize::problem::{Ended, Evaluation, Jet, Minimum};
 
 /// Up to this many times the rounding of values, a gain that does not come is put down to it.
 const SMALL_GAIN: f64 = 1e3;
@@ -120,7 +120,8 @@ impl<const D: usize> ProjectedNewton<D> {
         objective: &mut impl Objective<D>,
         current: &mut NewtonState<D>,
     ) -> Option<Ended> {
-        let Some(step) = self.step(&current.point, &current.jet) else {
+        let Jet { evaluation, third } = &current.jet;
+        let Some(step) = self.step(&current.point, evaluation, third.as_ref()) else {
             return Some(Ended::NoDescent);
         };
         let size = step.amax();
@@ -144,13 +145,19 @@ impl<const D: usize> ProjectedNewton<D> {
         self.convergence(current)
     }
 
-    /// The next step within the box and the largest step, from where the function is `jet`.
-    pub(crate) fn step(&self, point: &SVector<f64, D>, jet: &Jet<D>) -> Option<SVector<f64, D>> {
+    /// The next step within the box and the largest step, from where the function is `evaluation`, with
+    /// `third` derivatives where they are known.
+    pub(crate) fn step(
+        &self,
+        point: &SVector<f64, D>,
+        evaluation: &Evaluation<D>,
+        third: Option<&[SMatrix<f64, D, D>; D]>,
+    ) -> Option<SVector<f64, D>> {
         let length = self.options.length;
         let longest = SVector::repeat(length);
         let lower = (self.lower - point).sup(&-longest);
         let upper = (self.upper - point).inf(&longest);
-        newton_step(jet, length, &lower, &upper)
+        newton_step(evaluation, third, length, &lower, &upper)
     }
 
     /// Whether what a step of `size` after one of `last` leaves is below the tolerance, if the steps

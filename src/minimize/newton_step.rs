@@ -18,28 +18,29 @@ use nalgebra::{SMatrix, SVector};
 
 use crate::minimize::box_quadratic::{minimize_quadratic, positive_definite};
 use crate::minimize::inverse::Inverse;
-use crate::minimize::problem::{Evaluation, Jet};
+use crate::minimize::problem::Evaluation;
 
 /// Up to this share of Newton's step the correction by the third derivative is trusted.
 const LARGEST_CORRECTION: f64 = 0.5;
 
-/// The step from where the function is `jet`, within `lower` and `upper` (relative to the point).
-/// `length` is the size of long steps.
+/// The step from where the function is `evaluation`, with `third` derivatives where they are known,
+/// within `lower` and `upper` (relative to the point). `length` is the size of long steps.
 pub(crate) fn newton_step<const D: usize>(
-    jet: &Jet<D>,
+    evaluation: &Evaluation<D>,
+    third: Option<&[SMatrix<f64, D, D>; D]>,
     length: f64,
     lower: &SVector<f64, D>,
     upper: &SVector<f64, D>,
 ) -> Option<SVector<f64, D>> {
     let Evaluation {
         gradient, hessian, ..
-    } = &jet.evaluation;
+    } = evaluation;
     let (shifted, inverse) = positive_definite(hessian, gradient, length)?;
     let step = minimize_quadratic(&shifted, &inverse, gradient, lower, upper);
     let is_inside = |step: &SVector<f64, D>| {
         (0..D).all(|axis| lower[axis] < step[axis] && step[axis] < upper[axis])
     };
-    let corrected = (jet.third.as_ref())
+    let corrected = third
         .filter(|_| is_inside(&step))
         .and_then(|third| corrected(&step, gradient, third, &inverse))
         .filter(is_inside);
