@@ -26,10 +26,10 @@ pub(crate) struct Interface(u8);
 pub(crate) struct Endpoint(u8);
 
 /// The pairs of axes i < j between which interfaces lie.
-const PAIRS: [(usize, usize); 3] = [(0, 1), (0, 2), (1, 2)];
+pub(crate) const PAIRS: [(usize, usize); 3] = [(0, 1), (0, 2), (1, 2)];
 
 /// Per interface: +1 where its two axes' directions and the third axis are right-handed, else −1.
-const TURNS: [f64; Interface::SLOTS] = [
+pub(crate) const TURNS: [f64; Interface::SLOTS] = [
     1.0, -1.0, -1.0, 1.0, -1.0, 1.0, 1.0, -1.0, 1.0, -1.0, -1.0, 1.0, 0.0, 0.0, 0.0, 0.0,
 ];
 
@@ -133,8 +133,8 @@ impl Endpoint {
 
     /// Its place among all.
     #[inline]
-    pub(crate) fn number(self) -> usize {
-        usize::from(self.0) % Self::SLOTS
+    pub(crate) const fn number(self) -> usize {
+        self.0 as usize % Self::SLOTS
     }
 
     /// Its bit in a set of endpoints.
@@ -207,7 +207,7 @@ const fn passing_table() -> [[Endpoint; Sector::SLOTS]; Sector::SLOTS] {
     table
 }
 
-static AT_DIAGONAL: [[AtDiagonal; 8]; 2] = [diagonal_table(false), diagonal_table(true)];
+pub(crate) static AT_DIAGONAL: [[AtDiagonal; 8]; 2] = [diagonal_table(false), diagonal_table(true)];
 
 const fn diagonal_table(seen_from_inside: bool) -> [AtDiagonal; 8] {
     let none = AtDiagonal {
@@ -228,66 +228,6 @@ const fn diagonal_table(seen_from_inside: bool) -> [AtDiagonal; 8] {
         let sign = if is_negative { -1.0 } else { 1.0 };
         table[diagonal].endpoints[pair] = (Endpoint(number as u8), sign);
         table[diagonal].bits |= 1 << number;
-        entry += 1;
-    }
-    table
-}
-
-/// The four interfaces between the sectors of two axes, side by side.
-#[derive(Clone, Copy)]
-pub(crate) struct Family {
-    /// The axes of their first and of their second sectors, and the third axis.
-    pub(crate) axes: [usize; 3],
-    /// The signs of their first and of their second sectors.
-    pub(crate) signs: [[f64; 4]; 2],
-    /// See [`Interface::determinant`].
-    pub(crate) turns: [f64; 4],
-    /// The diagonals at the start and at the end of their segments on a surface about the center.
-    pub(crate) diagonals: [[usize; 4]; 2],
-    /// The signs of these along the third axis.
-    pub(crate) along: [[f64; 4]; 2],
-}
-
-impl Family {
-    /// How many interfaces it has.
-    pub(crate) const SIZE: usize = 4;
-
-    /// All of them, by the number of their first interface.
-    #[inline]
-    pub(crate) fn all() -> impl Iterator<Item = (usize, &'static Self)> {
-        (0..).step_by(Self::SIZE).zip(&FAMILIES)
-    }
-}
-
-static FAMILIES: [Family; PAIRS.len()] = families_table();
-
-const fn families_table() -> [Family; PAIRS.len()] {
-    let none = Family {
-        axes: [0; 3],
-        signs: [[0.0; 4]; 2],
-        turns: [0.0; 4],
-        diagonals: [[0; 4]; 2],
-        along: [[0.0; 4]; 2],
-    };
-    let mut table = [none; PAIRS.len()];
-    let mut interface = 0;
-    while interface < Interface::COUNT {
-        let (family, place) = (interface / Family::SIZE, interface % Family::SIZE);
-        let (i, j) = PAIRS[family];
-        table[family].axes = [i, j, 3 - i - j];
-        table[family].signs[0][place] = 1.0 - 2.0 * (place >> 1) as f64;
-        table[family].signs[1][place] = 1.0 - 2.0 * (place & 1) as f64;
-        table[family].turns[place] = TURNS[interface];
-        interface += 1;
-    }
-    let mut entry = 0;
-    while entry < 24 {
-        let (endpoint, sign) = AT_DIAGONAL[1][entry / 3].endpoints[entry % 3];
-        let interface = endpoint.0 as usize % Interface::SLOTS;
-        let (family, place) = (interface / Family::SIZE, interface % Family::SIZE);
-        let end = endpoint.0 as usize / Interface::SLOTS;
-        table[family].diagonals[end][place] = entry / 3;
-        table[family].along[end][place] = sign;
         entry += 1;
     }
     table

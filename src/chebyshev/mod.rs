@@ -23,6 +23,7 @@ mod chunks;
 mod corners;
 mod crossing;
 mod endpoints;
+mod family;
 mod linear_borders;
 mod panorama;
 mod passing;

@@ -23,8 +23,9 @@ use wide::{f64x4, i32x4};
 
 use crate::chebyshev::endpoints::{Endpoints, Tips};
 use crate::chebyshev::energy::interface_hessian;
+use crate::chebyshev::family::Family;
 use crate::chebyshev::integrand::Integrand;
-use crate::chebyshev::interface::{Endpoint, Family, Interface};
+use crate::chebyshev::interface::{Endpoint, Interface};
 use crate::chebyshev::panorama::vertices_elsewhere;
 use crate::chebyshev::pierced::along_four_rays;
 use crate::chebyshev::walk::WalkScratch;
