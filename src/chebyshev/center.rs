@@ -1,8 +1,8 @@
 //! The center of a cell: the minimizer of its Chebyshev energy within bounds.
 //!
 //! E is convex in the center (for pieces that sum to a set), so Newton's method with the exact
-//! Hessian finds it in two to five evaluations; in one to three for p = 1, where the energy is
-//! known as a polynomial nearby (`quartic`).
+//! Hessian finds it in two to five evaluations; mostly in one for p = 1, where the energy is known
+//! ahead as a polynomial and what is added where something passes (`quartic`, `passings`).
 //! L-BFGS-B, which knows gradients only, is the choice of \[BL\] section 3.5. The search is the same
 //! in the plane and in space.
 
