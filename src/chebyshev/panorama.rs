@@ -5,7 +5,6 @@ use std::ops::{Add, Mul, Sub};
 use nalgebra::Vector3;
 use wide::f64x4;
 
-use crate::chebyshev::chunks::{Bits, CHUNK};
 use crate::chebyshev::integrand::{EdgeConstants, Integrand};
 use crate::chebyshev::sector::Sector;
 use crate::chebyshev::sight::Sight;
@@ -88,6 +87,21 @@ impl Panorama {
         &self.codes[..piece.vertices.blocks().len()]
     }
 
+    /// Whether all vertices are in the same sectors as seen from another center.
+    #[inline]
+    pub(crate) fn do_vertices_stay(&self, piece: &Integrand, center: &Vector3<f64>) -> bool {
+        let count = piece.vertices.len();
+        let blocks = piece.vertices.blocks().iter().zip(&self.codes);
+        let moved = blocks
+            .enumerate()
+            .fold(0, |moved, (block, (points, codes))| {
+                let elsewhere = codes_from(points, center).simd_ne(*codes).to_bitmask();
+                // What the last block has beyond the last vertex does not count.
+                moved | elsewhere & ((1 << (count - block * BLOCK).min(BLOCK)) - 1)
+            });
+        moved == 0
+    }
+
     /// The vertices at the ends of an edge.
     #[inline]
     pub(crate) fn ends(&self, edge: &EdgeConstants) -> [&VertexSight; 2] {
@@ -125,28 +139,6 @@ fn rows<Item: Clone + Default>(list: &mut Vec<Item>, count: usize) -> &mut [[Ite
         list.resize(count * BLOCK, Item::default());
     }
     &mut list.as_chunks_mut().0[..count]
-}
-
-/// The vertices that are in other sectors, as seen from `center`, than `codes` tells.
-#[inline]
-pub(crate) fn vertices_elsewhere<'a>(
-    piece: &'a Integrand,
-    center: &Vector3<f64>,
-    codes: &'a [f64x4],
-) -> impl Iterator<Item = usize> + 'a {
-    const BLOCKS: usize = CHUNK / BLOCK;
-    let center = *center;
-    let blocks = piece.vertices.blocks().chunks(BLOCKS);
-    let all = blocks.zip(codes.chunks(BLOCKS)).enumerate();
-    let all = all.flat_map(move |(chunk, (blocks, codes))| {
-        let mut bits = 0;
-        for (number, (block, codes)) in blocks.iter().zip(codes).enumerate() {
-            let elsewhere = codes_from(block, &center).simd_ne(*codes).to_bitmask();
-            bits |= u64::from(elsewhere) << (number * BLOCK);
-        }
-        Bits::of(bits).map(move |bit| chunk * CHUNK + bit)
-    });
-    all.filter(|&vertex| vertex < piece.vertices.len())
 }
 
 /// The sectors of four vertices as seen from a center.

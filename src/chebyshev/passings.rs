@@ -19,7 +19,7 @@ use crate::minimize::problem::Evaluation;
 pub(crate) struct Passings {
     /// Where the way has come to.
     center: Vector3<f64>,
-    /// The sectors of the vertices there, see [`Sector::of_code`](crate::chebyshev::sector::Sector).
+    /// The sectors of the vertices there, see [`Sector::of_code`].
     codes: Vec<f64x4>,
     /// The same before the last step, in memory to be reused.
     last_codes: Vec<f64x4>,

@@ -26,7 +26,6 @@ use crate::chebyshev::energy::interface_hessian;
 use crate::chebyshev::family::Family;
 use crate::chebyshev::integrand::Integrand;
 use crate::chebyshev::interface::{Endpoint, Interface};
-use crate::chebyshev::panorama::vertices_elsewhere;
 use crate::chebyshev::pierced::along_four_rays;
 use crate::chebyshev::walk::WalkScratch;
 use crate::geometry::half_space::HalfSpace;
@@ -50,10 +49,7 @@ pub(crate) fn ahead(
     let losses = losses(piece, step, tips);
     let (areas, keeps_shape) = areas(step, (tips, &losses), endpoints, slides);
     let end = panorama.center() + step;
-    let codes = panorama.codes(piece);
-    let keeps_shape = keeps_shape
-        && passings.are_none()
-        && vertices_elsewhere(piece, &end, codes).next().is_none();
+    let keeps_shape = keeps_shape && passings.are_none() && panorama.do_vertices_stay(piece, &end);
     let passed = if keeps_shape {
         None
     } else if !piece.is_convex {
