@@ -9,8 +9,8 @@
 
 use nalgebra::{Point3, Rotation3, Vector3};
 
+use crate::chebyshev::at_vertices::AtVertices;
 use crate::chebyshev::chunks::{Bits, CHUNK};
-use crate::chebyshev::corners::Corners;
 use crate::chebyshev::points::Points;
 use crate::geometry::faceted::{Faceted, Piece};
 use crate::geometry::half_space::HalfSpace;
@@ -65,12 +65,11 @@ pub struct Integrand {
     /// With unit normals.
     pub(crate) facets: Vec<HalfSpace>,
     pub(crate) edges: Vec<EdgeConstants>,
-    pub(crate) corners: Corners,
+    pub(crate) at_vertices: AtVertices,
     pub(crate) labels: Vec<Label>,
     /// In the piece's coordinates; none is density 1.
     pub(crate) density: Option<Polynomial>,
     pub(crate) volume: f64,
-    pub(crate) is_convex: bool,
 }
 
 impl Integrand {
@@ -85,7 +84,6 @@ impl Integrand {
     /// Prepares `piece` of density 1, keeping the memory of the piece before.
     pub fn assign(&mut self, piece: Piece<'_>) {
         self.density = None;
-        self.is_convex = matches!(piece, Piece::Convex(_));
         match piece {
             Piece::Convex(piece) => self.assign_convex(piece),
             Piece::Faceted(piece) => self.assign_faceted(piece),
@@ -143,7 +141,7 @@ impl Integrand {
         self.vertices.assign(axes, piece.vertex_count());
         self.assign_facets(piece.planes.iter(), piece.labels.iter());
         self.edges.reserve(piece.facets.len() * 3 / 2);
-        self.corners.assign_polyhedron(piece);
+        self.at_vertices.assign_polyhedron(piece);
         let rows = piece.facets.chunks(ROWS).zip(piece.next.chunks(ROWS));
         let mut six_volumes = 0.0;
         for (chunk, (facets, next)) in rows.enumerate() {
@@ -164,7 +162,7 @@ impl Integrand {
     /// no less than a convex one, and the walk takes it for what it is.
     fn assign_faceted(&mut self, piece: &Faceted) {
         self.vertices.clear();
-        self.corners.clear();
+        self.at_vertices.clear();
         for vertex in &piece.vertices {
             self.vertices.push(vertex);
         }

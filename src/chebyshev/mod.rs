@@ -19,8 +19,8 @@ pub mod walk;
 pub(crate) mod weighted;
 pub(crate) mod weighted_borders;
 
+mod at_vertices;
 mod chunks;
-mod corners;
 mod crossing;
 mod endpoints;
 mod family;

@@ -38,6 +38,47 @@ pub(crate) struct Passing {
     slant: f64,
 }
 
+impl Passing {
+    /// The passage of a vertex at `point`.
+    pub(crate) fn of_vertex(
+        endpoint: Endpoint,
+        point: &Vector3<f64>,
+        normals: [&Vector3<f64>; 3],
+    ) -> Self {
+        let (left, right) = endpoint.interface().sectors();
+        let across = |vector: &Vector3<f64>| left.distance(vector) - right.distance(vector);
+        let [a, b, c] = normals;
+        let edges = [b.cross(c), c.cross(a), a.cross(b)];
+        let determinant = a.dot(&edges[0]);
+        let slants = edges.each_ref().map(across);
+        let [one, two, three] = slants;
+        let bend = -endpoint.signed(determinant * determinant.abs()) / (one * two * three);
+        let mut along = Vector3::zeros();
+        along[left.axis()] = -left.sign();
+        along[right.axis()] = right.sign();
+        Self {
+            bend,
+            offset: across(point),
+            along,
+            slant: least(&slants),
+        }
+    }
+
+    /// The passage of a diagonal from one facet to another.
+    pub(crate) fn of_diagonal(diagonal: usize, from: &Pierced<'_>, to: &Pierced<'_>) -> Self {
+        let ray = diagonal_ray(diagonal as u8);
+        let [one, other] = [from, to].map(|facet| facet.plane.normal.component_mul(ray));
+        let [x, y, z] = one.cross(&other).into();
+        let factors = [from.along, to.along, x - y, x - z, y - z];
+        Self {
+            bend: -1.0 / factors.iter().product::<f64>(),
+            offset: from.along * to.plane.offset - to.along * from.plane.offset,
+            along: from.plane.normal * to.along - to.plane.normal * from.along,
+            slant: least(&factors),
+        }
+    }
+}
+
 /// The sum of what passages add: value, gradient, the Hessian's diagonal and what is beside it.
 #[derive(Default)]
 pub(crate) struct Sum {
@@ -92,47 +133,6 @@ impl Sum {
                 zx, yz, diagonal.z,
             ),
         })
-    }
-}
-
-impl Passing {
-    /// The passage of a vertex at `point`.
-    pub(crate) fn of_vertex(
-        endpoint: Endpoint,
-        point: &Vector3<f64>,
-        normals: [&Vector3<f64>; 3],
-    ) -> Self {
-        let (left, right) = endpoint.interface().sectors();
-        let across = |vector: &Vector3<f64>| left.distance(vector) - right.distance(vector);
-        let [a, b, c] = normals;
-        let edges = [b.cross(c), c.cross(a), a.cross(b)];
-        let determinant = a.dot(&edges[0]);
-        let slants = edges.each_ref().map(across);
-        let [one, two, three] = slants;
-        let bend = -endpoint.signed(determinant * determinant.abs()) / (one * two * three);
-        let mut along = Vector3::zeros();
-        along[left.axis()] = -left.sign();
-        along[right.axis()] = right.sign();
-        Self {
-            bend,
-            offset: across(point),
-            along,
-            slant: least(&slants),
-        }
-    }
-
-    /// The passage of a diagonal from one facet to another.
-    pub(crate) fn of_diagonal(diagonal: usize, from: &Pierced<'_>, to: &Pierced<'_>) -> Self {
-        let ray = diagonal_ray(diagonal as u8);
-        let [one, other] = [from, to].map(|facet| facet.plane.normal.component_mul(ray));
-        let [x, y, z] = one.cross(&other).into();
-        let factors = [from.along, to.along, x - y, x - z, y - z];
-        Self {
-            bend: -1.0 / factors.iter().product::<f64>(),
-            offset: from.along * to.plane.offset - to.along * from.plane.offset,
-            along: from.plane.normal * to.along - to.plane.normal * from.along,
-            slant: least(&factors),
-        }
     }
 }
 

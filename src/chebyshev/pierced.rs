@@ -22,16 +22,12 @@ pub(crate) fn nearer_facets(
 ) -> Option<[u64; 8]> {
     let center = [center.x, center.y, center.z].map(f64x4::splat);
     let facets = tips.map(|facet| &piece.facets[facet as usize]);
-    let [one, other] = [0, 4].map(|first| {
-        let [x, y, z, offset] = HalfSpace::lanes([0, 1, 2, 3].map(|lane| facets[first + lane]));
-        let along = along_four_rays([x, y, z], first as u8);
-        let height = height_below([x, y, z], offset, center);
-        [along.to_array(), height.to_array()]
+    let alongs = by_diagonal(facets, |_, along| along);
+    let heights = by_diagonal(facets, |[x, y, z, offset], _| {
+        height_below([x, y, z], offset, center)
     });
-    let tips = [0, 1, 2, 3, 4, 5, 6, 7].map(|diagonal: usize| {
-        let four = if diagonal < 4 { &one } else { &other };
-        four.map(|all| f64x4::splat(all[diagonal % 4]))
-    });
+    let tips =
+        [0, 1, 2, 3, 4, 5, 6, 7].map(|tip: usize| [alongs[tip], heights[tip]].map(f64x4::splat));
     let mut inside = f64x4::splat(f64::from_bits(u64::MAX));
     let mut nearer = [0; 8];
     for (block, facets) in piece.facets.chunks(BLOCK).enumerate() {
@@ -115,12 +111,22 @@ impl<'a> Pierced<'a> {
     }
 }
 
-/// Four normals times the rays of four diagonals, from number `first` on, rounded as by [`along_rays`].
-#[inline]
-pub(crate) fn along_four_rays([x, y, z]: [f64x4; 3], first: u8) -> f64x4 {
-    let [a, b, c] =
-        [0, 1, 2].map(|axis| f64x4::new([0, 1, 2, 3].map(|lane| diagonal_ray(first + lane)[axis])));
-    x * a + y * b + z * c
+/// What `of` makes, four at a time, of a facet for each diagonal: of the coordinates of the normals, the
+/// offsets, and the normals times the rays, rounded as by [`along_rays`].
+#[inline(always)]
+pub(crate) fn by_diagonal(
+    facets: [&HalfSpace; 8],
+    of: impl Fn([f64x4; 4], f64x4) -> f64x4,
+) -> [f64; 8] {
+    let [[a, b, c, d], [e, f, g, h]] = [0, 4].map(|first| {
+        let four = [0, 1, 2, 3].map(|lane| first + lane);
+        let lanes = HalfSpace::lanes(four.map(|diagonal| facets[diagonal]));
+        let rays = four.map(|diagonal| diagonal_ray(diagonal as u8));
+        let ray = |axis: usize| f64x4::new(rays.map(|ray| ray[axis]));
+        let along = lanes[0] * ray(0) + lanes[1] * ray(1) + lanes[2] * ray(2);
+        of(lanes, along).to_array()
+    });
+    [a, b, c, d, e, f, g, h]
 }
 
 /// A normal times the rays of all diagonals.

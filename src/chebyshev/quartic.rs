@@ -26,9 +26,8 @@ use crate::chebyshev::energy::interface_hessian;
 use crate::chebyshev::family::Family;
 use crate::chebyshev::integrand::Integrand;
 use crate::chebyshev::interface::{Endpoint, Interface};
-use crate::chebyshev::pierced::along_four_rays;
+use crate::chebyshev::pierced::by_diagonal;
 use crate::chebyshev::walk::WalkScratch;
-use crate::geometry::half_space::HalfSpace;
 use crate::minimize::objective::Ahead;
 
 /// What the last walk of `scratch`, which was one of `piece` for the energy of order 1, tells about
@@ -52,7 +51,7 @@ pub(crate) fn ahead(
     let keeps_shape = keeps_shape && passings.are_none() && panorama.do_vertices_stay(piece, &end);
     let passed = if keeps_shape {
         None
-    } else if !piece.is_convex {
+    } else if !piece.at_vertices.are_known() {
         return None;
     } else {
         Some(passings.follow(piece, (panorama, &tips.facets), &end)?)
@@ -68,15 +67,9 @@ pub(crate) fn ahead(
 fn losses(piece: &Integrand, step: &Vector3<f64>, tips: &Tips) -> [f64; 8] {
     let step = [step.x, step.y, step.z].map(f64x4::splat);
     let facets = tips.facets.map(|facet| &piece.facets[facet as usize]);
-    let [one, other] = [0, 4].map(|first| {
-        let four = [0, 1, 2, 3].map(|lane| facets[first + lane]);
-        let [x, y, z, _] = HalfSpace::lanes(four);
-        let along = along_four_rays([x, y, z], first as u8);
-        ((x * step[0] + y * step[1] + z * step[2]) / along).to_array()
-    });
-    [
-        one[0], one[1], one[2], one[3], other[0], other[1], other[2], other[3],
-    ]
+    by_diagonal(facets, |[x, y, z, _], along| {
+        (x * step[0] + y * step[1] + z * step[2]) / along
+    })
 }
 
 /// Per interface the sum of the determinants of losses where the center makes a step, by which
@@ -161,7 +154,7 @@ mod tests {
     use crate::geometry::clip::{ClipScratch, clip};
     use crate::geometry::half_space::HalfSpace;
     use crate::geometry::polyhedron::Polyhedron;
-    use crate::minimize::ahead::at_end;
+    use crate::minimize::problem::Jet;
 
     /// A cube cut by the bisectors of points about the origin.
     fn piece() -> Polyhedron {
@@ -194,7 +187,8 @@ mod tests {
             let step = Vector3::new((0.7 * turn).cos(), turn.cos(), (1.7 * turn).sin());
             let size = number as usize % 3;
             let step = step * [1e-3, 0.02, 0.5][size];
-            let start = energy_jet(&piece, &center, 1, scratch);
+            let Jet { evaluation, third } = energy_jet(&piece, &center, 1, scratch);
+            let third = third.expect("it is known for p = 1");
             // A way goes on from where it has come to, and may come back.
             let ways = [step, step * 1.2 + step.yzx() * 0.3, step * -0.4, step];
             let known_ahead = ways.map(|way| (way, ahead(&piece[0].integrand, &way, scratch)));
@@ -207,7 +201,7 @@ mod tests {
                 let Some(ahead) = ahead else {
                     continue;
                 };
-                let found = at_end(&start, &ahead, &way);
+                let found = ahead.at_end(&evaluation, &third, &way);
                 let end = energy_jet(&piece, &(center + way), 1, scratch).evaluation;
                 assert!((found.value - end.value).abs() < 1e-13, "{number}");
                 assert!((found.gradient - end.gradient).amax() < 1e-13, "{number}");

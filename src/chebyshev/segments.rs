@@ -3,14 +3,11 @@
 //! A facet's boundary crosses interfaces, and diagonals pierce its inside. Both are endpoints of
 //! segments; paired up interface by interface they make the subdivision of the facet into sectors.
 
-use wide::f64x4;
-
 use crate::chebyshev::chunks::{Bits, CHUNK, chosen};
 use crate::chebyshev::endpoints::{Endpoints, Found, STARTS, Spare, Tips};
 use crate::chebyshev::interface::{Endpoint, Interface, diagonal_ray, pierced};
-use crate::chebyshev::pierced::along_four_rays;
+use crate::chebyshev::pierced::by_diagonal;
 use crate::chebyshev::visit::{FacetView, Visit};
-use crate::geometry::half_space::HalfSpace;
 
 /// Which segments there are: per facet a set of interfaces, those of some facets in one word.
 #[derive(Clone, Debug, Default)]
@@ -148,17 +145,18 @@ fn add_diagonals<'a>(view: &impl Fn(usize) -> FacetView<'a>, endpoints: &mut End
 /// How far along the diagonals a facet for each is pierced, if all are from inside.
 #[inline]
 fn reaches(views: [FacetView<'_>; 8]) -> Option<[f64; 8]> {
-    let [one, other] = [0, 4].map(|first| {
-        let four = [0, 1, 2, 3].map(|lane| &views[first + lane]);
-        let [x, y, z, _] = HalfSpace::lanes(four.map(|view| &view.piece.facets[view.number]));
-        let heights = f64x4::new(four.map(|view| view.height));
-        let reaches = heights / along_four_rays([x, y, z], first as u8);
-        let [zero, most] = [0.0, f64::MAX].map(f64x4::splat);
-        let are_inside = heights.simd_ge(zero) & reaches.simd_ge(zero) & reaches.simd_le(most);
-        (reaches.to_array(), are_inside.to_bitmask() == 0b1111)
+    let alongs = by_diagonal(
+        views.map(|view| &view.piece.facets[view.number]),
+        |_, along| along,
+    );
+    let mut are_inside = true;
+    let reaches = [0, 1, 2, 3, 4, 5, 6, 7].map(|diagonal: usize| {
+        let height = views[diagonal].height;
+        let reach = height / alongs[diagonal];
+        are_inside &= (height >= 0.0) & (0.0..=f64::MAX).contains(&reach);
+        reach
     });
-    let ([a, b, c, d], [e, f, g, h]) = (one.0, other.0);
-    (one.1 & other.1).then_some([a, b, c, d, e, f, g, h])
+    are_inside.then_some(reaches)
 }
 
 /// As [`add_diagonals`], where diagonals may pierce several facets, none, or one from outside.

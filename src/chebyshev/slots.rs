@@ -11,7 +11,6 @@ impl Integrand {
     /// Prepares a convex piece of density 1, keeping the memory of the piece before.
     pub fn assign_compact(&mut self, piece: &Compact) {
         self.density = None;
-        self.is_convex = true;
         if piece.is_dense() {
             self.assign_dense(piece);
         } else {
@@ -29,7 +28,7 @@ impl Integrand {
             planes.clone().map(|plane| &piece.planes[plane]),
             planes.map(|plane| &piece.labels[plane]),
         );
-        self.corners.assign_sparse(piece, &lists);
+        self.at_vertices.assign_sparse(piece, &lists);
         self.assign_edges(piece, |[ends, sides]| {
             [
                 ends.map(|slot| u32::from(lists.vertices[slot])),
@@ -47,7 +46,7 @@ impl Integrand {
         if !piece.are_units() {
             HalfSpace::normalize(&mut self.facets);
         }
-        self.corners.assign_dense(piece, count);
+        self.at_vertices.assign_dense(piece, count);
         self.assign_edges(piece, |pairs| {
             pairs.map(|pair| pair.map(|number| number as u32))
         });

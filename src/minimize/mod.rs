@@ -26,7 +26,7 @@ pub mod newton;
 pub(crate) mod objective;
 pub mod problem;
 
-pub(crate) mod ahead;
+mod ahead;
 mod backtracking;
 mod box_quadratic;
 mod cauchy;

@@ -19,7 +19,7 @@
 //!   2005, eq. 4.1). Trials that are not finite are rejected.
 //! * An evaluation is spent only where it can tell something: the last step is taken on trust
 //!   once the steps before it show that what remains is below `step_tolerance`; and where the
-//!   function is known to be one polynomial as far as the minimum, that is found `ahead`.
+//!   function is known as far as the minimum, that is found `ahead`.
 
 use nalgebra::{SMatrix, SVector};
 

@@ -27,6 +27,36 @@ pub(crate) struct Ahead<const D: usize> {
     pub(crate) passed: Option<Evaluation<D>>,
 }
 
+impl<const D: usize> Ahead<D> {
+    /// The function at the end of the step from where it is `start`, with `third` derivatives.
+    pub(crate) fn at_end(
+        &self,
+        start: &Evaluation<D>,
+        third: &[SMatrix<f64, D, D>; D],
+        step: &SVector<f64, D>,
+    ) -> Evaluation<D> {
+        let turns = third.iter().zip(step.iter());
+        let third = turns.fold(
+            SMatrix::zeros(),
+            |sum: SMatrix<f64, D, D>, (along, share)| sum + along * *share,
+        );
+        let fourth = &self.fourth;
+        let [by_second, by_third, by_fourth] =
+            [&start.hessian, &third, fourth].map(|form| form * step);
+        let bend = by_second / 2.0 + by_third / 6.0 + by_fourth / 24.0;
+        let polynomial = Evaluation {
+            value: start.value + (start.gradient + bend).dot(step),
+            gradient: start.gradient + by_second + by_third / 2.0 + by_fourth / 6.0,
+            hessian: start.hessian + third + fourth / 2.0,
+        };
+        (self.passed).map_or(polynomial, |passed| Evaluation {
+            value: polynomial.value + passed.value,
+            gradient: polynomial.gradient + passed.gradient,
+            hessian: polynomial.hessian + passed.hessian,
+        })
+    }
+}
+
 /// A function that knows its jets only.
 #[derive(Debug)]
 pub(crate) struct Plain<F>(pub(crate) F);

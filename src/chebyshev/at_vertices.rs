@@ -9,14 +9,14 @@ use crate::geometry::polyhedron::Polyhedron;
 /// The three facets at each vertex of a convex piece, as they are found in its slots: what is rarely
 /// looked up is not worth being renamed.
 #[derive(Clone, Default)]
-pub(crate) struct Corners {
+pub(crate) struct AtVertices {
     /// By vertex three planes, after a byte without meaning.
     planes: Vec<[u8; 4]>,
     /// By plane its facet; empty where planes are facets.
     facets: Vec<u8>,
 }
 
-impl Corners {
+impl AtVertices {
     /// Becomes empty.
     pub(crate) fn clear(&mut self) {
         self.planes.clear();
@@ -45,23 +45,29 @@ impl Corners {
     pub(crate) fn assign_polyhedron(&mut self, piece: &Polyhedron) {
         self.clear();
         if u8::try_from(piece.planes.len()).is_ok() {
-            let corners = piece.facets.iter();
+            let all = piece.facets.iter();
             self.planes
-                .extend(corners.map(|&[a, b, c]| [0, a as u8, b as u8, c as u8]));
+                .extend(all.map(|&[a, b, c]| [0, a as u8, b as u8, c as u8]));
         }
     }
 
-    /// The facets at a vertex, if they are known.
-    pub(crate) fn facets(&self, vertex: usize) -> Option<[usize; 3]> {
-        let &[_, planes @ ..] = self.planes.get(vertex)?;
+    /// Whether they are known, as they are for convex pieces.
+    #[inline]
+    pub(crate) fn are_known(&self) -> bool {
+        !self.planes.is_empty()
+    }
+
+    /// The facets at a vertex, where they are known.
+    pub(crate) fn facets(&self, vertex: usize) -> [usize; 3] {
+        let [_, planes @ ..] = self.planes[vertex];
         let named = |plane: u8| *self.facets.get(usize::from(plane)).unwrap_or(&plane);
-        Some(planes.map(|plane| usize::from(named(plane))))
+        planes.map(|plane| usize::from(named(plane)))
     }
 }
 
-impl fmt::Debug for Corners {
+impl fmt::Debug for AtVertices {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let corners = (0..self.planes.len()).map(|vertex| self.facets(vertex));
-        formatter.debug_list().entries(corners).finish()
+        let all = (0..self.planes.len()).map(|vertex| self.facets(vertex));
+        formatter.debug_list().entries(all).finish()
     }
 }
