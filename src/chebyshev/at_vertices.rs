@@ -26,8 +26,9 @@ impl AtVertices {
     /// Becomes those of a piece in which slots are vertices and planes are facets.
     pub(crate) fn assign_dense(&mut self, piece: &Compact, count: usize) {
         self.clear();
-        self.planes
-            .extend_from_slice(&piece.facets.as_chunks().0[..count]);
+        // To copy all of them takes no branch.
+        self.planes.extend_from_slice(piece.facets.as_chunks().0);
+        self.planes.truncate(count);
     }
 
     /// Becomes those of a piece in which `lists` tell what is in use.

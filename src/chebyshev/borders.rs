@@ -70,13 +70,12 @@ pub fn borders<'a>(
 ) -> Inside {
     let mut total = Inside::default();
     for SignedPiece { sign, integrand } in pieces {
-        let (value, volumes) = match &integrand.density {
+        let (value, slopes) = match &integrand.density {
             None => plain(integrand, order, walked, &mut scratch.facets),
             Some(density) => weighted(integrand, density, order, walked, scratch),
         };
-        let slope = |k: usize| volumes[2 * k + 1] - volumes[2 * k];
         total.value += sign * value;
-        total.gradient += Vector3::from([0, 1, 2].map(slope)) * (f64::from(order) * sign);
+        total.gradient += Vector3::from(slopes) * (f64::from(order) * sign);
         let planes = integrand.facets.iter().zip(&integrand.labels);
         for ((plane, &label), sums) in planes.zip(&scratch.facets) {
             let (weight, first) = (sums.weight() * sign, sums.first() * *sign);
@@ -93,18 +92,24 @@ pub fn borders<'a>(
     total
 }
 
-/// The energy of a piece of density 1, and per sector ∫ d∞^{p−1} dV.
+/// By axis what the negative sector has more of than the positive one.
+pub(crate) fn slopes(sums: &[f64; Sector::SLOTS]) -> [f64; 3] {
+    [0, 1, 2].map(|axis: usize| sums[axis + Sector::OPPOSITE] - sums[axis])
+}
+
+/// The energy of a piece of density 1, and by axis by how much more ∫ d∞^{p−1} dV is in the negative
+/// sector than in the positive one.
 fn plain(
     integrand: &Integrand,
     order: u32,
     walked: &mut WalkScratch,
     facets: &mut Vec<FacetSums>,
-) -> (f64, [f64; Sector::SLOTS]) {
+) -> (f64, [f64; 3]) {
     reset(facets, integrand);
-    let volumes = if order == 1 {
+    let slopes = if order == 1 {
         let mut sums = LinearSums::new(facets);
         walk(integrand, &Vector3::zeros(), walked, &mut sums);
-        sums.volumes
+        sums.slopes()
     } else {
         let mut sums = Sums {
             order,
@@ -112,12 +117,12 @@ fn plain(
             facets,
         };
         walk(integrand, &Vector3::zeros(), walked, &mut sums);
-        sums.volumes
+        slopes(&sums.volumes)
     };
     let planes = integrand.facets.iter().zip(facets);
     let heights = planes.map(|(plane, sums)| sums.weight() * plane.offset);
     let value = heights.sum::<f64>() / (3.0 + f64::from(order));
-    (value, volumes)
+    (value, slopes)
 }
 
 /// The same with the density inside.
@@ -127,7 +132,7 @@ fn weighted(
     order: u32,
     walked: &mut WalkScratch,
     scratch: &mut BorderScratch,
-) -> (f64, [f64; Sector::SLOTS]) {
+) -> (f64, [f64; 3]) {
     reset(&mut scratch.facets, integrand);
     let degree = density.degree();
     let kept = scratch.places.take();
@@ -135,7 +140,7 @@ fn weighted(
     let places = kept.unwrap_or_else(|| BorderPlaces::new(degree, order));
     let mut sums = WeightedSums::new(&places, density, &mut scratch.facets);
     walk(integrand, &Vector3::zeros(), walked, &mut sums);
-    let found = (sums.value, sums.slopes);
+    let found = (sums.value, slopes(&sums.slopes));
     scratch.places = Some(places);
     found
 }
@@ -176,7 +181,7 @@ impl Sums<'_> {
     /// Adds a triangle of a facet, for any order.
     fn add(
         &mut self,
-        facet: &FacetView<'_>,
+        facet: &FacetView,
         sector: Sector,
         doubled_area: f64,
         corners: [&Vector3<f64>; 3],
@@ -202,22 +207,22 @@ impl Sums<'_> {
 }
 
 impl Visit for Sums<'_> {
-    fn share(&mut self, sides: &[Side<'_>; 2], sector: Sector, part: f64, ends: [&Corner; 2]) {
+    fn share(&mut self, sides: &[Side; 2], sector: Sector, part: f64, ends: [&Corner; 2]) {
         for Side {
             facet,
             doubled_area,
         } in sides
         {
-            let corners = [&facet.anchor.point(), &ends[0].point, &ends[1].point];
+            let corners = [&facet.anchor(), &ends[0].point, &ends[1].point];
             self.add(facet, sector, part * doubled_area, corners);
         }
     }
 
-    fn segment(&mut self, facet: &FacetView<'_>, interface: Interface, u: &Found, v: &Found) {
+    fn segment(&mut self, facet: &FacetView, interface: Interface, u: &Found, v: &Found) {
         let [u, v] = [&u.mark, &v.mark];
         let (left, right) = interface.sectors();
         let [u, v] = [u, v].map(|mark| interface.point(mark));
-        let (doubled_area, anchor) = (facet.doubled_area(&u, &v), facet.anchor.point());
+        let (doubled_area, anchor) = (facet.doubled_area(&u, &v), facet.anchor());
         let corners = [&anchor, &u, &v];
         self.add(facet, left, doubled_area, corners);
         self.add(facet, right, -doubled_area, corners);

@@ -18,7 +18,7 @@ use crate::minimize::lbfgsb::lbfgsb;
 use crate::minimize::lbfgsb_options::LbfgsbOptions;
 use crate::minimize::newton::{NewtonOptions, minimize};
 use crate::minimize::objective::{Ahead, Objective, Plain};
-use crate::minimize::problem::Jet;
+use crate::minimize::problem::{Evaluation, Jet};
 
 /// The projected gradient at which L-BFGS-B stops, relative to that of a step of the cell's size.
 /// The gradient falls about linearly, so centers agree with Newton's to 1e-10 of that size.
@@ -85,16 +85,26 @@ impl<const D: usize> Search<D> {
     }
 
     /// As [`Search::center`], for energies that may know what lies ahead of a center.
-    pub(crate) fn center_of(&self, energy: impl Objective<D>) -> Center<D> {
+    pub(crate) fn center_of(&self, mut energy: impl Objective<D>) -> Center<D> {
+        let first = energy.jet(&SVector::zeros());
+        self.center_from(&first, energy)
+    }
+
+    /// As [`Search::center_of`], where the energy about the site is known.
+    fn center_from(&self, first: &Jet<D>, energy: impl Objective<D>) -> Center<D> {
+        let Evaluation {
+            value: energy_at_site,
+            gradient: gradient_at_site,
+            ..
+        } = first.evaluation;
         let mut noted = Noted {
             energy,
-            first: None,
+            first: Some(first),
         };
         let (point, energy, evaluations) = match self.minimizer {
             Minimizer::Newton => self.by_newton(&mut noted),
             Minimizer::Lbfgsb => self.by_lbfgsb(&mut noted),
         };
-        let (energy_at_site, gradient_at_site) = noted.first.unwrap_or((energy, SVector::zeros()));
         Center {
             point,
             energy,
@@ -107,7 +117,11 @@ impl<const D: usize> Search<D> {
     /// The cell's size (L) and p m s^(p−1), m its mass, what a fragment's share of the gradient is
     /// like.
     fn scales(&self) -> (f64, f64) {
-        let length = self.volume.max(0.0).powf(1.0 / D as f64);
+        let length = if D == 3 {
+            self.volume.max(0.0).cbrt()
+        } else {
+            self.volume.max(0.0).powf(1.0 / D as f64)
+        };
         let scale = (1..self.order).fold(self.mass * f64::from(self.order), |s, _| s * length);
         (length, scale)
     }
@@ -165,17 +179,17 @@ impl<const D: usize> Search<D> {
     }
 }
 
-/// An energy, and what it was first.
-struct Noted<const D: usize, Energy> {
+/// An energy, and what it is about the site, where every search begins.
+struct Noted<'a, const D: usize, Energy> {
     energy: Energy,
-    first: Option<(f64, SVector<f64, D>)>,
+    first: Option<&'a Jet<D>>,
 }
 
-impl<const D: usize, Energy: Objective<D>> Objective<D> for Noted<D, Energy> {
+impl<const D: usize, Energy: Objective<D>> Objective<D> for Noted<'_, D, Energy> {
     fn jet(&mut self, center: &SVector<f64, D>) -> Jet<D> {
-        let jet = self.energy.jet(center);
-        (self.first).get_or_insert((jet.evaluation.value, jet.evaluation.gradient));
-        jet
+        let is_site = center.iter().all(|&along| along == 0.0);
+        let first = self.first.take().filter(|_| is_site);
+        first.map_or_else(|| self.energy.jet(center), |first| *first)
     }
 
     fn ahead(&mut self, step: &SVector<f64, D>) -> Option<Ahead<D>> {
@@ -204,12 +218,19 @@ impl Objective<3> for EnergyOf<'_> {
     }
 }
 
-/// The center of signed pieces in coordinates about their site.
+/// The center of signed pieces in coordinates about their site, where their energy is `first`, as
+/// [`energy_jet`] has just told with the same `scratch`.
 #[must_use]
-pub fn center(pieces: &[SignedPiece], search: &Search<3>, scratch: &mut WalkScratch) -> Center<3> {
-    search.center_of(EnergyOf {
+pub fn center(
+    pieces: &[SignedPiece],
+    search: &Search<3>,
+    first: &Jet<3>,
+    scratch: &mut WalkScratch,
+) -> Center<3> {
+    let energy = EnergyOf {
         pieces,
         order: search.order,
         scratch,
-    })
+    };
+    search.center_from(first, energy)
 }

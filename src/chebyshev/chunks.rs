@@ -2,23 +2,10 @@
 //!
 //! Where a condition on geometry decides, a processor guesses wrong every other time, and pays more
 //! than the work in question costs. So the condition is computed for a chunk of the list, and those
-//! chosen are taken from a set of bits.
+//! chosen are taken from a set of bits, one by one or four at a time.
 
 /// Members of a list whose fate is decided together: as many as a set of bits holds.
 pub(crate) const CHUNK: usize = u64::BITS as usize;
-
-/// The numbers, in ascending order, of those among the first [`CHUNK`] members that are wanted.
-#[inline]
-pub(crate) fn chosen<Member>(
-    members: &[Member],
-    is_wanted: impl Fn(usize, &Member) -> bool,
-) -> Bits {
-    let mut bits = 0;
-    for (number, member) in members.iter().take(CHUNK).enumerate() {
-        bits |= u64::from(is_wanted(number, member)) << number;
-    }
-    Bits(bits)
-}
 
 /// The members of a set of bits, in ascending order.
 #[derive(Clone, Copy, Debug)]
@@ -29,12 +16,6 @@ impl Bits {
     #[inline]
     pub(crate) fn of(bits: u64) -> Self {
         Self(bits)
-    }
-
-    /// Those of the first `count` that are not in the set.
-    #[inline]
-    pub(crate) fn others(self, count: usize) -> Self {
-        Self(!self.0 & u64::MAX >> (CHUNK - count.clamp(1, CHUNK)))
     }
 }
 
@@ -49,4 +30,20 @@ impl Iterator for Bits {
             number % CHUNK
         })
     }
+}
+
+/// Members of a list four at a time; a last group of less is filled up with `none`.
+#[inline(always)]
+pub(crate) fn fours<Item: Copy>(
+    mut items: impl Iterator<Item = Item>,
+    none: Item,
+) -> impl Iterator<Item = [Item; 4]> {
+    std::iter::from_fn(
+        #[inline(always)]
+        move || {
+            let first = items.next()?;
+            let mut next = || items.next().unwrap_or(none);
+            Some([first, next(), next(), next()])
+        },
+    )
 }

@@ -2,14 +2,15 @@
 
 use wide::f64x2;
 
+use crate::chebyshev::endpoint::Endpoint;
 use crate::chebyshev::endpoints::Found;
-use crate::chebyshev::interface::Endpoint;
 use crate::chebyshev::mark::Mark;
-use crate::chebyshev::panorama::VertexSight;
 use crate::chebyshev::sector::Sector;
-use crate::chebyshev::sight::Sight;
+use crate::chebyshev::sight::{Sight, VertexSight};
+use crate::chebyshev::visit::Corner;
 
 /// Where an edge passes into another sector.
+#[derive(Clone, Copy)]
 pub(crate) struct Passage {
     /// That sector.
     pub(crate) to: Sector,
@@ -24,6 +25,16 @@ pub(crate) struct Passage {
 }
 
 impl Passage {
+    /// Where it is, for a share.
+    #[inline]
+    pub(crate) fn corner(&self) -> Corner {
+        let Found { mark, .. } = &self.found;
+        Corner {
+            distance: mark.distance,
+            point: self.endpoint.interface().point(mark),
+        }
+    }
+
     /// The passage from the sector of `a` to that of `b`, if it is the only one and can be told.
     #[inline(always)]
     pub(crate) fn only(a: &VertexSight, b: &VertexSight) -> Option<Self> {
@@ -32,30 +43,6 @@ impl Passage {
         let crossing = Crossing::new(ends, [from, to]);
         let is_only = crossing.is_undisturbed() && from.axis() != to.axis();
         is_only.then(|| crossing.passage(ends, to)).flatten()
-    }
-
-    /// The two passages on the way to the sector of `b`, if there are just two and they can be told.
-    ///
-    /// Where the distances of the sectors at the ends agree, one of the third axis is larger: so its
-    /// sector comes between. With convexity, no other does unless that distance is negative.
-    #[inline]
-    pub(crate) fn two(a: &VertexSight, b: &VertexSight) -> Option<[Self; 2]> {
-        let (from, to) = (a.sector(), b.sector());
-        let ends = [a.sight(), b.sight()];
-        if from.axis() == to.axis() {
-            return None;
-        }
-        let direct = Crossing::new(ends, [from, to]);
-        let [distance, along] = direct.point.to_array();
-        if direct.is_undisturbed() || distance < 0.0 {
-            return None;
-        }
-        let axis = direct.endpoint.interface().third_axis();
-        let third = Sector::ALL[2 * axis + usize::from(along < 0.0)];
-        let [one, other] = [[from, third], [third, to]].map(|pair| Crossing::new(ends, pair));
-        let are_sound = one.rise >= 0.0 && other.fall >= 0.0;
-        let (one, other) = (one.passage(ends, third)?, other.passage(ends, to)?);
-        (are_sound && one.share <= other.share).then_some([one, other])
     }
 
     /// All passages on the way to the sector of `b`, step by step.
@@ -187,39 +174,97 @@ mod tests {
     use nalgebra::Vector3;
 
     use super::*;
+    use crate::chebyshev::chunks::Bits;
+    use crate::chebyshev::detours::Detours;
+    use crate::chebyshev::four::FourEdges;
+    use crate::chebyshev::integrand::Integrand;
+    use crate::chebyshev::seen::Seen;
+    use crate::geometry::compact::BLOCK;
+    use crate::geometry::faceted::Edge;
+
+    /// What a walk step by step finds, and what is told, agree.
+    fn compare(ends: &[Vector3<f64>; 2], told: &[Passage]) {
+        let [a, b] = ends.each_ref().map(VertexSight::of);
+        let all: Vec<_> = Passage::all(&a, &b).collect();
+        assert_eq!(told.len(), all.len(), "{ends:?}");
+        for (one, other) in told.iter().zip(&all) {
+            let are_same = (one.to, one.endpoint) == (other.to, other.endpoint);
+            assert!(are_same, "{ends:?}");
+            assert!((one.share - other.share).abs() < 1e-14, "{ends:?}");
+            let point = one.endpoint.interface().point(&one.found.mark);
+            let there = ends[0].lerp(&ends[1], one.share);
+            assert!((there - point).amax() < 1e-14, "{ends:?}");
+            let [drift, other] = [one, other].map(|passage| passage.found.drift);
+            assert!((drift.distance - other.distance).abs() < 1e-9 * (1.0 + other.distance.abs()));
+            assert!((drift.third - other.third).abs() < 1e-9 * (1.0 + other.third.abs()));
+        }
+    }
 
     #[test]
-    fn one_or_two_passages_are_those_of_a_walk() {
-        let mut known = [0, 0];
-        for number in 0..2000 {
+    fn passages_told_four_at_a_time_are_those_of_a_walk() {
+        let (mut known, mut far) = ([0; 3], 0);
+        for number in 0..500 {
+            let point =
+                |turn: f64| Vector3::new(turn.sin(), (1.7 * turn).cos(), (2.3 * turn).sin());
+            let ends = [0, 1, 2, 3].map(|lane| {
+                let turn = f64::from(BLOCK as u32 * number + lane);
+                [turn, turn * 1.37 + 1.0].map(point)
+            });
+            let mut piece = Integrand::default();
+            piece
+                .vertices
+                .assign(ends.as_flattened().iter().map(|&end| end.into()));
+            let edges = [0, 2, 4, 6].map(|from| Edge {
+                from,
+                to: from + 1,
+                left: 0,
+                right: 0,
+            });
+            let seen = Seen {
+                piece: &piece,
+                center: &Vector3::zeros(),
+            };
+            let four = FourEdges::new(&seen, &edges);
+            let [told, others] = four.told_and_far();
+            let one = four.passages.alone(&four.sectors);
+            for lane in Bits::of(told) {
+                compare(&ends[lane], &[one[lane]]);
+                known[1] += 1;
+            }
+            let detours = Detours::new(&four);
+            let by_way = u64::from(detours.are_told.to_bitmask());
+            let sectors = detours.sectors(&four);
+            let [into, out] = [0, 1].map(|k: usize| detours.passages[k].alone(&sectors[k]));
+            for lane in Bits::of(others & by_way) {
+                compare(&ends[lane], &[into[lane], out[lane]]);
+                known[2] += 1;
+            }
+            for lane in Bits::of(!(told | others) & 0b1111) {
+                compare(&ends[lane], &[]);
+                known[0] += 1;
+            }
+            far += (others & !by_way).count_ones();
+        }
+        assert!(
+            known[0] > 100 && known[1] > 500 && known[2] > 200,
+            "{known:?}"
+        );
+        assert!(far > 0, "opposite sectors are left to a walk");
+    }
+
+    #[test]
+    fn a_passage_told_alone_is_that_of_a_walk() {
+        let mut known = 0;
+        for number in 0..1000 {
             let point =
                 |turn: f64| Vector3::new(turn.sin(), (1.7 * turn).cos(), (2.3 * turn).sin());
             let ends = [f64::from(number), f64::from(number) * 1.37 + 1.0].map(point);
             let [a, b] = ends.each_ref().map(VertexSight::of);
-            if a.sector() == b.sector() {
-                continue;
-            }
-            let only = Passage::only(&a, &b).map(|passage| vec![passage]);
-            let told = only.or_else(|| Passage::two(&a, &b).map(Vec::from));
-            let all: Vec<_> = Passage::all(&a, &b).collect();
-            let Some(told) = told else {
-                assert!(all.len() > 2 || a.sector().axis() == b.sector().axis());
-                continue;
-            };
-            assert_eq!(told.len(), all.len(), "{number}");
-            known[told.len() - 1] += 1;
-            for (one, other) in told.iter().zip(&all) {
-                assert_eq!(
-                    (one.to, one.endpoint),
-                    (other.to, other.endpoint),
-                    "{number}"
-                );
-                assert!((one.share - other.share).abs() < 1e-14, "{number}");
-                let point = one.endpoint.interface().point(&one.found.mark);
-                let there = ends[0].lerp(&ends[1], one.share);
-                assert!((there - point).amax() < 1e-14, "{number}");
+            if let Some(passage) = Passage::only(&a, &b).filter(|_| a.sector() != b.sector()) {
+                compare(&ends, &[passage]);
+                known += 1;
             }
         }
-        assert!(known[0] > 500 && known[1] > 200, "{known:?}");
+        assert!(known > 200, "{known}");
     }
 }

@@ -1,9 +1,10 @@
 //! Where the segments of a piece's facets begin and end.
 
 use nalgebra::Vector3;
-use wide::{f64x2, f64x4};
+use wide::f64x4;
 
-use crate::chebyshev::interface::{AtDiagonal, Endpoint, Interface};
+use crate::chebyshev::endpoint::{AtDiagonal, Endpoint};
+use crate::chebyshev::interface::Interface;
 use crate::chebyshev::mark::Mark;
 
 /// The endpoints that are starts.
@@ -27,6 +28,19 @@ impl Found {
     pub(crate) fn lanes(&self) -> f64x4 {
         let Self { mark, drift } = self;
         f64x4::new([mark.distance, mark.third, drift.distance, drift.third])
+    }
+
+    /// The one of these numbers.
+    #[inline(always)]
+    pub(crate) fn of_lanes(lanes: f64x4) -> Self {
+        let [distance, third, slide, slide_third] = lanes.to_array();
+        Self {
+            mark: Mark { distance, third },
+            drift: Mark {
+                distance: slide,
+                third: slide_third,
+            },
+        }
     }
 
     /// What does not lie on an edge.
@@ -64,8 +78,8 @@ pub(crate) struct Spare {
 pub(crate) struct Endpoints {
     /// The endpoints there are, as sets of bits.
     seen: Vec<u32>,
-    /// Meaningless where nothing was seen.
-    found: Vec<[Found; Endpoint::SLOTS]>,
+    /// See [`Found::lanes`]; meaningless where nothing was seen.
+    found: Vec<[f64x4; Endpoint::SLOTS]>,
     /// Those elsewhere.
     pub(crate) spare: Vec<Spare>,
     /// Where diagonals pierce facets, each one facet and from inside; meaningless without `has_tips`.
@@ -81,8 +95,7 @@ impl Endpoints {
         self.seen.clear();
         self.seen.resize(count, 0);
         if self.found.len() < count {
-            self.found
-                .resize(count, [Found::default(); Endpoint::SLOTS]);
+            self.found.resize(count, [f64x4::ZERO; Endpoint::SLOTS]);
         }
         self.spare.clear();
         self.has_tips = false;
@@ -91,13 +104,13 @@ impl Endpoints {
 
     /// Adds an endpoint to a facet's, or to the spare ones where its place is taken.
     #[inline]
-    pub(crate) fn enter(&mut self, facet: usize, endpoint: Endpoint, found: Found) {
+    pub(crate) fn enter(&mut self, facet: usize, endpoint: Endpoint, found: f64x4) {
         let seen = &mut self.seen[facet];
         if *seen & endpoint.bit() == 0 {
             *seen |= endpoint.bit();
             self.found[facet][endpoint.number()] = found;
         } else {
-            let Found { mark, .. } = found;
+            let Found { mark, .. } = Found::of_lanes(found);
             self.spare.push(Spare {
                 facet,
                 endpoint,
@@ -123,10 +136,7 @@ impl Endpoints {
     /// Adds those at a diagonal that pierces the facet `reach` along every axis.
     #[inline(always)]
     pub(crate) fn enter_diagonal(&mut self, facet: usize, there: &AtDiagonal, reach: f64) {
-        let found = |sign: f64| {
-            let signs = f64x2::new([1.0, sign]);
-            Found::off_edges(Mark::of(signs * f64x2::splat(reach)))
-        };
+        let found = |sign: f64| f64x4::new([reach, sign * reach, 0.0, 0.0]);
         let seen = &mut self.seen[facet];
         if *seen & there.bits != 0 {
             for (endpoint, sign) in &there.endpoints {
@@ -155,8 +165,15 @@ impl Endpoints {
 
     /// An endpoint that was seen.
     #[inline]
-    pub(crate) fn found(&self, facet: usize, endpoint: Endpoint) -> &Found {
-        &self.found[facet][endpoint.number()]
+    pub(crate) fn found(&self, facet: usize, endpoint: Endpoint) -> f64x4 {
+        self.found[facet][endpoint.number()]
+    }
+
+    /// Start and end of an interface's segment on a facet.
+    #[inline(always)]
+    pub(crate) fn ends(&self, facet: usize, interface: Interface) -> [f64x4; 2] {
+        let found = &self.found[facet];
+        [false, true].map(|ends| found[Endpoint::of(interface, ends).number()])
     }
 
     /// The endpoints there are, by facet, as sets of bits.
@@ -181,7 +198,7 @@ impl Endpoints {
     pub(crate) fn any_point(&self, facet: usize) -> Option<Vector3<f64>> {
         let seen = self.seen[facet];
         let endpoint = (seen != 0).then(|| Endpoint::lowest(seen))?;
-        let Found { mark, .. } = self.found(facet, endpoint);
-        Some(endpoint.interface().point(mark))
+        let Found { mark, .. } = Found::of_lanes(self.found(facet, endpoint));
+        Some(endpoint.interface().point(&mark))
     }
 }

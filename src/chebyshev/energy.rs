@@ -11,9 +11,11 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use crate::chebyshev::bend::interface_hessian;
 use crate::chebyshev::endpoints::Found;
 use crate::chebyshev::integrand::Integrand;
 use crate::chebyshev::interface::Interface;
+use crate::chebyshev::linear::Linear;
 use crate::chebyshev::sector::Sector;
 use crate::chebyshev::visit::{Corner, FacetView, Side, Visit};
 use crate::chebyshev::walk::{WalkScratch, walk};
@@ -28,6 +30,19 @@ pub struct SignedPiece {
     pub sign: f64,
     /// The piece, prepared.
     pub integrand: Integrand,
+}
+
+impl SignedPiece {
+    /// The integrand of the numbered piece, which counts with `sign`; there may be one more than before.
+    pub(crate) fn place(pieces: &mut Vec<Self>, number: usize, sign: f64) -> &mut Integrand {
+        if number == pieces.len() {
+            let integrand = Integrand::default();
+            pieces.push(Self { sign, integrand });
+        }
+        let piece = &mut pieces[number];
+        piece.sign = sign;
+        &mut piece.integrand
+    }
 }
 
 /// Energy (L^(3+p)), gradient (L^(2+p)) and Hessian (L^(1+p)) of `pieces` about `center`, which is
@@ -52,27 +67,45 @@ pub fn energy_jet<'a>(
     order: u32,
     scratch: &mut WalkScratch,
 ) -> Jet<3> {
-    let mut total = Jet {
+    let mut total: Option<Jet<3>> = None;
+    let mut volume = Some(0.0);
+    for SignedPiece { sign, integrand } in pieces {
+        let part = energy_of_piece(integrand, center, order, scratch);
+        volume = volume
+            .zip(scratch.volume)
+            .map(|(all, own)| all + sign * own);
+        match &mut total {
+            None if *sign > 0.0 => total = Some(part),
+            _ => add(total.get_or_insert_with(none), &part, *sign),
+        }
+    }
+    scratch.volume = volume;
+    total.unwrap_or_else(none)
+}
+
+/// No energy at all.
+fn none() -> Jet<3> {
+    Jet {
         evaluation: Evaluation {
             value: 0.0,
             gradient: Vector3::zeros(),
             hessian: Matrix3::zeros(),
         },
         third: Some([Matrix3::zeros(); 3]),
-    };
-    for SignedPiece { sign, integrand } in pieces {
-        let part = energy_of_piece(integrand, center, order, scratch);
-        total.evaluation.value += sign * part.evaluation.value;
-        total.evaluation.gradient += part.evaluation.gradient * *sign;
-        total.evaluation.hessian += part.evaluation.hessian * *sign;
-        total.third = total.third.zip(part.third).map(|(mut total, part)| {
-            for (total, part) in total.iter_mut().zip(part) {
-                *total += part * *sign;
-            }
-            total
-        });
     }
-    total
+}
+
+/// Adds a part that counts with `sign`.
+fn add(total: &mut Jet<3>, part: &Jet<3>, sign: f64) {
+    total.evaluation.value += sign * part.evaluation.value;
+    total.evaluation.gradient += part.evaluation.gradient * sign;
+    total.evaluation.hessian += part.evaluation.hessian * sign;
+    total.third = total.third.zip(part.third).map(|(mut total, part)| {
+        for (total, part) in total.iter_mut().zip(part) {
+            *total += part * sign;
+        }
+        total
+    });
 }
 
 fn energy_of_piece(
@@ -81,6 +114,7 @@ fn energy_of_piece(
     order: u32,
     scratch: &mut WalkScratch,
 ) -> Jet<3> {
+    scratch.volume = None;
     if let Some(density) = &integrand.density {
         let degree = density.degree();
         let kept = scratch
@@ -96,88 +130,13 @@ fn energy_of_piece(
     } else if order == 1 {
         let mut sums = Linear::default();
         walk(integrand, center, scratch, &mut sums);
-        scratch.slides = sums.segments.map(|sums| sums[6]);
+        scratch.slides = sums.slides();
+        scratch.volume = Some(sums.volume());
         sums.jet()
     } else {
         let mut sums = Power::new(order);
         walk(integrand, center, scratch, &mut sums);
         sums.evaluation().into()
-    }
-}
-
-/// The sums for p = 1, kept apart by sector and by interface, so that additions need not wait for
-/// each other.
-#[derive(Default)]
-struct Linear {
-    /// Of the shares in a sector: 24 E and 6 V.
-    shares: [[f64; 2]; Sector::SLOTS],
-    /// Of the segments on an interface: 24 E, 6 V for the first sector and against the second, √2 of
-    /// the interface's area A, and three components of 1/(2√2) of its loss by the center's motion:
-    /// −∂A/∂c = Σ |v−u|/|n∥| n, n∥ the part of the facet's normal n along the interface; and what
-    /// `quartic` makes of how crossings slide.
-    segments: [[f64; 7]; Interface::SLOTS],
-}
-
-impl Visit for Linear {
-    #[inline]
-    fn share(&mut self, sides: &[Side<'_>; 2], sector: Sector, part: f64, ends: [&Corner; 2]) {
-        let [left, right] = sides.map(|side| side.doubled_area * side.facet.height);
-        let [on_left, on_right] = sides.map(|side| side.facet.anchor.distance(sector));
-        let both = left + right;
-        let around = left * on_left + right * on_right;
-        let sums = &mut self.shares[sector.number()];
-        sums[0] += part * (both * (ends[0].distance + ends[1].distance) + around);
-        sums[1] += part * both;
-    }
-
-    #[inline]
-    fn segment(&mut self, facet: &FacetView<'_>, interface: Interface, u: &Found, v: &Found) {
-        let (left, right) = interface.sectors();
-        let determinant = interface.determinant(&u.mark, &v.mark);
-        let slide = interface.determinant(&u.drift, &v.drift);
-        let difference = facet.anchor.distance(left) - facet.anchor.distance(right);
-        let volume = determinant * difference;
-        let loss = facet.normal() * (determinant * facet.per_height);
-        // In the energy, both distances at u and v agree and cancel.
-        let terms = [
-            volume * difference,
-            volume,
-            determinant,
-            loss.x,
-            loss.y,
-            loss.z,
-            slide,
-        ];
-        let sums = &mut self.segments[interface.number()];
-        for (sum, term) in sums.iter_mut().zip(terms) {
-            *sum += term;
-        }
-    }
-}
-
-impl Linear {
-    fn jet(&self) -> Jet<3> {
-        let shares = self.shares.iter().map(|[value, _]| value);
-        let segments = self.segments.iter().map(|[value, ..]| value);
-        let value = shares.chain(segments).sum::<f64>();
-        let mut volumes = self.shares.map(|[_, volume]| volume);
-        for interface in Interface::all() {
-            let (left, right) = interface.sectors();
-            let volume = self.segments[interface.number()][1];
-            volumes[left.number()] += volume;
-            volumes[right.number()] -= volume;
-        }
-        let per_interface = |place: usize| self.segments.map(|sums| sums[place]);
-        let evaluation = Evaluation {
-            value: value / 24.0,
-            gradient: Vector3::from([0, 1, 2].map(|k| volumes[2 * k + 1] - volumes[2 * k])) / 6.0,
-            hessian: interface_hessian(&per_interface(2)) * 2.0,
-        };
-        let third = [3, 4, 5].map(|place| interface_hessian(&per_interface(place)) * -4.0);
-        Jet {
-            evaluation,
-            third: Some(third),
-        }
     }
 }
 
@@ -233,8 +192,8 @@ pub(crate) fn sums_evaluation(
     interfaces: &[f64; Interface::SLOTS],
 ) -> Evaluation<3> {
     let p = f64::from(order);
-    let gradient = Vector3::from([0, 1, 2].map(|k| first[2 * k + 1] - first[2 * k])) * p;
-    let bulk = Vector3::from([0, 1, 2].map(|k| second[2 * k] + second[2 * k + 1]));
+    let gradient = Vector3::from([0, 1, 2].map(|k| first[k + Sector::OPPOSITE] - first[k])) * p;
+    let bulk = Vector3::from([0, 1, 2].map(|k| second[k] + second[k + Sector::OPPOSITE]));
     Evaluation {
         value,
         gradient,
@@ -244,22 +203,22 @@ pub(crate) fn sums_evaluation(
 }
 
 impl Visit for Power {
-    fn share(&mut self, sides: &[Side<'_>; 2], sector: Sector, part: f64, ends: [&Corner; 2]) {
+    fn share(&mut self, sides: &[Side; 2], sector: Sector, part: f64, ends: [&Corner; 2]) {
         for Side {
             facet,
             doubled_area,
         } in sides
         {
             let [a, b] = ends.map(|end| end.distance);
-            let distances = [facet.anchor.distance(sector), a, b];
+            let distances = [facet.distance(sector), a, b];
             self.add(sector, part * doubled_area * facet.height, &distances);
         }
     }
 
-    fn segment(&mut self, facet: &FacetView<'_>, interface: Interface, u: &Found, v: &Found) {
+    fn segment(&mut self, facet: &FacetView, interface: Interface, u: &Found, v: &Found) {
         let [u, v] = [&u.mark, &v.mark];
         let (left, right) = interface.sectors();
-        let [on_left, on_right] = [left, right].map(|sector| facet.anchor.distance(sector));
+        let [on_left, on_right] = [left, right].map(|sector| facet.distance(sector));
         let determinant = interface.determinant(u, v);
         let volume = determinant * (on_left - on_right);
         let ends = [u.distance, v.distance];
@@ -270,19 +229,4 @@ impl Visit for Power {
         let mean = complete_homogeneous(self.order - 1, &ends) * 2.0 / ((m + 1.0) * (m + 2.0));
         self.interfaces[interface.number()] += mean * (2.0 * determinant);
     }
-}
-
-/// Σ (A/√2) w wᵀ over the interfaces, from 4/√2 times their areas.
-pub(crate) fn interface_hessian(areas: &[f64; Interface::SLOTS]) -> Matrix3<f64> {
-    let mut hessian = Matrix3::zeros();
-    for (number, (i, j)) in [(0, 1), (0, 2), (1, 2)].into_iter().enumerate() {
-        // On + + and − − the directions of w differ, on + − and − + they agree.
-        let [same, opposite] =
-            [[0, 3], [1, 2]].map(|[k, l]| areas[4 * number + k] + areas[4 * number + l]);
-        hessian[(i, i)] += 0.25 * (same + opposite);
-        hessian[(j, j)] += 0.25 * (same + opposite);
-        hessian[(i, j)] = 0.25 * (opposite - same);
-    }
-    hessian.fill_lower_triangle_with_upper_triangle();
-    hessian
 }

@@ -1,6 +1,7 @@
 //! Interfaces four at a time.
 
-use crate::chebyshev::interface::{AT_DIAGONAL, Interface, PAIRS, TURNS};
+use crate::chebyshev::endpoint::AT_DIAGONAL;
+use crate::chebyshev::interface::{Interface, PAIRS, TURNS};
 
 /// The four interfaces between the sectors of two axes, side by side.
 #[derive(Clone, Copy)]

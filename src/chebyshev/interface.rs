@@ -11,6 +11,7 @@
 //! sector of a vertex, as it does at every corner of a cube about its center.
 
 use nalgebra::Vector3;
+use wide::f64x4;
 
 use crate::chebyshev::mark::Mark;
 use crate::chebyshev::sector::Sector;
@@ -19,11 +20,6 @@ use crate::chebyshev::sector::Sector;
 /// (xy, xz, yz), plus two and one for the negative sides.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Interface(u8);
-
-/// An interface, and what a point of it is to a segment with the interface's first sector on its
-/// left: the interface's number for the segment's start, [`Interface::SLOTS`] more for its end.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Endpoint(u8);
 
 /// The pairs of axes i < j between which interfaces lie.
 pub(crate) const PAIRS: [(usize, usize); 3] = [(0, 1), (0, 2), (1, 2)];
@@ -40,11 +36,8 @@ impl Interface {
     /// The length of tables by number, which need no check of bounds then.
     pub(crate) const SLOTS: usize = 16;
 
-    /// All of them.
-    #[inline]
-    pub(crate) fn all() -> impl Iterator<Item = Self> {
-        (0..Self::COUNT as u8).map(Self)
-    }
+    /// In place of one where there is none: all determinants are zero.
+    pub(crate) const NONE: Self = Self(Self::COUNT as u8);
 
     /// The two sectors: the one of the smaller axis first. That one is *left* of the interface's
     /// segments, seen from outside the facet on which they lie.
@@ -83,7 +76,20 @@ impl Interface {
     /// D/√2, and six times the volume of its tetrahedron with q is D (left(q) − right(q)).
     #[inline]
     pub(crate) fn determinant(self, u: &Mark, v: &Mark) -> f64 {
-        TURNS[self.number()] * (u.distance * v.third - u.third * v.distance)
+        self.turn() * (u.distance * v.third - u.third * v.distance)
+    }
+
+    /// For four interfaces the signs of their first and of their second sectors, their turns, and the
+    /// numbers of their pairs of axes.
+    #[inline(always)]
+    pub(crate) fn lanes(four: [Self; 4]) -> [f64x4; 4] {
+        f64x4::transpose(four.map(|interface| f64x4::new(LANES[interface.number()])))
+    }
+
+    /// See [`TURNS`].
+    #[inline]
+    pub(crate) fn turn(self) -> f64 {
+        TURNS[self.number()]
     }
 
     /// Its place among all.
@@ -99,6 +105,25 @@ impl Interface {
     }
 }
 
+/// See [`Interface::lanes`].
+static LANES: [[f64; 4]; Interface::SLOTS] = lanes_table();
+
+const fn lanes_table() -> [[f64; 4]; Interface::SLOTS] {
+    let mut table = [[0.0; 4]; Interface::SLOTS];
+    let mut interface = 0;
+    while interface < Interface::COUNT {
+        let signs = [interface >> 1 & 1, interface & 1];
+        table[interface] = [
+            1.0 - 2.0 * signs[0] as f64,
+            1.0 - 2.0 * signs[1] as f64,
+            TURNS[interface],
+            (interface >> 2) as f64,
+        ];
+        interface += 1;
+    }
+    table
+}
+
 static SECTORS: [(Sector, Sector); Interface::SLOTS] = sectors_table();
 
 const fn sectors_table() -> [(Sector, Sector); Interface::SLOTS] {
@@ -110,125 +135,6 @@ const fn sectors_table() -> [(Sector, Sector); Interface::SLOTS] {
         let high = Sector::ALL[2 * j + (interface & 1)];
         table[interface] = (low, high);
         interface += 1;
-    }
-    table
-}
-
-impl Endpoint {
-    /// The length of tables by number, which need no check of bounds then.
-    pub(crate) const SLOTS: usize = 2 * Interface::SLOTS;
-
-    /// Where a walk around a facet passes from one sector to one of another axis. From the facet
-    /// on the other side of the edge it is the way back.
-    #[inline]
-    pub(crate) fn passing(from: Sector, to: Sector) -> Self {
-        PASSING[from.number()][to.number()]
-    }
-
-    /// The one at the start or the end of an interface's segment.
-    #[inline]
-    pub(crate) fn of(interface: Interface, ends: bool) -> Self {
-        Self(interface.0 + if ends { Interface::SLOTS as u8 } else { 0 })
-    }
-
-    /// Its place among all.
-    #[inline]
-    pub(crate) const fn number(self) -> usize {
-        self.0 as usize % Self::SLOTS
-    }
-
-    /// Its bit in a set of endpoints.
-    #[inline]
-    pub(crate) fn bit(self) -> u32 {
-        1 << self.number()
-    }
-
-    /// The first endpoint of a set that has one.
-    #[inline]
-    pub(crate) fn lowest(set: u32) -> Self {
-        Self(set.trailing_zeros() as u8)
-    }
-
-    /// The other end of a segment.
-    #[inline]
-    pub(crate) fn opposite(self) -> Self {
-        Self(self.0 ^ Interface::SLOTS as u8)
-    }
-
-    /// The interface.
-    #[inline]
-    pub(crate) fn interface(self) -> Interface {
-        Interface(self.0 % Interface::SLOTS as u8)
-    }
-
-    /// A number, with the other sign for an end.
-    #[inline]
-    pub(crate) fn signed(self, number: f64) -> f64 {
-        let is_end = u64::from(self.0) / Interface::SLOTS as u64;
-        f64::from_bits(number.to_bits() ^ is_end << 63)
-    }
-
-    /// Whether it is a start.
-    #[inline]
-    pub(crate) fn is_start(self) -> bool {
-        self.number() < Interface::SLOTS
-    }
-
-    /// The endpoints at the diagonal, for a facet seen from outside with the center inside or beyond
-    /// it.
-    #[inline]
-    pub(crate) fn at_diagonal(diagonal: u8, seen_from_inside: bool) -> &'static AtDiagonal {
-        &AT_DIAGONAL[usize::from(seen_from_inside)][usize::from(diagonal & 7)]
-    }
-}
-
-/// What ends where a diagonal pierces a facet.
-#[derive(Clone, Copy)]
-pub(crate) struct AtDiagonal {
-    /// Three endpoints, each with the sign of the diagonal along the interface's third axis.
-    pub(crate) endpoints: [(Endpoint, f64); 3],
-    /// The same endpoints as a set of bits.
-    pub(crate) bits: u32,
-}
-
-/// [`Endpoint::passing`]; meaningless between sectors of one axis.
-static PASSING: [[Endpoint; Sector::SLOTS]; Sector::SLOTS] = passing_table();
-
-const fn passing_table() -> [[Endpoint; Sector::SLOTS]; Sector::SLOTS] {
-    let mut table = [[Endpoint(0); Sector::SLOTS]; Sector::SLOTS];
-    let mut interface = 0;
-    while interface < Interface::COUNT {
-        let (i, j) = PAIRS[interface >> 2];
-        let (low, high) = (2 * i + (interface >> 1 & 1), 2 * j + (interface & 1));
-        table[low][high] = Endpoint(interface as u8);
-        table[high][low] = Endpoint((interface + Interface::SLOTS) as u8);
-        interface += 1;
-    }
-    table
-}
-
-pub(crate) static AT_DIAGONAL: [[AtDiagonal; 8]; 2] = [diagonal_table(false), diagonal_table(true)];
-
-const fn diagonal_table(seen_from_inside: bool) -> [AtDiagonal; 8] {
-    let none = AtDiagonal {
-        endpoints: [(Endpoint(0), 0.0); 3],
-        bits: 0,
-    };
-    let mut table = [none; 8];
-    let mut entry = 0;
-    while entry < 24 {
-        let (diagonal, pair) = (entry / 3, entry % 3);
-        let (i, j) = PAIRS[pair];
-        let interface = 4 * pair + 2 * (diagonal >> i & 1) + (diagonal >> j & 1);
-        // Around (1, 1, 1) the sectors run x, y, z counter-clockwise; a mirror turns that round.
-        let is_mirrored = diagonal.count_ones() & 1 == 1;
-        let ends = ((pair == 1) == is_mirrored) == seen_from_inside;
-        let number = interface + if ends { Interface::SLOTS } else { 0 };
-        let is_negative = diagonal >> (2 - pair) & 1 == 1;
-        let sign = if is_negative { -1.0 } else { 1.0 };
-        table[diagonal].endpoints[pair] = (Endpoint(number as u8), sign);
-        table[diagonal].bits |= 1 << number;
-        entry += 1;
     }
     table
 }
@@ -287,6 +193,7 @@ const fn pierced_table() -> [u8; 1 << Interface::COUNT] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::chebyshev::endpoint::Endpoint;
 
     #[test]
     fn a_passage_and_the_way_back_are_the_two_ends_of_one_interface() {

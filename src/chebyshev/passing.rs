@@ -17,7 +17,8 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use crate::chebyshev::interface::{Endpoint, diagonal_ray};
+use crate::chebyshev::endpoint::Endpoint;
+use crate::chebyshev::interface::diagonal_ray;
 use crate::chebyshev::pierced::Pierced;
 use crate::minimize::problem::Evaluation;
 
@@ -65,7 +66,7 @@ impl Passing {
     }
 
     /// The passage of a diagonal from one facet to another.
-    pub(crate) fn of_diagonal(diagonal: usize, from: &Pierced<'_>, to: &Pierced<'_>) -> Self {
+    pub(crate) fn of_diagonal(diagonal: usize, from: &Pierced, to: &Pierced) -> Self {
         let ray = diagonal_ray(diagonal as u8);
         let [one, other] = [from, to].map(|facet| facet.plane.normal.component_mul(ray));
         let [x, y, z] = one.cross(&other).into();

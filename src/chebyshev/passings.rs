@@ -6,9 +6,10 @@ use wide::f64x4;
 use crate::chebyshev::chunks::{Bits, CHUNK};
 use crate::chebyshev::crossing::Passage;
 use crate::chebyshev::integrand::Integrand;
-use crate::chebyshev::panorama::{Panorama, VertexSight, codes_from};
 use crate::chebyshev::passing::{Passing, Sum};
 use crate::chebyshev::pierced::{add_diagonal, nearer_facets};
+use crate::chebyshev::seen::Seen;
+use crate::chebyshev::sight::VertexSight;
 use crate::geometry::compact::BLOCK;
 use crate::minimize::problem::Evaluation;
 
@@ -20,7 +21,7 @@ const BLOCKS: usize = CHUNK / BLOCK;
 pub(crate) struct Passings {
     /// Where the way has come to.
     center: Vector3<f64>,
-    /// The sectors of the vertices there, see [`Panorama::codes`].
+    /// The sectors of the vertices there, see [`Seen::codes`].
     codes: Vec<f64x4>,
     /// The facets that diagonals pierce there.
     tips: [u32; 8],
@@ -41,23 +42,24 @@ impl Passings {
         !self.is_begun
     }
 
-    /// Goes on to `center`, where diagonals pierced `tips` at first, and returns what is to be added
-    /// there to the polynomial of the way's beginning, unless rounding would be felt.
-    pub(crate) fn follow(
-        &mut self,
-        piece: &Integrand,
-        (panorama, tips): (&Panorama, &[u32; 8]),
-        center: &Vector3<f64>,
-    ) -> Option<Evaluation<3>> {
+    /// Goes on to `end`, where diagonals pierced `tips` at first, from where the piece was seen.
+    pub(crate) fn follow(&mut self, seen: &Seen<'_>, tips: &[u32; 8], end: &Vector3<f64>) -> &Self {
         if !self.is_begun {
-            self.center = *panorama.center();
+            self.center = *seen.center;
             self.codes.clear();
-            self.codes.extend_from_slice(panorama.codes(piece));
+            let blocks = seen.piece.vertices.blocks();
+            self.codes.extend(blocks.map(|block| seen.codes(&block)));
             self.tips = *tips;
             self.all.clear();
         }
-        self.is_begun = self.advance(piece, center).is_some();
-        let sum = Sum::of(&self.all, center, piece.volume).evaluation();
+        self.is_begun = self.advance(seen.piece, end).is_some();
+        self
+    }
+
+    /// What is to be added at the way's end to the polynomial of its beginning, for a piece of some
+    /// volume, unless rounding would be felt.
+    pub(crate) fn evaluation(&self, end: &Vector3<f64>, volume: f64) -> Option<Evaluation<3>> {
+        let sum = Sum::of(&self.all, end, volume).evaluation();
         sum.filter(|_| self.is_begun)
     }
 
@@ -66,11 +68,12 @@ impl Passings {
         let Self {
             codes, tips, all, ..
         } = self;
-        let blocks = piece.vertices.blocks().chunks(BLOCKS);
-        for (chunk, (blocks, codes)) in blocks.zip(codes.chunks_mut(BLOCKS)).enumerate() {
+        for (chunk, codes) in codes.chunks_mut(BLOCKS).enumerate() {
             let mut moved = 0;
-            for (number, (block, code)) in blocks.iter().zip(codes).enumerate() {
-                let now = codes_from(block, center);
+            let seen = Seen { piece, center };
+            let blocks = piece.vertices.blocks().skip(chunk * BLOCKS);
+            for (number, (block, code)) in blocks.zip(codes).enumerate() {
+                let now = seen.codes(&block);
                 moved |= u64::from(now.simd_ne(*code).to_bitmask()) << (number * BLOCK);
                 *code = now;
             }
@@ -99,7 +102,7 @@ fn add_vertex(
     all: &mut Vec<Passing>,
 ) -> Option<()> {
     let point = piece.vertices.get(vertex);
-    let normals = (piece.at_vertices.facets(vertex)).map(|facet| &piece.facets[facet].normal);
+    let normals = (piece.at_vertices.facets(vertex)).map(|facet| piece.facets.normal(facet));
     let [from, to] = centers
         .each_ref()
         .map(|center| VertexSight::of(&(point - center)));
@@ -107,7 +110,11 @@ fn add_vertex(
         return None;
     }
     let mut add = |passage: Passage| {
-        all.push(Passing::of_vertex(passage.endpoint, &point, normals));
+        all.push(Passing::of_vertex(
+            passage.endpoint,
+            &point,
+            normals.each_ref(),
+        ));
     };
     match Passage::only(&from, &to) {
         Some(passage) => add(passage),

@@ -1,6 +1,6 @@
 //! Where diagonals pierce facets, and where they pass from one to the next.
 
-use std::ops::{Add, Neg, Sub};
+use std::ops::{Add, Mul, Neg, Sub};
 
 use nalgebra::Vector3;
 use wide::f64x4;
@@ -8,8 +8,8 @@ use wide::f64x4;
 use crate::chebyshev::chunks::{Bits, CHUNK};
 use crate::chebyshev::integrand::Integrand;
 use crate::chebyshev::interface::diagonal_ray;
-use crate::chebyshev::panorama::{height_below, lanes};
 use crate::chebyshev::passing::Passing;
+use crate::chebyshev::planes::Planes;
 use crate::geometry::compact::BLOCK;
 use crate::geometry::half_space::HalfSpace;
 
@@ -21,19 +21,16 @@ pub(crate) fn nearer_facets(
     tips: &[u32; 8],
 ) -> Option<[u64; 8]> {
     let center = [center.x, center.y, center.z].map(f64x4::splat);
-    let facets = tips.map(|facet| &piece.facets[facet as usize]);
-    let alongs = by_diagonal(facets, |_, along| along);
-    let heights = by_diagonal(facets, |[x, y, z, offset], _| {
-        height_below([x, y, z], offset, center)
-    });
+    let alongs = by_diagonal(&piece.facets, *tips, |_, along| along);
+    let heights = by_diagonal(&piece.facets, *tips, |plane, _| height_below(plane, center));
     let tips =
         [0, 1, 2, 3, 4, 5, 6, 7].map(|tip: usize| [alongs[tip], heights[tip]].map(f64x4::splat));
     let mut inside = f64x4::splat(f64::from_bits(u64::MAX));
     let mut nearer = [0; 8];
-    for (block, facets) in piece.facets.chunks(BLOCK).enumerate() {
-        let [x, y, z, offset] = lanes(facets);
-        let heights = height_below([x, y, z], offset, center);
+    for (block, planes) in piece.facets.blocks().enumerate() {
+        let heights = height_below(planes, center);
         inside &= heights.simd_gt(f64x4::ZERO);
+        let [x, y, z, _] = planes;
         let rays = along_rays([x, y, z]);
         for ((nearer, [along, height]), ray) in nearer.iter_mut().zip(tips).zip(rays) {
             let are_nearer = (along * heights).simd_lt(height * ray);
@@ -53,12 +50,12 @@ pub(crate) fn add_diagonal(
     centers: &[Vector3<f64>; 2],
     all: &mut Vec<Passing>,
 ) -> u32 {
-    let pierced = |facet| Pierced::new(facet, diagonal, centers);
-    let (mut last, mut now) = (facet, pierced(&piece.facets[facet as usize]));
+    let pierced = |facet| Pierced::new(piece.facets.get(facet), diagonal, centers);
+    let (mut last, mut now) = (facet, pierced(facet as usize));
     // What is pierced first is the least of functions linear along the way.
     loop {
         let ahead = Bits::of(nearer).filter(|&facet| facet < piece.facets.len());
-        let ahead = ahead.map(|facet| (facet as u32, pierced(&piece.facets[facet])));
+        let ahead = ahead.map(|facet| (facet as u32, pierced(facet)));
         let nearer = ahead.filter(|(_, next)| next.is_nearer(&now));
         let first = nearer.min_by(|(_, a), (_, b)| now.meets(a).total_cmp(&now.meets(b)));
         let Some((facet, next)) = first else {
@@ -71,25 +68,25 @@ pub(crate) fn add_diagonal(
 
 /// A facet as a diagonal pierces its plane.
 #[derive(Clone, Copy)]
-pub(crate) struct Pierced<'a> {
-    pub(crate) plane: &'a HalfSpace,
+pub(crate) struct Pierced {
+    pub(crate) plane: HalfSpace,
     /// The normal times the diagonal's ray.
     pub(crate) along: f64,
     /// The heights of the step's start and end below the facet.
     heights: [f64; 2],
 }
 
-impl<'a> Pierced<'a> {
+impl Pierced {
     #[inline]
-    fn new(facet: &'a HalfSpace, diagonal: usize, centers: &[Vector3<f64>; 2]) -> Self {
-        let HalfSpace { normal, offset } = facet;
-        let along: [f64; 3] = (*normal).into();
+    fn new(plane: HalfSpace, diagonal: usize, centers: &[Vector3<f64>; 2]) -> Self {
+        let along: [f64; 3] = plane.normal.into();
+        let [x, y, z] = along;
         Self {
-            plane: facet,
+            plane,
             along: along_rays(along)[diagonal % 8],
             heights: centers
                 .each_ref()
-                .map(|center| height_below(along, *offset, (*center).into())),
+                .map(|center| height_below([x, y, z, plane.offset], (*center).into())),
         }
     }
 
@@ -115,18 +112,28 @@ impl<'a> Pierced<'a> {
 /// offsets, and the normals times the rays, rounded as by [`along_rays`].
 #[inline(always)]
 pub(crate) fn by_diagonal(
-    facets: [&HalfSpace; 8],
+    planes: &Planes,
+    facets: [u32; 8],
     of: impl Fn([f64x4; 4], f64x4) -> f64x4,
 ) -> [f64; 8] {
     let [[a, b, c, d], [e, f, g, h]] = [0, 4].map(|first| {
         let four = [0, 1, 2, 3].map(|lane| first + lane);
-        let lanes = HalfSpace::lanes(four.map(|diagonal| facets[diagonal]));
+        let lanes = planes.four(four.map(|diagonal: usize| facets[diagonal]));
         let rays = four.map(|diagonal| diagonal_ray(diagonal as u8));
         let ray = |axis: usize| f64x4::new(rays.map(|ray| ray[axis]));
         let along = lanes[0] * ray(0) + lanes[1] * ray(1) + lanes[2] * ray(2);
         of(lanes, along).to_array()
     });
     [a, b, c, d, e, f, g, h]
+}
+
+/// The height of `center` below a plane, in one lane or in four.
+#[inline(always)]
+pub(crate) fn height_below<T>([x, y, z, offset]: [T; 4], center: [T; 3]) -> T
+where
+    T: Copy + Add<Output = T> + Sub<Output = T> + Mul<Output = T>,
+{
+    offset - (x * center[0] + y * center[1] + z * center[2])
 }
 
 /// A normal times the rays of all diagonals.

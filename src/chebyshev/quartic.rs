@@ -21,12 +21,14 @@
 use nalgebra::Vector3;
 use wide::{f64x4, i32x4};
 
+use crate::chebyshev::bend::interface_hessian;
+use crate::chebyshev::endpoint::Endpoint;
 use crate::chebyshev::endpoints::{Endpoints, Tips};
-use crate::chebyshev::energy::interface_hessian;
 use crate::chebyshev::family::Family;
 use crate::chebyshev::integrand::Integrand;
-use crate::chebyshev::interface::{Endpoint, Interface};
+use crate::chebyshev::interface::Interface;
 use crate::chebyshev::pierced::by_diagonal;
+use crate::chebyshev::seen::Seen;
 use crate::chebyshev::walk::WalkScratch;
 use crate::minimize::objective::Ahead;
 
@@ -38,23 +40,26 @@ pub(crate) fn ahead(
     scratch: &mut WalkScratch,
 ) -> Option<Ahead<3>> {
     let WalkScratch {
-        panorama,
+        center,
         endpoints,
         slides,
+        volume,
         passings,
         ..
     } = scratch;
     let tips = endpoints.tips()?;
     let losses = losses(piece, step, tips);
     let (areas, keeps_shape) = areas(step, (tips, &losses), endpoints, slides);
-    let end = panorama.center() + step;
-    let keeps_shape = keeps_shape && passings.are_none() && panorama.do_vertices_stay(piece, &end);
+    let end = *center + step;
+    let keeps_shape = keeps_shape && passings.are_none() && do_vertices_stay(piece, [center, &end]);
     let passed = if keeps_shape {
         None
     } else if !piece.at_vertices.are_known() {
         return None;
     } else {
-        Some(passings.follow(piece, (panorama, &tips.facets), &end)?)
+        let seen = Seen { piece, center };
+        let passed = passings.follow(&seen, &tips.facets, &end);
+        Some(passed.evaluation(&end, (*volume)?)?)
     };
     Some(Ahead {
         fourth: interface_hessian(&areas) * 4.0,
@@ -62,12 +67,22 @@ pub(crate) fn ahead(
     })
 }
 
+/// Whether all vertices are in the same sectors as seen from two centers.
+#[inline]
+fn do_vertices_stay(piece: &Integrand, centers: [&Vector3<f64>; 2]) -> bool {
+    let seen = centers.map(|center| Seen { piece, center });
+    let moved = piece.vertices.blocks().fold(f64x4::ZERO, |moved, block| {
+        let [from, to] = seen.map(|seen| seen.codes(&block));
+        moved | from.simd_ne(to)
+    });
+    moved.to_bitmask() == 0
+}
+
 /// By how much the reaches of diagonals shrink: n·δ / n·ρ for the facet of each.
 #[inline]
 fn losses(piece: &Integrand, step: &Vector3<f64>, tips: &Tips) -> [f64; 8] {
     let step = [step.x, step.y, step.z].map(f64x4::splat);
-    let facets = tips.facets.map(|facet| &piece.facets[facet as usize]);
-    by_diagonal(facets, |[x, y, z, _], along| {
+    by_diagonal(&piece.facets, tips.facets, |[x, y, z, _], along| {
         (x * step[0] + y * step[1] + z * step[2]) / along
     })
 }
@@ -105,9 +120,7 @@ fn areas(
             let found = [0, 1, 2, 3].map(|lane| {
                 let interface = Interface::of_number(first + lane);
                 let endpoint = Endpoint::of(interface, end == 0);
-                endpoints
-                    .found(facets[end][lane] as usize, endpoint)
-                    .lanes()
+                endpoints.found(facets[end][lane] as usize, endpoint)
             });
             let [distance, along, slide, slide_along] = f64x4::transpose(found);
             let slid = [within[0] + across * slide, within[1] + across * slide_along];

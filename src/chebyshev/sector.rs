@@ -3,17 +3,20 @@
 use nalgebra::Vector3;
 use wide::f64x4;
 
-/// One of the six cones in which a coordinate difference of one sign is the largest: twice the
-/// axis, plus one for the negative side.
+/// One of the six cones in which a coordinate difference of one sign is the largest: the axis, plus
+/// four for the negative side.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Sector(u8);
 
 impl Sector {
     /// All six: +x, −x, +y, −y, +z, −z.
-    pub const ALL: [Self; 6] = [Self(0), Self(1), Self(2), Self(3), Self(4), Self(5)];
+    pub const ALL: [Self; 6] = [Self(0), Self(4), Self(1), Self(5), Self(2), Self(6)];
 
     /// The length of tables by number, which need no check of bounds then.
     pub(crate) const SLOTS: usize = 8;
+
+    /// How far apart the numbers of an axis's two sectors are.
+    pub(crate) const OPPOSITE: usize = 4;
 
     /// The sector in which `displacement` from the center lies; on ties the first of its kind.
     #[must_use]
@@ -22,40 +25,30 @@ impl Sector {
         // Numbers without sign are ordered as their bits are, and those are compared faster.
         const SIGN: u64 = 1 << 63;
         let [x, y, z] = [displacement.x, displacement.y, displacement.z].map(f64::to_bits);
-        let (mut sector, mut most) = (x >> 63, x & !SIGN);
+        let number = |axis: u64, along: u64| axis | (along >> 63) << 2;
+        let (mut sector, mut most) = (number(0, x), x & !SIGN);
         if y & !SIGN > most {
-            (sector, most) = (2 | y >> 63, y & !SIGN);
+            (sector, most) = (number(1, y), y & !SIGN);
         }
         if z & !SIGN > most {
-            sector = 4 | z >> 63;
+            sector = number(2, z);
         }
         Self(sector as u8)
     }
 
-    /// [`Sector::of`] for four displacements, by axis; see [`Sector::of_code`].
+    /// [`Sector::of`] for four displacements, by axis: the numbers, in the last bits of floats.
     #[inline]
     pub(crate) fn codes_of_four(displacements: &[f64x4; 3]) -> f64x4 {
-        let [x, y, z] = displacements
-            .each_ref()
-            .map(|displacement| displacement.abs());
-        let along = |axis: u64| {
-            let [positive, negative] = [0, 1].map(|side| f64x4::splat(code(2 * axis + side)));
-            let is_negative = displacements[axis as usize].simd_lt(f64x4::ZERO);
-            is_negative.select(negative, positive)
-        };
-        let is_higher = y.simd_gt(x);
-        let most = is_higher.select(y, x);
-        let sector = is_higher.select(along(1), along(0));
-        z.simd_gt(most).select(along(2), sector)
+        FourSectors::of(displacements).codes(0) | f64x4::ONE
     }
 
-    /// The sector of a code: its number in the last bits of a float.
+    /// The one of a number.
     #[inline]
-    pub(crate) fn of_code(code: f64) -> Self {
-        Self(code.to_bits() as u8)
+    pub(crate) const fn of_number(number: usize) -> Self {
+        Self(number as u8)
     }
 
-    /// Its place in [`Sector::ALL`].
+    /// The axis, plus [`Sector::OPPOSITE`] for the negative side.
     #[must_use]
     #[inline]
     pub fn number(self) -> usize {
@@ -67,9 +60,9 @@ impl Sector {
     #[inline]
     pub fn beside(self) -> [Self; 4] {
         const BESIDE: [[Sector; 4]; 3] = [
-            [Sector(2), Sector(3), Sector(4), Sector(5)],
-            [Sector(0), Sector(1), Sector(4), Sector(5)],
-            [Sector(0), Sector(1), Sector(2), Sector(3)],
+            [Sector(1), Sector(5), Sector(2), Sector(6)],
+            [Sector(0), Sector(4), Sector(2), Sector(6)],
+            [Sector(0), Sector(4), Sector(1), Sector(5)],
         ];
         BESIDE[self.axis()]
     }
@@ -78,14 +71,14 @@ impl Sector {
     #[must_use]
     #[inline]
     pub fn axis(self) -> usize {
-        (self.0 >> 1) as usize
+        usize::from(self.0) % Self::OPPOSITE
     }
 
     /// +1 or −1.
     #[must_use]
     #[inline]
     pub fn sign(self) -> f64 {
-        1.0 - 2.0 * f64::from(self.0 & 1)
+        if self.is_negative() { -1.0 } else { 1.0 }
     }
 
     /// The linear function that is the Chebyshev distance within the sector (L).
@@ -97,13 +90,133 @@ impl Sector {
             1 => displacement.y,
             _ => displacement.z,
         };
-        if self.0 & 1 == 0 { along } else { -along }
+        if self.is_negative() { -along } else { along }
+    }
+
+    fn is_negative(self) -> bool {
+        usize::from(self.0) >= Self::OPPOSITE
     }
 }
 
-/// See [`Sector::of_code`].
-fn code(number: u64) -> f64 {
-    f64::from_bits(1.0_f64.to_bits() | number)
+/// The sectors of four displacements, side by side.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct FourSectors {
+    /// Whether y is the axis unless z is.
+    is_y: f64x4,
+    is_z: f64x4,
+    is_negative: f64x4,
+    distance: f64x4,
+}
+
+impl FourSectors {
+    /// [`Sector::of`] for four displacements, by axis.
+    #[inline(always)]
+    pub(crate) fn of(displacements: &[f64x4; 3]) -> Self {
+        let [x, y, z] = displacements.each_ref().map(|all| all.abs());
+        let is_y = y.simd_gt(x);
+        let is_z = z.simd_gt(x.fast_max(y));
+        let along = is_z.select(
+            displacements[2],
+            is_y.select(displacements[1], displacements[0]),
+        );
+        Self {
+            is_y,
+            is_z,
+            is_negative: along.simd_lt(f64x4::ZERO),
+            distance: along.abs(),
+        }
+    }
+
+    /// What belongs to the axis.
+    #[inline(always)]
+    pub(crate) fn of_axis(&self, [x, y, z]: [f64x4; 3]) -> f64x4 {
+        self.is_z.select(z, self.is_y.select(y, x))
+    }
+
+    /// What the sectors' distance functions are at other displacements.
+    #[inline(always)]
+    pub(crate) fn distance(&self, displacements: &[f64x4; 3]) -> f64x4 {
+        self.signed(self.of_axis(*displacements))
+    }
+
+    /// The distances of the four displacements themselves.
+    #[inline(always)]
+    pub(crate) fn own_distance(&self) -> f64x4 {
+        self.distance
+    }
+
+    /// Numbers, with the other sign on the negative side.
+    #[inline(always)]
+    pub(crate) fn signed(&self, numbers: f64x4) -> f64x4 {
+        numbers ^ self.is_negative & f64x4::splat(-0.0)
+    }
+
+    /// Where the axis is x, where y and where z.
+    #[inline(always)]
+    pub(crate) fn by_axis(&self, numbers: f64x4) -> [f64x4; 3] {
+        let z = self.is_z & numbers;
+        let rest = numbers ^ z;
+        let y = self.is_y & rest;
+        [rest ^ y, y, z]
+    }
+
+    /// The axes that belong to neither these sectors nor to others.
+    #[inline(always)]
+    pub(crate) fn third_axes(&self, others: &Self) -> ThirdAxes {
+        let [y, other_y] = [self, others].map(|four| four.is_y ^ four.is_y & four.is_z);
+        let (z, other_z) = (self.is_z, others.is_z);
+        ThirdAxes {
+            is_y_taken: y | other_y,
+            is_z_taken: z | other_z,
+            are_sound: y ^ other_y | z ^ other_z,
+            is_start: other_z | (other_y ^ other_y & z),
+        }
+    }
+
+    /// Where these are others.
+    #[inline(always)]
+    pub(crate) fn differ(&self, others: &Self) -> f64x4 {
+        self.third_axes(others).are_sound | self.is_negative ^ others.is_negative
+    }
+
+    /// The numbers, from the bit `shift` on of floats.
+    #[inline(always)]
+    pub(crate) fn codes(&self, shift: usize) -> f64x4 {
+        let bits = |number: usize| f64x4::splat(f64::from_bits((number as u64) << shift));
+        let axes = self.of_axis([0, 1, 2].map(bits));
+        axes | self.is_negative & bits(Sector::OPPOSITE)
+    }
+}
+
+/// The axes that belong to neither of two sectors, side by side.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ThirdAxes {
+    is_y_taken: f64x4,
+    is_z_taken: f64x4,
+    /// Where the sectors are of two axes.
+    pub(crate) are_sound: f64x4,
+    /// Where the axis of the first sector comes before that of the second.
+    pub(crate) is_start: f64x4,
+}
+
+impl ThirdAxes {
+    /// The sectors of these axes on whose sides displacements with these coordinates are.
+    #[inline(always)]
+    pub(crate) fn sectors(&self, along: f64x4) -> FourSectors {
+        FourSectors {
+            is_y: !self.is_y_taken,
+            is_z: !self.is_z_taken,
+            is_negative: along.simd_lt(f64x4::ZERO),
+            distance: along.abs(),
+        }
+    }
+
+    /// The coordinates along them.
+    #[inline(always)]
+    pub(crate) fn along(&self, [x, y, z]: &[f64x4; 3]) -> f64x4 {
+        let rest = self.is_y_taken.select(*x, *y);
+        self.is_z_taken.select(rest, *z)
+    }
 }
 
 #[cfg(test)]
@@ -118,7 +231,8 @@ mod tests {
             let away = [f64x4::splat(x), f64x4::splat(y), f64x4::new(z)];
             let codes = Sector::codes_of_four(&away).to_array();
             for (code, z) in codes.into_iter().zip(z) {
-                assert_eq!(Sector::of_code(code), Sector::of(&Vector3::new(x, y, z)));
+                let number = code.to_bits() as usize % Sector::SLOTS;
+                assert_eq!(number, Sector::of(&Vector3::new(x, y, z)).number());
             }
         }
     }

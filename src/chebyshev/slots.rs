@@ -2,10 +2,12 @@
 //!
 //! What it comes to is the same, to the bit, as by way of a polyhedron.
 
-use crate::chebyshev::integrand::{EdgeConstants, Integrand};
-use crate::geometry::compact::{Compact, EDGES, SLOTS};
+use std::fmt;
+
+use crate::chebyshev::integrand::Integrand;
+use crate::geometry::compact::{Compact, EDGES, ROW, SLOTS};
 use crate::geometry::compact_lists::Lists;
-use crate::geometry::half_space::HalfSpace;
+use crate::geometry::faceted::Edge;
 
 impl Integrand {
     /// Prepares a convex piece of density 1, keeping the memory of the piece before.
@@ -31,8 +33,8 @@ impl Integrand {
         self.at_vertices.assign_sparse(piece, &lists);
         self.assign_edges(piece, |[ends, sides]| {
             [
-                ends.map(|slot| u32::from(lists.vertices[slot])),
-                sides.map(|plane| u32::from(lists.facets[plane])),
+                ends.map(|slot| u32::from(lists.vertices[usize::from(slot) % SLOTS])),
+                sides.map(|plane| u32::from(lists.facets[usize::from(plane)])),
             ]
         });
     }
@@ -40,44 +42,63 @@ impl Integrand {
     /// Slots are vertices, and planes are facets.
     fn assign_dense(&mut self, piece: &Compact) {
         let count = piece.alive.count_ones() as usize;
-        let axes = [&piece.x, &piece.y, &piece.z].map(<[f64; SLOTS]>::as_slice);
-        self.vertices.assign(axes, count);
+        let axes = [&piece.x, &piece.y, &piece.z];
+        self.vertices.assign_axes(axes, count);
         self.copy_facets(piece.planes.iter(), piece.labels.iter());
         if !piece.are_units() {
-            HalfSpace::normalize(&mut self.facets);
+            self.facets.normalize();
         }
         self.at_vertices.assign_dense(piece, count);
-        self.assign_edges(piece, |pairs| {
-            pairs.map(|pair| pair.map(|number| number as u32))
-        });
+        self.assign_edges(piece, |pairs| pairs.map(|pair| pair.map(u32::from)));
     }
 
     /// Takes up the edges of `piece`; `numbered` gives the vertices and facets for slots and planes.
     #[inline(always)]
-    fn assign_edges(
-        &mut self,
-        piece: &Compact,
-        numbered: impl Fn([[usize; 2]; 2]) -> [[u32; 2]; 2],
-    ) {
-        let mut six_volumes = 0.0;
-        piece.upward().for_each(|edge| {
-            let [ends, sides] = neighborhood(piece, edge);
-            let points = ends.map(|slot| piece.vertex(slot));
-            let [vertices, facets] = numbered([ends, sides]);
-            let (edge, volumes) = EdgeConstants::new(vertices, facets, points, &self.facets);
-            self.edges.push(edge);
-            six_volumes += volumes;
+    fn assign_edges(&mut self, piece: &Compact, numbered: impl Fn([[u8; 2]; 2]) -> [[u32; 2]; 2]) {
+        let Words(words) = &mut self.words;
+        fill_words(words, piece);
+        let edges = piece.upward().map(|edge| {
+            let [from, to, left, right] = words[edge % EDGES].to_le_bytes();
+            let [[from, to], [left, right]] = numbered([[from, to], [left, right]]);
+            Edge {
+                from,
+                to,
+                left,
+                right,
+            }
         });
-        self.volume = six_volumes / 6.0;
+        self.edges.assign(edges);
     }
 }
 
-/// The slots at the ends of an edge, and the planes left and right of it.
+/// Memory to list edges.
+#[derive(Clone)]
+pub(crate) struct Words([u32; EDGES]);
+
+impl Default for Words {
+    fn default() -> Self {
+        Self([0; EDGES])
+    }
+}
+
+impl fmt::Debug for Words {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str("Words")
+    }
+}
+
+/// Makes words, per edge, of the slots at its ends and the planes left and right of it.
 #[inline(always)]
-fn neighborhood(piece: &Compact, edge: usize) -> [[usize; 2]; 2] {
-    let ends = [edge / 4, usize::from(piece.twins[edge % EDGES] / 4)];
-    let sides = [edge + 1, edge].map(|side| usize::from(piece.facets[side % EDGES]));
-    [ends.map(|slot| slot % SLOTS), sides]
+fn fill_words(words: &mut [u32; EDGES], piece: &Compact) {
+    let used = 4 * (SLOTS - piece.alive.leading_zeros() as usize).next_multiple_of(ROW);
+    let edges = piece
+        .twins
+        .iter()
+        .zip(&piece.facets)
+        .zip(&piece.facets[1..]);
+    for (edge, (word, ((twin, right), left))) in words[..used].iter_mut().zip(edges).enumerate() {
+        *word = u32::from_le_bytes([(edge / 4) as u8, twin / 4, *left, *right]);
+    }
 }
 
 #[cfg(test)]
@@ -85,6 +106,7 @@ mod tests {
     use super::*;
     use crate::geometry::bounds::Bounds;
     use crate::geometry::compact_clip::CompactScratch;
+    use crate::geometry::half_space::HalfSpace;
     use crate::geometry::polyhedron::Polyhedron;
     use nalgebra::{Point3, Vector3};
 

@@ -13,31 +13,66 @@
 //! the points in which diagonals pierce the facet.
 
 use nalgebra::Vector3;
+use wide::f64x4;
 
-use crate::chebyshev::chunks::{CHUNK, chosen};
+use crate::chebyshev::chunks::{Bits, CHUNK, fours};
 use crate::chebyshev::crossing::Passage;
+use crate::chebyshev::detours::Detours;
+use crate::chebyshev::edges::NONE;
+use crate::chebyshev::endpoint::Endpoint;
 use crate::chebyshev::endpoints::Endpoints;
-use crate::chebyshev::integrand::{EdgeConstants, Integrand};
-use crate::chebyshev::interface::{Endpoint, Interface};
-use crate::chebyshev::mark::Mark;
-use crate::chebyshev::panorama::Panorama;
+use crate::chebyshev::four::FourEdges;
+use crate::chebyshev::integrand::Integrand;
+use crate::chebyshev::interface::Interface;
 use crate::chebyshev::passings::Passings;
+use crate::chebyshev::seen::Seen;
 use crate::chebyshev::segments::{Segments, report_segments};
-use crate::chebyshev::visit::{Corner, Visit};
+use crate::chebyshev::visit::Visit;
 use crate::chebyshev::weighted::Places;
+use crate::geometry::compact::BLOCK;
+use crate::geometry::faceted::Edge;
 
 /// The memory of a walk, to be reused from one center to the next.
 #[derive(Clone, Debug, Default)]
 pub struct WalkScratch {
-    pub(crate) panorama: Panorama,
+    /// From where the last piece was seen.
+    pub(crate) center: Vector3<f64>,
     pub(crate) endpoints: Endpoints,
     pub(crate) segments: Segments,
+    crossings: Crossings,
     /// Of the walk for the energy of order 1, see `quartic`.
     pub(crate) slides: [f64; Interface::SLOTS],
+    /// And the volume of the pieces walked together (L³).
+    pub(crate) volume: Option<f64>,
     /// What passes on the way of a center from there.
     pub(crate) passings: Passings,
     /// For pieces with a density.
     pub(crate) places: Option<Places>,
+}
+
+impl WalkScratch {
+    /// The volume of the pieces the energy of which was last taken (L³), if that was the one of order 1.
+    #[must_use]
+    pub fn volume(&self) -> Option<f64> {
+        self.volume
+    }
+}
+
+/// The crossings of some edges that are told: meaningless for others.
+#[derive(Clone, Debug)]
+struct Crossings {
+    found: [[f64x4; BLOCK]; CHUNK / BLOCK],
+    /// See [`Endpoint::of_passing_code`].
+    codes: [[f64; BLOCK]; CHUNK / BLOCK],
+}
+
+impl Default for Crossings {
+    fn default() -> Self {
+        Self {
+            found: [[f64x4::ZERO; BLOCK]; CHUNK / BLOCK],
+            codes: [[0.0; BLOCK]; CHUNK / BLOCK],
+        }
+    }
 }
 
 /// Walks the surface of a piece as seen from `center` (in the piece's coordinates).
@@ -49,117 +84,110 @@ pub(crate) fn walk(
     visitor: &mut impl Visit,
 ) {
     let WalkScratch {
-        panorama,
         endpoints,
         segments,
+        crossings,
         passings,
         ..
     } = scratch;
+    scratch.center = *center;
     passings.reset();
-    panorama.take(piece, center);
     endpoints.reset(piece.facets.len());
-    for edges in piece.edges.chunks(CHUNK) {
-        let parted = chosen(edges, |_, edge| {
-            let [a, b] = panorama.ends(edge);
-            a.sector() != b.sector()
-        });
-        for number in parted.others(edges.len()) {
-            report_whole(piece, &edges[number], panorama, visitor);
+    let seen = Seen { piece, center };
+    for blocks in piece.edges.blocks().chunks(CHUNK / BLOCK) {
+        let [told, far] = report_edges(&seen, blocks, crossings, visitor);
+        let edges = blocks.as_flattened();
+        for number in told {
+            let (block, lane) = (number / BLOCK, number % BLOCK);
+            let endpoint = Endpoint::of_passing_code(crossings.codes[block][lane]);
+            note(
+                &edges[number],
+                endpoint,
+                crossings.found[block][lane],
+                endpoints,
+            );
         }
-        for number in parted {
-            report_parted(piece, &edges[number], panorama, endpoints, visitor);
+        for four in fours(far.map(|number| edges[number]), NONE) {
+            report_detours(&seen, &four, (endpoints, visitor));
         }
     }
-    let view = |number| panorama.facet(piece, number);
-    report_segments(view, endpoints, segments, visitor);
+    report_segments(&seen, endpoints, segments, visitor);
 }
 
-/// Reports an edge within one sector. The Chebyshev distance is convex along the edge, so that no other
-/// sector comes between ends in the same one.
+/// Reports edges that are whole or told, four at a time, and notes their crossings; returns the numbers
+/// of those that are told, and of those that are neither told nor whole.
 #[inline(always)]
-fn report_whole(
-    piece: &Integrand,
-    edge: &EdgeConstants,
-    panorama: &Panorama,
+fn report_edges(
+    seen: &Seen<'_>,
+    blocks: &[[Edge; BLOCK]],
+    crossings: &mut Crossings,
     visitor: &mut impl Visit,
-) {
-    let [a, b] = panorama.ends(edge);
-    let ends = [a, b].map(|end| Corner::new(end.sight(), a.sector()));
-    let sides = panorama.sides(piece, edge);
-    visitor.share(&sides, a.sector(), 1.0, ends.each_ref());
-}
-
-/// Reports an edge that runs through several sectors.
-#[inline(always)]
-fn report_parted(
-    piece: &Integrand,
-    edge: &EdgeConstants,
-    panorama: &Panorama,
-    endpoints: &mut Endpoints,
-    visitor: &mut impl Visit,
-) {
-    let [a, b] = panorama.ends(edge);
-    if let Some(passage) = Passage::only(a, b) {
-        report_passages(piece, edge, panorama, [passage], (endpoints, visitor));
-    } else {
-        report_far_parted(piece, edge, panorama, (endpoints, visitor));
+) -> [Bits; 2] {
+    let [mut told, mut far] = [0, 0];
+    let places = crossings.found.iter_mut().zip(&mut crossings.codes);
+    for (block, (edges, (found, codes))) in blocks.iter().zip(places).enumerate() {
+        let four = FourEdges::new(seen, edges);
+        *found = four.passages.rows();
+        *codes = Endpoint::passing_codes(&four.sectors).to_array();
+        visitor.edges(seen, &four);
+        let [more_told, more_far] = four.told_and_far();
+        told |= more_told << (block * BLOCK);
+        far |= more_far << (block * BLOCK);
     }
+    [told, far].map(Bits::of)
 }
 
-/// As [`report_parted`], where more than two sectors may be on the way.
+/// Reports edges on the way of which is more than one sector.
 #[inline(never)]
-fn report_far_parted(
-    piece: &Integrand,
-    edge: &EdgeConstants,
-    panorama: &Panorama,
-    to: (&mut Endpoints, &mut impl Visit),
-) {
-    let [a, b] = panorama.ends(edge);
-    if let Some(passages) = Passage::two(a, b) {
-        report_passages(piece, edge, panorama, passages, to);
-    } else {
-        report_passages(piece, edge, panorama, Passage::all(a, b), to);
-    }
-}
-
-/// Reports an edge's shares sector by sector and notes its crossings at both facets.
-#[inline(always)]
-fn report_passages(
-    piece: &Integrand,
-    edge: &EdgeConstants,
-    panorama: &Panorama,
-    passages: impl IntoIterator<Item = Passage>,
+fn report_detours(
+    seen: &Seen<'_>,
+    edges: &[Edge; BLOCK],
     (endpoints, visitor): (&mut Endpoints, &mut impl Visit),
 ) {
-    let [a, b] = panorama.ends(edge);
-    let sides = panorama.sides(piece, edge);
-    let [first, end] = [a, b].map(|end| Corner::new(end.sight(), end.sector()));
-    let (mut sector, mut start, mut last) = (a.sector(), 0.0, first);
-    for passage in passages {
-        let next = corner(passage.endpoint, &passage.found.mark);
-        visitor.share(&sides, sector, passage.share - start, [&last, &next]);
-        note(edge, &passage, endpoints);
-        (sector, start, last) = (passage.to, passage.share, next);
+    let four = FourEdges::new(seen, edges);
+    let detours = Detours::new(&four);
+    visitor.detours(seen, &four, &detours);
+    let told = detours.are_told.to_bitmask();
+    for (passages, sectors) in detours.passages.iter().zip(detours.sectors(&four)) {
+        let (found, codes) = (
+            passages.rows(),
+            Endpoint::passing_codes(&sectors).to_array(),
+        );
+        for lane in Bits::of(u64::from(told)) {
+            let endpoint = Endpoint::of_passing_code(codes[lane % BLOCK]);
+            note(
+                &edges[lane % BLOCK],
+                endpoint,
+                found[lane % BLOCK],
+                endpoints,
+            );
+        }
     }
-    visitor.share(&sides, sector, 1.0 - start, [&last, &end]);
+    let far = four.are_parted.to_bitmask() & !told;
+    for lane in Bits::of(u64::from(far)) {
+        report_far(seen, &edges[lane % BLOCK], (endpoints, visitor));
+    }
 }
 
-#[inline]
-fn corner(endpoint: Endpoint, mark: &Mark) -> Corner {
-    Corner {
-        distance: mark.distance,
-        point: endpoint.interface().point(mark),
-    }
+/// Reports an edge step by step.
+#[cold]
+fn report_far(
+    seen: &Seen<'_>,
+    edge: &Edge,
+    (endpoints, visitor): (&mut Endpoints, &mut impl Visit),
+) {
+    let [a, b] = &seen.ends(edge);
+    let note = |passage: &Passage| {
+        note(edge, passage.endpoint, passage.found.lanes(), endpoints);
+        endpoints.are_rounded |= passage.is_rounded;
+    };
+    seen.report_passages(edge, Passage::all(a, b), note, visitor);
 }
 
 /// Enters a crossing at both facets of the edge.
 #[inline(always)]
-fn note(edge: &EdgeConstants, passage: &Passage, endpoints: &mut Endpoints) {
-    let Passage {
-        endpoint, found, ..
-    } = *passage;
+fn note(edge: &Edge, endpoint: Endpoint, found: f64x4, endpoints: &mut Endpoints) {
     endpoints.enter(edge.left as usize, endpoint, found);
     // Seen from the right it is the way back.
     endpoints.enter(edge.right as usize, endpoint.opposite(), found);
-    endpoints.are_rounded |= passage.is_rounded;
 }

@@ -95,26 +95,26 @@ impl<'a> Weighted<'a> {
 }
 
 impl Visit for Weighted<'_> {
-    fn share(&mut self, sides: &[Side<'_>; 2], sector: Sector, part: f64, ends: [&Corner; 2]) {
+    fn share(&mut self, sides: &[Side; 2], sector: Sector, part: f64, ends: [&Corner; 2]) {
         for Side {
             facet,
             doubled_area,
         } in sides
         {
             self.table
-                .fill([&facet.anchor.point(), &ends[0].point, &ends[1].point]);
+                .fill([&facet.anchor(), &ends[0].point, &ends[1].point]);
             self.add(sector, part * doubled_area * facet.height / 6.0);
         }
     }
 
-    fn segment(&mut self, facet: &FacetView<'_>, interface: Interface, u: &Found, v: &Found) {
+    fn segment(&mut self, facet: &FacetView, interface: Interface, u: &Found, v: &Found) {
         let [u, v] = [&u.mark, &v.mark];
         let (left, right) = interface.sectors();
         let determinant = interface.determinant(u, v);
-        let difference = facet.anchor.distance(left) - facet.anchor.distance(right);
+        let difference = facet.distance(left) - facet.distance(right);
         let volume = determinant * difference / 6.0;
         let [u, v] = [u, v].map(|mark| interface.point(mark));
-        self.table.fill([&facet.anchor.point(), &u, &v]);
+        self.table.fill([&facet.anchor(), &u, &v]);
         self.add(left, volume);
         self.add(right, -volume);
         self.table.fill([&u, &v]);

@@ -82,7 +82,7 @@ impl<'a> WeightedSums<'a> {
     }
 
     /// Adds the triangle of the table, of signed area `doubled_area / 2`, as part of `sector`.
-    fn add(&mut self, facet: &FacetView<'_>, sector: Sector, doubled_area: f64) {
+    fn add(&mut self, facet: &FacetView, sector: Sector, doubled_area: f64) {
         let (axis, places) = (sector.axis(), self.places);
         let order = places.terms.order();
         let signed = |power: u32| if power % 2 == 1 { sector.sign() } else { 1.0 };
@@ -98,24 +98,24 @@ impl<'a> WeightedSums<'a> {
 }
 
 impl Visit for WeightedSums<'_> {
-    fn share(&mut self, sides: &[Side<'_>; 2], sector: Sector, part: f64, ends: [&Corner; 2]) {
+    fn share(&mut self, sides: &[Side; 2], sector: Sector, part: f64, ends: [&Corner; 2]) {
         for Side {
             facet,
             doubled_area,
         } in sides
         {
             self.table
-                .fill([&facet.anchor.point(), &ends[0].point, &ends[1].point]);
+                .fill([&facet.anchor(), &ends[0].point, &ends[1].point]);
             self.add(facet, sector, part * doubled_area);
         }
     }
 
-    fn segment(&mut self, facet: &FacetView<'_>, interface: Interface, u: &Found, v: &Found) {
+    fn segment(&mut self, facet: &FacetView, interface: Interface, u: &Found, v: &Found) {
         let [u, v] = [&u.mark, &v.mark];
         let (left, right) = interface.sectors();
         let [u, v] = [u, v].map(|mark| interface.point(mark));
         let doubled_area = facet.doubled_area(&u, &v);
-        self.table.fill([&facet.anchor.point(), &u, &v]);
+        self.table.fill([&facet.anchor(), &u, &v]);
         self.add(facet, left, doubled_area);
         self.add(facet, right, -doubled_area);
     }

@@ -72,15 +72,20 @@ impl HalfSpace {
 
     #[inline(always)]
     fn normalized_four(four: [&Self; 4]) -> [Self; 4] {
-        let [x, y, z, offset] = Self::lanes(four);
-        let length = (x * x + y * y + z * z).sqrt();
-        let is_long = length.simd_gt(f64x4::ZERO);
-        let scale = is_long.select(f64x4::ONE / length, f64x4::ONE);
-        f64x4::transpose([x, y, z, offset].map(|all| all * scale)).map(|lanes| {
+        f64x4::transpose(Self::units(Self::lanes(four))).map(|lanes| {
             let [x, y, z, offset] = lanes.to_array();
             let normal = Vector3::new(x, y, z);
             Self { normal, offset }
         })
+    }
+
+    /// Four half-spaces with unit normals, but for those that are zero, by coordinate.
+    #[inline(always)]
+    pub(crate) fn units([x, y, z, offset]: [f64x4; 4]) -> [f64x4; 4] {
+        let length = (x * x + y * y + z * z).sqrt();
+        let is_long = length.simd_gt(f64x4::ZERO);
+        let scale = is_long.select(f64x4::ONE / length, f64x4::ONE);
+        [x, y, z, offset].map(|all| all * scale)
     }
 
     /// The half-space moved by `displacement`.

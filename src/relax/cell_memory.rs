@@ -5,8 +5,7 @@ use std::borrow::Cow;
 use nalgebra::{Point3, Rotation3, Vector3};
 
 use crate::chebyshev::center::{Search, center};
-use crate::chebyshev::energy::{SignedPiece, energy};
-use crate::chebyshev::integrand::Integrand;
+use crate::chebyshev::energy::{SignedPiece, energy, energy_jet};
 use crate::chebyshev::mass_moments::mass_moments;
 use crate::chebyshev::walk::WalkScratch;
 use crate::domain::space::{Domain, PieceScratch};
@@ -27,10 +26,9 @@ use crate::voronoi::cell::Cell;
 pub struct CellMemory {
     pieces: Vec<SignedPiece>,
     used: usize,
-    /// The cell's volume (L³).
-    volume: f64,
-    /// The cell's mass: its volume where there is no density.
-    mass: f64,
+    /// The cell's volume (L³), and its mass, which is the volume where there is no density; none for a
+    /// cell that is its own only piece, and has not been asked.
+    measured: Option<(f64, f64)>,
     /// Mass and its moments of the pieces with a density.
     weighted: Moments,
     walk: WalkScratch,
@@ -62,16 +60,15 @@ impl CellMemory {
         let Self {
             pieces,
             used,
-            volume,
-            mass,
+            measured,
             weighted,
             piece,
             ..
         } = self;
-        *used = 0;
-        (*volume, *mass, *weighted) = (0.0, 0.0, Moments::default());
+        let (mut volume, mut mass) = (0.0, 0.0);
+        (*used, *weighted) = (0, Moments::default());
         let mut prepare = |sign: f64, part: Piece<'_>, density: Option<&Polynomial>| {
-            let integrand = integrand_of(pieces, *used, sign);
+            let integrand = SignedPiece::place(pieces, *used, sign);
             integrand.assign(part);
             let turned = density.map(|density| match frame {
                 Some(frame) => Cow::Owned(density.turned(frame)),
@@ -79,26 +76,27 @@ impl CellMemory {
             });
             integrand.set_density(turned.as_deref());
             let part_volume = integrand.volume();
-            *volume += sign * part_volume;
+            volume += sign * part_volume;
             let part_mass = density.map_or(part_volume, |density| {
                 let moments = mass_moments(part, density);
                 weighted.add_signed(sign, &moments);
                 moments.volume
             });
-            *mass += sign * part_mass;
+            mass += sign * part_mass;
             if let Some(frame) = frame {
                 integrand.rotate(&frame.inverse());
             }
             *used += 1;
         };
         domain.weighted_pieces(&cell.position, cell.polyhedron(), piece, &mut prepare);
+        *measured = Some((volume, mass));
     }
 
     /// Prepares a cell that is its own only piece.
     fn load_whole(&mut self, cell: &Compact) {
-        let integrand = integrand_of(&mut self.pieces, 0, 1.0);
+        let integrand = SignedPiece::place(&mut self.pieces, 0, 1.0);
         integrand.assign_compact(cell);
-        (self.volume, self.mass) = (integrand.volume(), integrand.volume());
+        self.measured = None;
         self.weighted = Moments::default();
         if let Some(frame) = &self.frame {
             integrand.rotate(&frame.inverse());
@@ -109,7 +107,18 @@ impl CellMemory {
     /// The volume of the loaded cell (L³).
     #[must_use]
     pub fn volume(&self) -> f64 {
-        self.volume
+        self.measured().0
+    }
+
+    /// Volume and mass.
+    fn measured(&self) -> (f64, f64) {
+        self.measured.unwrap_or_else(|| {
+            let pieces = self.pieces[..self.used].iter();
+            let volume = pieces
+                .map(|piece| piece.sign * piece.integrand.volume())
+                .sum();
+            (volume, volume)
+        })
     }
 
     /// Mass and its moments of the loaded cell about its site; volume and its moments where there
@@ -168,7 +177,7 @@ impl CellMemory {
         cell: &Cell<'_>,
         asked: Question,
     ) -> CellFigures<3> {
-        let volume = self.volume;
+        let volume = self.volume();
         let Self {
             piece, clip, frame, ..
         } = self;
@@ -232,17 +241,22 @@ impl CellMemory {
 
     fn find_center(&mut self, domain: &dyn Domain, cell: &Cell<'_>, asked: Question) -> Found {
         let pieces = &self.pieces[..self.used];
+        let first = energy_jet(pieces, &Vector3::zeros(), asked.order, &mut self.walk);
+        let (volume, mass) = match self.walk.volume() {
+            Some(volume) if self.measured.is_none() => (volume, volume),
+            _ => self.measured(),
+        };
         let search = Search {
             minimizer: asked.minimizer,
             order: asked.order,
-            volume: self.volume,
-            mass: self.mass,
+            volume,
+            mass,
             bounds: match self.frame {
                 None => reach(domain, cell),
                 Some(_) => around(pieces),
             },
         };
-        let center = center(pieces, &search, &mut self.walk);
+        let center = center(pieces, &search, &first, &mut self.walk);
         let chebyshev = if asked.order == 1 {
             center.energy_at_site
         } else {
@@ -269,17 +283,6 @@ impl CellMemory {
             evaluations: 1,
         }
     }
-}
-
-/// The integrand of the numbered piece, which counts with `sign`; there may be one more than before.
-fn integrand_of(pieces: &mut Vec<SignedPiece>, number: usize, sign: f64) -> &mut Integrand {
-    if number == pieces.len() {
-        let integrand = Integrand::default();
-        pieces.push(SignedPiece { sign, integrand });
-    }
-    let piece = &mut pieces[number];
-    piece.sign = sign;
-    &mut piece.integrand
 }
 
 /// What a site finds in its cell, in the asked norm.
