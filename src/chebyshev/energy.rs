@@ -67,20 +67,24 @@ pub fn energy_jet<'a>(
     order: u32,
     scratch: &mut WalkScratch,
 ) -> Jet<3> {
-    let mut total: Option<Jet<3>> = None;
-    let mut volume = Some(0.0);
-    for SignedPiece { sign, integrand } in pieces {
-        let part = energy_of_piece(integrand, center, order, scratch);
-        volume = volume
-            .zip(scratch.volume)
-            .map(|(all, own)| all + sign * own);
-        match &mut total {
-            None if *sign > 0.0 => total = Some(part),
-            _ => add(total.get_or_insert_with(none), &part, *sign),
+    let mut pieces = pieces.into_iter();
+    let mut total = match pieces.next() {
+        Some(SignedPiece { sign, integrand }) if *sign > 0.0 => {
+            energy_of_piece(integrand, center, order, scratch)
         }
+        first => {
+            let mut total = none();
+            scratch.volume = Some(0.0);
+            if let Some(first) = first {
+                add(&mut total, first, center, order, scratch);
+            }
+            total
+        }
+    };
+    for piece in pieces {
+        add(&mut total, piece, center, order, scratch);
     }
-    scratch.volume = volume;
-    total.unwrap_or_else(none)
+    total
 }
 
 /// No energy at all.
@@ -95,14 +99,24 @@ fn none() -> Jet<3> {
     }
 }
 
-/// Adds a part that counts with `sign`.
-fn add(total: &mut Jet<3>, part: &Jet<3>, sign: f64) {
+/// Adds a piece.
+fn add(
+    total: &mut Jet<3>,
+    SignedPiece { sign, integrand }: &SignedPiece,
+    center: &Vector3<f64>,
+    order: u32,
+    scratch: &mut WalkScratch,
+) {
+    let volume = scratch.volume;
+    let part = energy_of_piece(integrand, center, order, scratch);
+    let both = volume.zip(scratch.volume);
+    scratch.volume = both.map(|(all, own)| all + sign * own);
     total.evaluation.value += sign * part.evaluation.value;
-    total.evaluation.gradient += part.evaluation.gradient * sign;
-    total.evaluation.hessian += part.evaluation.hessian * sign;
+    total.evaluation.gradient += part.evaluation.gradient * *sign;
+    total.evaluation.hessian += part.evaluation.hessian * *sign;
     total.third = total.third.zip(part.third).map(|(mut total, part)| {
         for (total, part) in total.iter_mut().zip(part) {
-            *total += part * sign;
+            *total += part * *sign;
         }
         total
     });

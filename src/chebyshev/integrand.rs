@@ -125,7 +125,7 @@ impl Integrand {
                 }
             })
         });
-        self.edges.assign(edges);
+        self.edges.assign(edges, piece.facets.len() * 3 / 2);
     }
 
     /// A facet that is not convex or not connected is the signed sum of the triangles on its edges
@@ -139,7 +139,8 @@ impl Integrand {
             facets.clone().map(|(plane, _)| plane),
             facets.map(|(_, label)| label),
         );
-        self.edges.assign(piece.edges.iter().copied());
+        self.edges
+            .assign(piece.edges.iter().copied(), piece.edges.len());
     }
 
     pub(crate) fn assign_facets<'a>(

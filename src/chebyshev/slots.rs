@@ -67,7 +67,7 @@ impl Integrand {
                 right,
             }
         });
-        self.edges.assign(edges);
+        self.edges.assign(edges, SLOTS * 3 / 2);
     }
 }
 
