@@ -1,9 +1,9 @@
 //! What a cell is worth: the Chebyshev energy of convex pieces about a center.
 //!
 //! [`fragments`] cuts a cell into the six fragments of \[BL\] as geometry. The integrals come the
-//! short way: [`integrand`] keeps what does not depend on the center, [`walk`] splits the piece's
-//! surface by [`sector`], [`energy`] sums up, [`center`] minimizes. [`plane`] holds
-//! the integrals in the plane.
+//! short way: [`integrand`] keeps what does not depend on the center, [`walk`] measures the piece's
+//! surface and splits it by [`sector`], four edges at a time, [`energy`] sums up, [`center`]
+//! minimizes. [`plane`] holds the integrals in the plane.
 
 pub mod borders;
 pub mod center;

@@ -48,7 +48,7 @@ impl Sector {
         Self(number as u8)
     }
 
-    /// The axis, plus [`Sector::OPPOSITE`] for the negative side.
+    /// The axis, plus four for the negative side.
     #[must_use]
     #[inline]
     pub fn number(self) -> usize {
