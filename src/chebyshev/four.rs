@@ -18,11 +18,11 @@ use wide::f64x4;
 use crate::chebyshev::crossing::Passage;
 use crate::chebyshev::endpoint::Endpoint;
 use crate::chebyshev::endpoints::Found;
-use crate::chebyshev::lanes::{cross, dot};
 use crate::chebyshev::sector::FourSectors;
 use crate::chebyshev::seen::Seen;
 use crate::geometry::compact::BLOCK;
 use crate::geometry::faceted::Edge;
+use crate::geometry::lanes::{cross, dot};
 
 /// Four edges.
 #[derive(Debug)]

@@ -9,11 +9,11 @@ use crate::chebyshev::endpoints::{Endpoints, Found};
 use crate::chebyshev::family::Family;
 use crate::chebyshev::four::{FourEdges, FourPassages};
 use crate::chebyshev::interface::{Interface, PAIRS};
-use crate::chebyshev::lanes::sum;
 use crate::chebyshev::sector::{FourSectors, Sector};
 use crate::chebyshev::seen::Seen;
 use crate::chebyshev::visit::{Corner, FacetView, Side, Visit};
 use crate::geometry::compact::BLOCK;
+use crate::geometry::lanes::sum;
 use crate::minimize::problem::{Evaluation, Jet};
 
 /// The sums, kept apart by lane or by interface, so that additions need not wait for each other.

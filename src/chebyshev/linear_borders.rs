@@ -11,11 +11,11 @@ use crate::chebyshev::detours::Detours;
 use crate::chebyshev::endpoints::Found;
 use crate::chebyshev::four::{FourEdges, FourPassages};
 use crate::chebyshev::interface::Interface;
-use crate::chebyshev::lanes::sum;
 use crate::chebyshev::mark::Mark;
 use crate::chebyshev::sector::{FourSectors, Sector};
 use crate::chebyshev::seen::Seen;
 use crate::chebyshev::visit::{Corner, FacetView, Side, Visit};
+use crate::geometry::lanes::sum;
 
 /// The sums of a walk about the origin.
 pub(crate) struct LinearSums<'a> {

@@ -29,7 +29,6 @@ mod endpoint;
 mod endpoints;
 mod family;
 mod four;
-mod lanes;
 mod linear;
 mod linear_borders;
 mod passing;

@@ -52,8 +52,7 @@ pub struct WalkScratch {
 
 impl WalkScratch {
     /// The volume of the pieces the energy of which was last taken (L³), if that was the one of order 1.
-    #[must_use]
-    pub fn volume(&self) -> Option<f64> {
+    pub(crate) fn volume(&self) -> Option<f64> {
         self.volume
     }
 }

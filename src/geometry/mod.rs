@@ -11,6 +11,7 @@ pub mod faceted;
 pub mod half_plane;
 pub mod half_space;
 pub mod label;
+pub(crate) mod lanes;
 pub mod moments;
 pub mod outline;
 pub mod polygon;

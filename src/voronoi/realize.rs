@@ -18,6 +18,7 @@ use wide::f64x4;
 
 use crate::geometry::compact::{BLOCK, Compact, EDGES};
 use crate::geometry::half_space::HalfSpace;
+use crate::geometry::lanes::{cross, dot};
 use crate::voronoi::pattern::MOST;
 
 /// The least volume that three unit normals span: vertices are then known to some 1e-13 of the
@@ -230,16 +231,4 @@ impl Realizer {
             room: least(room.to_array()),
         }
     }
-}
-
-fn dot(a: &[f64x4; 3], b: &[f64x4; 3]) -> f64x4 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn cross(a: &[f64x4; 3], b: &[f64x4; 3]) -> [f64x4; 3] {
-    [
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    ]
 }
