@@ -29,7 +29,7 @@ SCIPY_ROUNDS = 1
 BUILDS = {"AVX2": None, "any": ""}
 
 # What is read of a row of `chebloyd bench`.
-COLUMNS = ["cells", "iteration", "reused", "global"]
+COLUMNS = ["cells", "iteration", "global"]
 
 
 def call(*command, **options):

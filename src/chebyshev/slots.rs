@@ -45,9 +45,7 @@ impl Integrand {
         let axes = [&piece.x, &piece.y, &piece.z];
         self.vertices.assign_axes(axes, count);
         self.copy_facets(piece.planes.iter(), piece.labels.iter());
-        if !piece.are_units() {
-            self.facets.normalize();
-        }
+        self.facets.normalize();
         self.at_vertices.assign_dense(piece, count);
         self.assign_edges(piece, |pairs| pairs.map(|pair| pair.map(u32::from)));
     }

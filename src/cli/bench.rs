@@ -9,8 +9,6 @@ use rayon::ThreadPoolBuilder;
 
 use chebloyd::domain::space::Domain;
 use chebloyd::relax::cell_memory::CellMemory;
-use chebloyd::relax::lloyd::LITTLE;
-use chebloyd::relax::record::Movement;
 use chebloyd::relax::space::Space;
 use chebloyd::relax::tessellation::{Minimizer, Norm, Question, Tessellation};
 use chebloyd::voronoi::diagram::{Diagram, DiagramError};
@@ -40,19 +38,16 @@ enum Stage {
     Energy,
     /// A whole iteration, with the minimizer
     Iteration,
-    /// A whole iteration that carries over what the one before has left
-    Reused,
     /// The global objective with its gradient
     Global,
 }
 
-const STAGES: [Stage; 7] = [
+const STAGES: [Stage; 6] = [
     Stage::Index,
     Stage::Cells,
     Stage::Prepare,
     Stage::Energy,
     Stage::Iteration,
-    Stage::Reused,
     Stage::Global,
 ];
 
@@ -60,10 +55,8 @@ const STAGES: [Stage; 7] = [
 ///
 /// Each stage includes the ones to its left: building the index, building the cells, preparing
 /// them for integrals, one energy with gradient and Hessian, and the whole iteration with the
-/// minimizer. "reused" is a whole iteration again, from where a move has led, which carries over
-/// cells from the one before it, and "rebuilt" the share of the cells that could not be carried;
-/// after moves that are too far for that there is neither. "global" is the objective of all sites
-/// together with its gradient, what a step of quasi-newton takes, with cells carried over likewise.
+/// minimizer. "global" is the objective of all sites together with its gradient, what a step of
+/// quasi-newton takes.
 /// "MB" is the most memory that was resident meanwhile, sites included, where the system tells it
 /// (Linux).
 #[derive(Debug, Args)]
@@ -107,7 +100,7 @@ pub(crate) fn run(options: &Options, threads: Option<u32>) -> Result<(), Failure
     for stage in STAGES {
         let _ = write!(table, " {:>9}", name(stage));
     }
-    let _ = writeln!(table, " {:>11} {:>7} {:>6}", "evaluations", "rebuilt", "MB");
+    let _ = writeln!(table, " {:>11} {:>6}", "evaluations", "MB");
     if let Some(file) = &options.points {
         add_rows("file", &Crowd::read(file)?, options, threads, &mut table)?;
         return stdout::print(table);
@@ -161,7 +154,6 @@ fn add_rows(
             let _ = write!(table, " {:>9}", told(time, 2));
         }
         let _ = write!(table, " {:>11}", told(row.evaluations, 2));
-        let _ = write!(table, " {:>7}", told(row.rebuilt, 3));
         let megabytes = resident::peak().map(|bytes| bytes as f64 / 1e6);
         let _ = writeln!(table, " {:>6}", told(megabytes, 0));
     }
@@ -176,7 +168,6 @@ fn told(number: Option<f64>, digits: usize) -> String {
 struct Row {
     microseconds: [Option<f64>; STAGES.len()],
     evaluations: Option<f64>,
-    rebuilt: Option<f64>,
 }
 
 /// Times the stages in turn, `repeat` times over, so that a slow moment hits all of them.
@@ -184,11 +175,6 @@ fn time(crowd: &Crowd, options: &Options) -> Result<Row, DiagramError> {
     let (sites, space) = (&crowd.sites, Space::new(Box::new(crowd.domain)));
     let count = sites.len() as f64;
     let asked = |stage: &Stage| options.stages.contains(stage);
-    let moved = if asked(&Stage::Reused) || asked(&Stage::Global) {
-        moved(&space, sites)?
-    } else {
-        None
-    };
     let mut row = Row::default();
     for _ in 0..options.repeat.max(1) {
         for (number, stage) in STAGES
@@ -196,62 +182,33 @@ fn time(crowd: &Crowd, options: &Options) -> Result<Row, DiagramError> {
             .enumerate()
             .filter(|(_, stage)| asked(stage))
         {
-            let sites = match (stage, &moved) {
-                (Stage::Reused, None) => continue,
-                (Stage::Reused | Stage::Global, Some(moved)) => {
-                    space.assess_near(sites, QUESTION)?;
-                    moved
-                }
-                _ => sites,
-            };
             let watch = Watch::start(options.cpu);
-            let evaluations = run_stage(stage, &space, sites, moved.is_some())?;
+            let evaluations = run_stage(stage, &space, sites)?;
             let spent = watch.seconds() * 1e6 / count;
             let shortest = &mut row.microseconds[number];
             *shortest = Some(shortest.map_or(spent, |shortest| shortest.min(spent)));
-            match stage {
-                Stage::Iteration => row.evaluations = Some(evaluations as f64 / count),
-                Stage::Reused => row.rebuilt = Some(space.rebuilt() as f64 / count),
-                _ => {}
+            if stage == Stage::Iteration {
+                row.evaluations = Some(evaluations as f64 / count);
             }
         }
     }
     Ok(row)
 }
 
-/// Where the next move of Lloyd's leads, if that is so near that `relax` carries cells over.
-fn moved(space: &Space, sites: &[Point3<f64>]) -> Result<Option<Vec<Point3<f64>>>, DiagramError> {
-    let cells = space.assess(sites, QUESTION)?;
-    let targets: Vec<_> = cells.iter().map(|cell| cell.target).collect();
-    let is_near = Movement::percent_between(space, sites, &targets) < LITTLE;
-    Ok(is_near.then_some(targets))
-}
-
 /// Does the work up to a stage and returns how many energies were evaluated.
-fn run_stage(
-    stage: Stage,
-    space: &Space,
-    sites: &[Point3<f64>],
-    is_near: bool,
-) -> Result<u64, DiagramError> {
+fn run_stage(stage: Stage, space: &Space, sites: &[Point3<f64>]) -> Result<u64, DiagramError> {
     let domain = space.domain();
-    let cells = match stage {
-        Stage::Iteration => space.assess(sites, QUESTION)?,
-        Stage::Reused => space.assess_near(sites, QUESTION)?,
+    match stage {
+        Stage::Iteration => {
+            let cells = space.assess(sites, QUESTION)?;
+            return Ok(cells.iter().map(|cell| u64::from(cell.evaluations)).sum());
+        }
         Stage::Global => {
-            if is_near {
-                space.global_near(sites, QUESTION.order)?;
-            } else {
-                space.global(sites, QUESTION.order)?;
-            }
-            Vec::new()
+            space.global(sites, QUESTION.order)?;
         }
-        _ => {
-            run_part(stage, domain, &Diagram::new(domain, sites)?)?;
-            Vec::new()
-        }
-    };
-    Ok(cells.iter().map(|cell| u64::from(cell.evaluations)).sum())
+        _ => run_part(stage, domain, &Diagram::new(domain, sites)?)?,
+    }
+    Ok(0)
 }
 
 /// Does the work of a stage that has no minimizer.

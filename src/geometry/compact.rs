@@ -11,7 +11,7 @@
 //! other end. `facets` holds facet k in byte 4 s + k + 1 and facet 2 once more in byte 4 s, so that
 //! the facet right of edge e is `facets[e]` and the left one `facets[e + 1]`.
 
-use nalgebra::{Point3, Vector3};
+use nalgebra::Point3;
 use wide::f64x4;
 
 use crate::geometry::bounds::Bounds;
@@ -49,8 +49,6 @@ pub struct Compact {
     pub(crate) alive: u64,
     pub(crate) planes: Vec<HalfSpace>,
     pub(crate) labels: Vec<Label>,
-    /// Whether all normals are known to be units.
-    are_units: bool,
     layout: Layout,
 }
 
@@ -75,7 +73,6 @@ impl Default for Compact {
             alive: 0,
             planes: Vec::new(),
             labels: Vec::new(),
-            are_units: false,
             layout: Layout::default(),
         }
     }
@@ -179,12 +176,6 @@ impl Compact {
         slots(self.alive).filter(move |&slot| self.square[slot] > square)
     }
 
-    /// The position of the vertex in a slot.
-    #[inline]
-    pub(crate) fn vertex(&self, slot: usize) -> Vector3<f64> {
-        Vector3::new(self.x[slot], self.y[slot], self.z[slot])
-    }
-
     /// Whether the first slots are in use and every plane has a facet, as the count of vertices
     /// tells: it is twice the one of facets less four.
     pub(crate) fn is_dense(&self) -> bool {
@@ -212,18 +203,6 @@ impl Compact {
         self.alive = 0;
         self.planes.clear();
         self.labels.clear();
-        self.are_units = false;
-    }
-
-    /// Makes all normals units. No plane may be added afterwards.
-    pub(crate) fn normalize(&mut self) {
-        HalfSpace::normalize(&mut self.planes);
-        self.are_units = true;
-    }
-
-    /// Whether all normals are known to be units.
-    pub(crate) fn are_units(&self) -> bool {
-        self.are_units
     }
 }
 

@@ -45,40 +45,6 @@ impl HalfSpace {
         }
     }
 
-    /// The coordinates of four normals, and the offsets.
-    #[inline(always)]
-    pub(crate) fn lanes(four: [&Self; 4]) -> [f64x4; 4] {
-        f64x4::transpose(four.map(|Self { normal, offset }| {
-            let [x, y, z] = (*normal).into();
-            f64x4::new([x, y, z, *offset])
-        }))
-    }
-
-    /// Makes all normals units, but for those that are zero.
-    pub(crate) fn normalize(planes: &mut [Self]) {
-        let (blocks, rest) = planes.as_chunks_mut();
-        for block in blocks {
-            *block = Self::normalized_four(block.each_ref());
-        }
-        let none = Self {
-            normal: Vector3::zeros(),
-            offset: 0.0,
-        };
-        let last = [0, 1, 2, 3].map(|lane| rest.get(lane).copied().unwrap_or(none));
-        for (plane, normalized) in rest.iter_mut().zip(Self::normalized_four(last.each_ref())) {
-            *plane = normalized;
-        }
-    }
-
-    #[inline(always)]
-    fn normalized_four(four: [&Self; 4]) -> [Self; 4] {
-        f64x4::transpose(Self::units(Self::lanes(four))).map(|lanes| {
-            let [x, y, z, offset] = lanes.to_array();
-            let normal = Vector3::new(x, y, z);
-            Self { normal, offset }
-        })
-    }
-
     /// Four half-spaces with unit normals, but for those that are zero, by coordinate.
     #[inline(always)]
     pub(crate) fn units([x, y, z, offset]: [f64x4; 4]) -> [f64x4; 4] {

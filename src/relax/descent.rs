@@ -13,12 +13,10 @@ use crate::minimize::lbfgsb::resume;
 use crate::minimize::lbfgsb_options::{LbfgsbError, LbfgsbOptions};
 use crate::minimize::lbfgsb_state::LbfgsbState;
 use crate::minimize::problem::Ended;
-use crate::relax::lloyd::LITTLE;
 use crate::relax::objective::Global;
-use crate::relax::record::{Movement, optimal_side};
+use crate::relax::record::optimal_side;
 use crate::relax::space::Space;
 use crate::relax::tessellation::{Assessment, Tessellation};
-use crate::voronoi::diagram::DiagramError;
 
 /// The first model of the curvature is this share of that of a cube about its center, which is what
 /// a site feels whose cell stands still: cells follow their sites about half of the way. From random
@@ -125,14 +123,10 @@ pub(crate) fn step(
         max_evaluations: u64::MAX,
     };
     let (lower, upper) = walls(space, count);
-    let before = sites_of(space, state.point());
     let mut trials: Vec<Totals> = Vec::new();
-    let mut objective = |point: &[f64], gradient: &mut [f64]| match at_trial(
-        space,
-        &before,
-        &sites_of(space, point),
-        options.order,
-    ) {
+    let mut objective = |point: &[f64], gradient: &mut [f64]| match space
+        .global(&sites_of(space, point), options.order)
+    {
         Ok(global) => {
             for (entries, of_site) in gradient.chunks_exact_mut(3).zip(&global.gradient) {
                 entries.copy_from_slice(of_site.as_slice());
@@ -161,21 +155,6 @@ pub(crate) fn step(
         (true, Some(totals), _) => Step::Taken(*totals),
         (_, _, Ended::Stopped) | (false, _, _) | (true, None, _) => Step::Over,
     })
-}
-
-/// The objective at a trial of a step from the sites `before`. What tells whether these are near is not
-/// what was asked last, so that a resumed run asks alike.
-fn at_trial(
-    space: &Space,
-    before: &[Point3<f64>],
-    sites: &[Point3<f64>],
-    order: u32,
-) -> Result<Global, DiagramError> {
-    if Movement::percent_between(space, before, sites) < LITTLE {
-        space.global_near(sites, order)
-    } else {
-        space.global(sites, order)
-    }
 }
 
 /// How far the first trial moves the farthest site (L): as Newton's method would in a model of

@@ -12,10 +12,6 @@ use crate::relax::over_relaxation::{Moves, advance, look};
 use crate::relax::record::{Movement, Record};
 use crate::relax::tessellation::{Question, Tessellation};
 
-/// Cells are carried over after a movement below this (%): beyond, so many change that it takes less to
-/// build them all.
-pub const LITTLE: f64 = 0.7;
-
 /// When to stop, and what to minimize.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LloydOptions {
@@ -70,12 +66,10 @@ pub fn lloyd<const D: usize, Space: Tessellation<D>>(
         return Ok(ended);
     }
     let mut movement = Movement::default();
-    let is_near = last.is_some_and(|last| last.iteration > 0 && last.movement_percent < LITTLE);
-    let mut now = look(space, sites.to_vec(), options.question, is_near)?;
+    let mut now = look(space, sites.to_vec(), options.question)?;
     let moves = Moves {
         question: options.question,
         is_accelerated: options.is_accelerated,
-        little: LITTLE,
     };
     loop {
         let record = match known.take() {

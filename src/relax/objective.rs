@@ -55,26 +55,7 @@ impl Space {
     /// # Errors
     /// When the sites have no diagram.
     pub fn global(&self, sites: &[Point3<f64>], order: u32) -> Result<Global, DiagramError> {
-        self.global_of(sites, order, false)
-    }
-
-    /// As [`Space::global`] where sites have moved little since they were last asked this way: it
-    /// takes less time then. The answers may differ from those by rounding, but depend on nothing
-    /// else either.
-    ///
-    /// # Errors
-    /// When the sites have no diagram.
-    pub fn global_near(&self, sites: &[Point3<f64>], order: u32) -> Result<Global, DiagramError> {
-        self.global_of(sites, order, true)
-    }
-
-    fn global_of(
-        &self,
-        sites: &[Point3<f64>],
-        order: u32,
-        is_near: bool,
-    ) -> Result<Global, DiagramError> {
-        let parts = self.map(sites, is_near, |memory: &mut Memory, cell| {
+        let parts = self.map(sites, |memory: &mut Memory, cell| {
             self.part_of_cell(memory, &cell, order)
         })?;
         let mut global = Global {

@@ -9,7 +9,6 @@
 
 use nalgebra::Point;
 
-use crate::relax::record::Movement;
 use crate::relax::tessellation::{Assessment, Question, Tessellation};
 
 /// How many times as far as Lloyd's a lengthened move goes. Measured over 50 and 150 moves from 1000
@@ -24,21 +23,6 @@ pub(crate) struct Moves {
     pub(crate) question: Question,
     /// Whether they are lengthened where that ends lower.
     pub(crate) is_accelerated: bool,
-    /// After a move below this (%) cells are asked as those of near sites. What decides is in the
-    /// record of the move, so that a resumed run decides alike.
-    pub(crate) little: f64,
-}
-
-impl Moves {
-    /// Moves after which cells are always asked as those of near sites: where records do not tell
-    /// from where the sites have come.
-    pub(crate) fn from_anywhere(question: Question, is_accelerated: bool) -> Self {
-        Self {
-            question,
-            is_accelerated,
-            little: f64::INFINITY,
-        }
-    }
 }
 
 /// Sites after a move of Lloyd's, with the answers of their cells.
@@ -60,12 +44,7 @@ pub(crate) fn advance<const D: usize, Space: Tessellation<D>>(
     moves: Moves,
 ) -> Result<Moved<D>, Space::Error> {
     let targets: Vec<_> = cells.iter().map(|cell| cell.target).collect();
-    let is_near =
-        |there: &[Point<f64, D>]| Movement::percent_between(space, sites, there) < moves.little;
-    let look_at = |there: Vec<Point<f64, D>>| {
-        let is_near = is_near(&there);
-        look(space, there, moves.question, is_near)
-    };
+    let look_at = |there: Vec<Point<f64, D>>| look(space, there, moves.question);
     if !moves.is_accelerated {
         return look_at(targets);
     }
@@ -78,11 +57,7 @@ pub(crate) fn advance<const D: usize, Space: Tessellation<D>>(
     let Ok(tried) = look_at(far) else {
         return look_at(targets);
     };
-    let least = if is_near(&targets) {
-        space.energy_near(&targets, moves.question)?
-    } else {
-        space.energy(&targets, moves.question)?
-    };
+    let least = space.energy(&targets, moves.question)?;
     let compared = tried.evaluations + sites.len() as u64;
     if total(&tried.cells) <= least {
         return Ok(Moved {
@@ -98,18 +73,13 @@ pub(crate) fn advance<const D: usize, Space: Tessellation<D>>(
     })
 }
 
-/// The sites with the answers of their cells, asked as near those asked before or not.
+/// The sites with the answers of their cells.
 pub(crate) fn look<const D: usize, Space: Tessellation<D>>(
     space: &Space,
     sites: Vec<Point<f64, D>>,
     question: Question,
-    is_near: bool,
 ) -> Result<Moved<D>, Space::Error> {
-    let cells = if is_near {
-        space.assess_near(&sites, question)?
-    } else {
-        space.assess(&sites, question)?
-    };
+    let cells = space.assess(&sites, question)?;
     let evaluations = cells.iter().map(|cell| u64::from(cell.evaluations)).sum();
     Ok(Moved {
         sites,

@@ -1,7 +1,5 @@
 //! Diagrams in space: how cells in a domain answer the loops.
 
-use std::sync::{Mutex, MutexGuard, PoisonError};
-
 use nalgebra::{Point3, Vector3};
 
 use crate::domain::space::{Domain, displacement};
@@ -11,7 +9,6 @@ use crate::relax::figures::CellFigures;
 use crate::relax::frames::Frames;
 use crate::relax::noise::displaced;
 use crate::relax::tessellation::{Assessment, Question, Tessellation};
-use crate::voronoi::carried::Carried;
 use crate::voronoi::cell::Cell;
 use crate::voronoi::diagram::{Diagram, DiagramError};
 
@@ -20,8 +17,6 @@ use crate::voronoi::diagram::{Diagram, DiagramError};
 pub struct Space {
     domain: Box<dyn Domain>,
     frames: Frames,
-    /// What the last diagram leaves to the next. It shows in no answer.
-    carried: Mutex<Carried>,
 }
 
 impl Space {
@@ -34,11 +29,7 @@ impl Space {
     /// The space of `domain` whose cells measure the Chebyshev distance in these frames.
     #[must_use]
     pub fn with_frames(domain: Box<dyn Domain>, frames: Frames) -> Self {
-        Self {
-            domain,
-            frames,
-            carried: Mutex::default(),
-        }
+        Self { domain, frames }
     }
 
     /// The same space with these frames.
@@ -59,63 +50,18 @@ impl Space {
         self.domain.as_ref()
     }
 
-    /// How many cells the last diagram that could carry cells over from another one had to rebuild.
-    #[must_use]
-    pub fn rebuilt(&self) -> usize {
-        self.lock().rebuilt()
-    }
-
-    /// As [`Diagram::map`], or for near sites as [`Diagram::map_carried`] with what the last such
-    /// diagram has left.
+    /// As [`Diagram::map`].
     pub(crate) fn map<Memory: Default, Answer: Send>(
         &self,
         sites: &[Point3<f64>],
-        is_near: bool,
         ask: impl Fn(&mut Memory, Cell<'_>) -> Answer + Sync,
     ) -> Result<Vec<Answer>, DiagramError> {
-        let diagram = Diagram::new(self.domain(), sites)?;
-        if !is_near {
-            return diagram.map(ask);
-        }
-        // Taken out meanwhile: no lock is held while threads are at work.
-        let mut carried = std::mem::take(&mut *self.lock());
-        let answers = diagram.map_carried(&mut carried, ask);
-        *self.lock() = carried;
-        answers
+        Diagram::new(self.domain(), sites)?.map(ask)
     }
 
     /// Prepares a cell in its own frame.
     fn load(&self, memory: &mut CellMemory, cell: &Cell<'_>) {
         memory.load_in_frame(self.domain(), cell, self.frames.of(cell.site));
-    }
-
-    fn assess_all(
-        &self,
-        sites: &[Point3<f64>],
-        question: Question,
-        is_near: bool,
-    ) -> Result<Vec<Assessment<3>>, DiagramError> {
-        self.map(sites, is_near, |memory: &mut CellMemory, cell| {
-            self.load(memory, &cell);
-            memory.assess(self.domain(), &cell, question)
-        })
-    }
-
-    fn total_energy(
-        &self,
-        sites: &[Point3<f64>],
-        question: Question,
-        is_near: bool,
-    ) -> Result<f64, DiagramError> {
-        let energies = self.map(sites, is_near, |memory: &mut CellMemory, cell| {
-            self.load(memory, &cell);
-            memory.energy_at_site(question)
-        })?;
-        Ok(energies.iter().sum())
-    }
-
-    fn lock(&self) -> MutexGuard<'_, Carried> {
-        self.carried.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
@@ -129,7 +75,7 @@ impl Space {
         sites: &[Point3<f64>],
         question: Question,
     ) -> Result<Vec<CellFigures<3>>, DiagramError> {
-        self.map(sites, false, |memory: &mut CellMemory, cell| {
+        self.map(sites, |memory: &mut CellMemory, cell| {
             self.load(memory, &cell);
             memory.figures(self.domain(), &cell, question)
         })
@@ -157,11 +103,11 @@ impl Tessellation<3> for Space {
     }
 
     fn energy(&self, sites: &[Point3<f64>], question: Question) -> Result<f64, DiagramError> {
-        self.total_energy(sites, question, false)
-    }
-
-    fn energy_near(&self, sites: &[Point3<f64>], question: Question) -> Result<f64, DiagramError> {
-        self.total_energy(sites, question, true)
+        let energies = self.map(sites, |memory: &mut CellMemory, cell| {
+            self.load(memory, &cell);
+            memory.energy_at_site(question)
+        })?;
+        Ok(energies.iter().sum())
     }
 
     fn assess(
@@ -169,14 +115,9 @@ impl Tessellation<3> for Space {
         sites: &[Point3<f64>],
         question: Question,
     ) -> Result<Vec<Assessment<3>>, DiagramError> {
-        self.assess_all(sites, question, false)
-    }
-
-    fn assess_near(
-        &self,
-        sites: &[Point3<f64>],
-        question: Question,
-    ) -> Result<Vec<Assessment<3>>, DiagramError> {
-        self.assess_all(sites, question, true)
+        self.map(sites, |memory: &mut CellMemory, cell| {
+            self.load(memory, &cell);
+            memory.assess(self.domain(), &cell, question)
+        })
     }
 }

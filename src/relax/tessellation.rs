@@ -65,14 +65,6 @@ pub trait Tessellation<const D: usize>: Sync {
     /// When the sites have no diagram.
     fn energy(&self, sites: &[Point<f64, D>], question: Question) -> Result<f64, Self::Error>;
 
-    /// As [`Tessellation::energy`] where sites have moved little since they were last asked this way.
-    ///
-    /// # Errors
-    /// When the sites have no diagram.
-    fn energy_near(&self, sites: &[Point<f64, D>], question: Question) -> Result<f64, Self::Error> {
-        self.energy(sites, question)
-    }
-
     /// Assesses the cells of all `sites`, in site order.
     ///
     /// # Errors
@@ -82,17 +74,4 @@ pub trait Tessellation<const D: usize>: Sync {
         sites: &[Point<f64, D>],
         question: Question,
     ) -> Result<Vec<Assessment<D>>, Self::Error>;
-
-    /// As [`Tessellation::assess`] where sites have moved little since they were last asked this
-    /// way. The answers may differ from those by rounding, but depend on nothing else either.
-    ///
-    /// # Errors
-    /// As [`Tessellation::assess`].
-    fn assess_near(
-        &self,
-        sites: &[Point<f64, D>],
-        question: Question,
-    ) -> Result<Vec<Assessment<D>>, Self::Error> {
-        self.assess(sites, question)
-    }
 }

@@ -195,10 +195,13 @@ impl Traveler<'_> {
         let (space, question) = (self.space, self.plan.question);
         let cells = match self.cells.take() {
             Some(cells) => cells,
-            None => space.assess_near(self.sites, question)?,
+            None => space.assess(self.sites, question)?,
         };
         let is_accelerated = self.plan.is_accelerated;
-        let moves = Moves::from_anywhere(question, is_accelerated);
+        let moves = Moves {
+            question,
+            is_accelerated,
+        };
         let moved = advance(space, self.sites, &cells, moves)?;
         self.stand.descent = None;
         self.lengthened = is_accelerated.then_some(moved.is_lengthened);
@@ -217,7 +220,7 @@ impl Traveler<'_> {
     /// Evaluates new sites, from which the next descent begins.
     fn enter(&mut self) -> Result<Totals, TravelError> {
         if self.plan.descent.is_none() {
-            let seen = look(self.space, self.sites.clone(), self.plan.question, true)?;
+            let seen = look(self.space, self.sites.clone(), self.plan.question)?;
             return Ok(self.settle(seen));
         }
         let global = self.space.global(self.sites, self.plan.question.order)?;

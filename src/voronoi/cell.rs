@@ -14,7 +14,7 @@ use crate::geometry::half_space::HalfSpace;
 use crate::geometry::polyhedron::Polyhedron;
 use crate::voronoi::body::Body;
 use crate::voronoi::index::SiteIndex;
-use crate::voronoi::search::{Duplicate, Halt, Manner, Search};
+use crate::voronoi::search::{Duplicate, Halt, Search};
 
 /// A cell under the caller's eyes: its body, clipped to the domain's convex start, in coordinates
 /// relative to its site.
@@ -74,17 +74,6 @@ impl CellBuilder {
         index: &SiteIndex,
         place: usize,
     ) -> Result<Cell<'_>, Duplicate> {
-        self.build_in(Manner::Crowd, domain, index, place)
-    }
-
-    /// As [`CellBuilder::build`], with sites looked for in some manner.
-    pub(crate) fn build_in(
-        &mut self,
-        manner: Manner,
-        domain: &dyn Domain,
-        index: &SiteIndex,
-        place: usize,
-    ) -> Result<Cell<'_>, Duplicate> {
         let (site, position) = (index.site(place), index.position(place));
         let Self {
             start,
@@ -97,7 +86,7 @@ impl CellBuilder {
         let compact = body.slots();
         let halt = if compact.assign(start) {
             let mut shape = (compact, &mut **compact_scratch);
-            search.shape(index, (place, manner), &mut shape)
+            search.shape(index, place, &mut shape)
         } else {
             Err(Halt::Full)
         };
@@ -107,7 +96,7 @@ impl CellBuilder {
             Err(Halt::Full) => body.assign(|polyhedron| {
                 polyhedron.clone_from(start);
                 let mut shape = (&mut *polyhedron, &mut *clip);
-                match search.shape(index, (place, manner), &mut shape) {
+                match search.shape(index, place, &mut shape) {
                     Err(Halt::Duplicate(duplicate)) => Err(duplicate),
                     // Any size fits.
                     Ok(()) | Err(Halt::Full) => Ok(()),

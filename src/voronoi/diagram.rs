@@ -1,6 +1,6 @@
 //! The diagram of all sites: checked input, cells visited in parallel, answers in site order.
 
-use std::sync::{Arc, OnceLock};
+use std::sync::OnceLock;
 
 use nalgebra::Point3;
 use rayon::prelude::*;
@@ -30,8 +30,8 @@ const CELLS_PER_CHUNK: usize = 4096;
 pub struct Diagram<'a> {
     domain: &'a dyn Domain,
     sites: &'a [Point3<f64>],
-    /// Made when it is first needed: cells that are carried bring their own.
-    index: OnceLock<Arc<SiteIndex>>,
+    /// Made when it is first needed.
+    index: OnceLock<SiteIndex>,
 }
 
 /// Why sites have no diagram. Indices count from zero.
@@ -113,19 +113,14 @@ impl<'a> Diagram<'a> {
 
     /// The index of the sites, made now if nothing has been asked of it before.
     pub fn index(&self) -> &SiteIndex {
-        self.shared_index()
-    }
-
-    /// As [`Diagram::index`], to be kept.
-    pub(crate) fn shared_index(&self) -> &Arc<SiteIndex> {
         self.index.get_or_init(|| {
             let wrapped = self.sites.par_iter().map(|site| self.domain.wrap(site));
-            Arc::new(SiteIndex::new(wrapped, self.domain.periods()))
+            SiteIndex::new(wrapped, self.domain.periods())
         })
     }
 
     /// Where a site is, within one period along axes that have one.
-    pub(crate) fn position(&self, site: u32) -> Point3<f64> {
+    fn position(&self, site: u32) -> Point3<f64> {
         self.domain.wrap(&self.sites[site as usize])
     }
 
@@ -230,7 +225,7 @@ impl<'a> Diagram<'a> {
 }
 
 /// Exchanges answers until each is where its goal tells, without room for a second list.
-pub(crate) fn bring_into_order<Answer>(answers: &mut [Answer], mut goals: Vec<u32>) {
+fn bring_into_order<Answer>(answers: &mut [Answer], mut goals: Vec<u32>) {
     for place in 0..answers.len() {
         while goals[place] as usize != place {
             let goal = goals[place] as usize;

@@ -95,14 +95,6 @@ impl SiteIndex {
         self.sites.is_empty()
     }
 
-    /// Takes up where the sites are now, by place, and keeps how they are sorted: as good as an index
-    /// made anew as long as sites have moved little.
-    pub(crate) fn refit(&mut self, positions: Vec<Point3<f64>>) {
-        self.positions = positions;
-        self.stamp = STAMPS.fetch_add(1, Ordering::Relaxed);
-        self.enclose();
-    }
-
     /// Per site: its place.
     #[must_use]
     pub(crate) fn places_of_sites(&self) -> Vec<u32> {
@@ -111,16 +103,6 @@ impl SiteIndex {
             places[site as usize] = place as u32;
         }
         places
-    }
-
-    /// The memory that is held (bytes).
-    #[must_use]
-    pub(crate) fn memory(&self) -> usize {
-        size_of::<Self>()
-            + size_of::<Pair>() * self.pairs.capacity()
-            + size_of::<u32>() * self.sites.capacity()
-            + size_of::<Point3<f64>>() * self.positions.capacity()
-            + size_of::<Shift>() * self.shifts.capacity()
     }
 
     /// The index in the caller's order of the site in `place`.
@@ -133,12 +115,6 @@ impl SiteIndex {
     #[must_use]
     pub fn sites(&self) -> &[u32] {
         &self.sites
-    }
-
-    /// The positions of all sites, by place.
-    #[must_use]
-    pub(crate) fn positions(&self) -> &[Point3<f64>] {
-        &self.positions
     }
 
     /// The position of the site in `place`.
@@ -200,27 +176,6 @@ impl SiteIndex {
             sum += gap * gap;
         }
         sum.to_array()
-    }
-
-    /// Sets the first list to the leaves whose boxes are within the root of `limit` of `here`, or to
-    /// the only one, with the other list as memory: level by level, so that nothing has to be foreseen.
-    pub(crate) fn leaves_within(&self, here: &Point3<f64>, limit: f64, lists: &mut [Vec<u32>; 2]) {
-        let [nodes, children] = lists;
-        nodes.clear();
-        nodes.push(1);
-        for _ in 0..self.depth {
-            children.clear();
-            children.resize(2 * nodes.len() + 1, 0);
-            let mut count = 0;
-            for &node in nodes.iter() {
-                for (side, gap) in self.gaps_squared(node, here).into_iter().enumerate() {
-                    children[count] = 2 * node + side as u32;
-                    count += usize::from(gap <= limit);
-                }
-            }
-            children.truncate(count);
-            std::mem::swap(nodes, children);
-        }
     }
 
     /// The box around a node's sites.

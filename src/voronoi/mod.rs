@@ -3,10 +3,8 @@
 //! [`diagram`] checks sites and visits their cells in parallel, [`cell`] builds one from what
 //! [`search`] finds around its site: the near sites in order (`surroundings`), which are gathered
 //! from the [`index`] for many sites at once (`crowd`, in layers), and what else the cell can feel
-//! (`far`). [`carried`] is what a diagram leaves to the next one of sites that moved a little.
-//! [`plane`] is the planar counterpart, through the crate `voronator`.
+//! (`far`). [`plane`] is the planar counterpart, through the crate `voronator`.
 
-pub mod carried;
 pub mod cell;
 pub mod diagram;
 pub mod index;
@@ -16,27 +14,13 @@ pub mod shifts;
 
 mod body;
 mod candidate;
-mod carried_map;
-mod carry;
-mod chunk;
-mod corners;
 mod crowd;
 mod delaunay;
 mod far;
-mod flip;
-mod in_order;
 mod layer;
 mod leaf_order;
-mod mold;
-mod packed;
-mod pattern;
 mod plane_grid;
 mod plane_sites;
-mod ranks;
-mod realize;
-mod room;
 mod shape;
 mod siblings;
-mod standing;
 mod surroundings;
-mod touch;

@@ -12,13 +12,9 @@ use crate::geometry::compact_clip::Full;
 use crate::geometry::half_space::HalfSpace;
 use crate::voronoi::candidate::{Candidate, Subtree};
 use crate::voronoi::far::FarVertices;
-use crate::voronoi::in_order::{Next, Queue};
 use crate::voronoi::index::SiteIndex;
 use crate::voronoi::shape::Shape;
 use crate::voronoi::surroundings::{DISORDER, Surroundings};
-
-/// The square that is seen before anything is.
-const NOTHING_SEEN: f64 = -1.0;
 
 /// Two sites in one place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -27,18 +23,6 @@ pub struct Duplicate {
     pub first: u32,
     /// The greater index.
     pub second: u32,
-}
-
-/// How the sites that shape a cell are looked for. Which way shows in the order of cuts only.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Manner {
-    /// The sites around look around as well: what is gathered for one serves them all.
-    Crowd,
-    /// They do not.
-    Alone,
-    /// One after the other, by distance: cuts are then made in the only order that depends on
-    /// nothing but where the sites are.
-    InOrder,
 }
 
 /// Why a cell could not be finished.
@@ -53,7 +37,6 @@ pub(crate) struct Search {
     surroundings: Surroundings,
     far: FarVertices,
     stack: Vec<Subtree>,
-    queue: Queue,
 }
 
 /// Where a search is.
@@ -73,22 +56,15 @@ impl Search {
     pub(crate) fn shape(
         &mut self,
         index: &SiteIndex,
-        (place, manner): (usize, Manner),
+        place: usize,
         shape: &mut impl Shape,
     ) -> Result<(), Halt> {
-        if manner == Manner::InOrder {
-            return self.shape_in_order(index, place, shape);
-        }
         // An earlier search may have been halted.
         self.stack.clear();
         let needed = 4.0 * shape.radius_squared();
         let usual = index.first_look_squared(place);
         let limit = usual.min(needed);
-        let seen = if manner == Manner::Crowd {
-            self.surroundings.look(index, place, (limit, usual))
-        } else {
-            self.surroundings.look_alone(index, place, limit)
-        };
+        let seen = self.surroundings.look(index, place, (limit, usual));
         let mut task = Task {
             index,
             place,
@@ -111,41 +87,7 @@ impl Search {
         }
         if task.needed > seen {
             task.shape.list_beyond(0.25 * task.seen, &mut self.far);
-            if manner == Manner::Crowd {
-                self.look_beyond(&mut task)?;
-            } else {
-                self.look_everywhere(&mut task)?;
-            }
-        }
-        Ok(())
-    }
-
-    /// As [`Search::shape`], by ever farther sites, those equally far by label.
-    fn shape_in_order(
-        &mut self,
-        index: &SiteIndex,
-        place: usize,
-        shape: &mut impl Shape,
-    ) -> Result<(), Halt> {
-        let Self { far, queue, .. } = self;
-        let mut task = Task {
-            index,
-            place,
-            site: index.position(place),
-            needed: 4.0 * shape.radius_squared(),
-            shape,
-            seen: NOTHING_SEEN,
-        };
-        task.shape.list_beyond(0.25 * task.seen, far);
-        queue.clear();
-        for shift in 0..index.shifts().len() {
-            queue.push_subtree(Subtree::whole(shift));
-        }
-        while let Some(next) = queue.pop() {
-            match next {
-                Next::Candidate(candidate) => task.try_far(&candidate, far)?,
-                Next::Subtree(subtree) => task.open(&subtree, far, queue),
-            }
+            self.look_beyond(&mut task)?;
         }
         Ok(())
     }
@@ -171,42 +113,9 @@ impl Search {
         }
         Ok(())
     }
-
-    /// As [`Search::look_beyond`], for a site whose surroundings have not been gathered.
-    fn look_everywhere(&mut self, task: &mut Task<'_, impl Shape>) -> Result<(), Halt> {
-        for shift in 0..task.index.shifts().len() {
-            self.stack.push(Subtree::whole(shift));
-            task.descend(&mut self.stack, &mut self.far)?;
-        }
-        Ok(())
-    }
 }
 
 impl<S: Shape> Task<'_, S> {
-    /// Puts what a subtree consists of into the queue, unless it cannot cut.
-    fn open(&self, subtree: &Subtree, far: &FarVertices, queue: &mut Queue) {
-        let by = self.index.shifts()[subtree.shift as usize].by;
-        let here = self.site - by;
-        let is_near = subtree.gap_squared < self.needed;
-        if !is_near || !far.meet(&self.index.bounds(subtree.node), &here) {
-            return;
-        }
-        if !self.index.is_leaf(subtree.node) {
-            let children = subtree.children(self.index, &here);
-            children
-                .into_iter()
-                .for_each(|child| queue.push_subtree(child));
-            return;
-        }
-        for place in self.index.places(subtree.node) {
-            let at = (place, subtree.shift);
-            let candidate = Candidate::new(self.index, &self.site, at, &by);
-            if place != self.place && candidate.distance_squared < self.needed {
-                queue.push_candidate(candidate, candidate.label(self.index));
-            }
-        }
-    }
-
     /// Looks through the subtrees on the stack.
     fn descend(&mut self, stack: &mut Vec<Subtree>, far: &mut FarVertices) -> Result<(), Halt> {
         while let Some(subtree) = stack.pop() {

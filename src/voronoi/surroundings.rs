@@ -36,7 +36,6 @@ pub(crate) struct Surroundings {
     order: Vec<u8>,
     /// Sites beyond the first look.
     others: Found,
-    leaves: [Vec<u32>; 2],
 }
 
 impl Surroundings {
@@ -59,32 +58,6 @@ impl Surroundings {
                 return limit;
             }
             limit *= 0.25;
-        }
-        self.give_up()
-    }
-
-    /// As [`Surroundings::look`], but gathers nothing for sites nearby, and gives up where the limit is
-    /// too much.
-    pub(crate) fn look_alone(&mut self, index: &SiteIndex, place: usize, limit: f64) -> f64 {
-        let site = index.position(place);
-        self.near.clear();
-        for (shift, image) in index.shifts().iter().enumerate() {
-            let here = site - image.by;
-            index.leaves_within(&here, limit, &mut self.leaves);
-            for &leaf in &self.leaves[0] {
-                let places = index.places(leaf);
-                self.near.reserve(places.len());
-                for other in places {
-                    let at = (other, shift as u32);
-                    let candidate = Candidate::new(index, &site, at, &image.by);
-                    let is_near = candidate.distance_squared <= limit;
-                    self.near.push_if(is_near & (other != place), candidate);
-                }
-            }
-        }
-        if self.list_keys() {
-            self.sort();
-            return limit;
         }
         self.give_up()
     }
