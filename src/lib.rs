@@ -43,6 +43,10 @@ pub mod relax;
 pub mod scene;
 pub mod voronoi;
 
+pub use crate::domain::cuboid::Cuboid;
+pub use crate::voronoi::check::CheckError;
+pub use crate::voronoi::diagram::{Diagram, DiagramError};
+
 /// The README's code compiles and runs.
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

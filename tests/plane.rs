@@ -13,7 +13,7 @@ use chebloyd::minimize::problem::Evaluation;
 use chebloyd::relax::figures::Figures;
 use chebloyd::relax::plane::Plane;
 use chebloyd::relax::tessellation::{Minimizer, Norm, Question, Tessellation};
-use chebloyd::voronoi::plane::{PlaneDiagram, PlaneDiagramError};
+use chebloyd::voronoi::planar::diagram::{PlaneDiagram, PlaneDiagramError};
 use nalgebra::{Matrix2, Point2, Vector2};
 
 const LINF: Question = Question {

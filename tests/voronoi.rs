@@ -59,6 +59,9 @@ fn cells(domain: &dyn Domain, sites: &[Point3<f64>], least: f64) -> Vec<(f64, BT
 }
 
 fn assert_fills(domain: &dyn Domain, sites: &[Point3<f64>], what: &str) {
+    if let Err(error) = Diagram::new(domain, sites).unwrap().check() {
+        panic!("{what}: {error}");
+    }
     let cells = cells(domain, sites, 0.0);
     let sum: f64 = cells.iter().map(|(volume, _)| volume).sum();
     let error = (sum / domain.volume() - 1.0).abs();

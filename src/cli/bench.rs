@@ -215,7 +215,7 @@ fn run_stage(stage: Stage, space: &Space, sites: &[Point3<f64>]) -> Result<u64, 
 fn run_part(stage: Stage, domain: &dyn Domain, diagram: &Diagram<'_>) -> Result<(), DiagramError> {
     match stage {
         Stage::Index => {
-            diagram.index();
+            diagram.sort_sites();
         }
         Stage::Cells => {
             diagram.map(|(): &mut (), cell| cell.half_spaces().len())?;

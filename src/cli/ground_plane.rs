@@ -17,7 +17,7 @@ use chebloyd::relax::record::Record;
 use chebloyd::relax::stand::Stand;
 use chebloyd::relax::tessellation::Question;
 use chebloyd::scene::region::Region;
-use chebloyd::voronoi::plane::PlaneDiagram;
+use chebloyd::voronoi::planar::diagram::PlaneDiagram;
 
 use crate::cli::cell_files::{Colors, PNG_SCALE, geometry, save_png, save_svg};
 use crate::cli::failure::Failure;

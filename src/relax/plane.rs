@@ -9,7 +9,7 @@ use crate::domain::plane::PlaneDomain;
 use crate::geometry::bounds::Bounds;
 use crate::geometry::polygon::ConvexPolygon;
 use crate::relax::tessellation::{Assessment, Norm, Question, Tessellation};
-use crate::voronoi::plane::{PlaneCell, PlaneDiagram, PlaneDiagramError};
+use crate::voronoi::planar::diagram::{PlaneCell, PlaneDiagram, PlaneDiagramError};
 
 /// A reach above this means that the center lies inside or on the border.
 const ON_BORDER: f64 = 1.0 - 1e-12;

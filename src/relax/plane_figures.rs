@@ -11,7 +11,7 @@ use crate::minimize::problem::Evaluation;
 use crate::relax::figures::{ALIGNED, CellFigures, FACET_SHARE};
 use crate::relax::plane::{Plane, relative_center};
 use crate::relax::tessellation::{Norm, Question};
-use crate::voronoi::plane::{PlaneCell, PlaneDiagram, PlaneDiagramError};
+use crate::voronoi::planar::diagram::{PlaneCell, PlaneDiagram, PlaneDiagramError};
 
 impl Plane {
     /// The figures of the cells of all `sites`, in site order.

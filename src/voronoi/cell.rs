@@ -3,6 +3,8 @@
 //! Cells are cut in fixed slots. One that does not fit there is begun anew as a polyhedron of any
 //! size: two in 10⁵ among random sites, and wherever many sites lie on one sphere.
 
+use std::cell::{OnceCell, RefCell};
+
 use nalgebra::Point3;
 
 use crate::domain::space::Domain;
@@ -12,11 +14,10 @@ use crate::geometry::compact::Compact;
 use crate::geometry::compact_clip::CompactScratch;
 use crate::geometry::half_space::HalfSpace;
 use crate::geometry::polyhedron::Polyhedron;
-use crate::voronoi::body::Body;
-use crate::voronoi::index::SiteIndex;
-use crate::voronoi::search::{Duplicate, Halt, Search};
+use crate::voronoi::kd_tree::tree::KdTree;
+use crate::voronoi::search::{BisectorSearch, BuildError, Duplicate};
 
-/// A cell under the caller's eyes: its body, clipped to the domain's convex start, in coordinates
+/// A cell while it is visited: its body, clipped to the domain's convex start, in coordinates
 /// relative to its site.
 #[derive(Clone, Copy, Debug)]
 pub struct Cell<'a> {
@@ -24,7 +25,7 @@ pub struct Cell<'a> {
     pub site: u32,
     /// The site's position.
     pub position: Point3<f64>,
-    pub(crate) body: &'a Body,
+    pub(crate) body: &'a CellStorage,
 }
 
 impl<'a> Cell<'a> {
@@ -55,26 +56,26 @@ impl<'a> Cell<'a> {
 
 /// The memory in which cells are built, one after the other.
 #[derive(Debug, Default)]
-pub struct CellBuilder {
+pub(crate) struct CellBuilder {
     start: Polyhedron,
     clip: ClipScratch,
-    body: Body,
+    body: CellStorage,
     compact_scratch: Box<CompactScratch>,
-    search: Search,
+    search: BisectorSearch,
 }
 
 impl CellBuilder {
-    /// Builds the cell of the site in `place` of the index.
+    /// Builds the cell of the site in `place` of the tree. All cells of a builder are of one tree.
     ///
     /// # Errors
     /// When another site, or an image of one, lies in the same place.
-    pub fn build(
+    pub(crate) fn build(
         &mut self,
         domain: &dyn Domain,
-        index: &SiteIndex,
+        tree: &KdTree,
         place: usize,
     ) -> Result<Cell<'_>, Duplicate> {
-        let (site, position) = (index.site(place), index.position(place));
+        let (site, position) = (tree.site(place), tree.position(place));
         let Self {
             start,
             clip,
@@ -84,22 +85,20 @@ impl CellBuilder {
         } = self;
         domain.start(&position, site, start);
         let compact = body.slots();
-        let halt = if compact.assign(start) {
-            let mut shape = (compact, &mut **compact_scratch);
-            search.shape(index, place, &mut shape)
+        let result = if compact.assign(start) {
+            search.cut_all(tree, place, &mut (compact, &mut **compact_scratch))
         } else {
-            Err(Halt::Full)
+            Err(BuildError::Full)
         };
-        match halt {
+        match result {
             Ok(()) => {}
-            Err(Halt::Duplicate(duplicate)) => return Err(duplicate),
-            Err(Halt::Full) => body.assign(|polyhedron| {
+            Err(BuildError::Duplicate(duplicate)) => return Err(duplicate),
+            Err(BuildError::Full) => body.assign(|polyhedron| {
                 polyhedron.clone_from(start);
-                let mut shape = (&mut *polyhedron, &mut *clip);
-                match search.shape(index, place, &mut shape) {
-                    Err(Halt::Duplicate(duplicate)) => Err(duplicate),
+                match search.cut_all(tree, place, &mut (&mut *polyhedron, &mut *clip)) {
+                    Err(BuildError::Duplicate(duplicate)) => Err(duplicate),
                     // Any size fits.
-                    Ok(()) | Err(Halt::Full) => Ok(()),
+                    Ok(()) | Err(BuildError::Full) => Ok(()),
                 }
             })?,
         }
@@ -108,5 +107,79 @@ impl CellBuilder {
             position,
             body,
         })
+    }
+}
+
+/// A cell's body, in memory that serves one cell after another.
+///
+/// Integrals are taken straight from fixed slots; everything else reads a polyhedron, which is made
+/// on the first request.
+#[derive(Debug, Default)]
+pub(crate) struct CellStorage {
+    compact: Compact,
+    /// Whether the body is in the fixed slots.
+    is_compact: bool,
+    polyhedron: OnceCell<Polyhedron>,
+    /// The memory of an earlier polyhedron.
+    spare: RefCell<Polyhedron>,
+}
+
+impl CellStorage {
+    /// The body in fixed slots, if it fits.
+    #[inline]
+    pub(crate) fn compact(&self) -> Option<&Compact> {
+        self.is_compact.then_some(&self.compact)
+    }
+
+    /// The body as a polyhedron.
+    pub(crate) fn polyhedron(&self) -> &Polyhedron {
+        self.polyhedron.get_or_init(|| {
+            let mut polyhedron = self.spare.take();
+            self.compact.write(&mut polyhedron);
+            polyhedron
+        })
+    }
+
+    /// The slots, for a new body to be written there.
+    #[inline]
+    pub(crate) fn slots(&mut self) -> &mut Compact {
+        self.clear();
+        self.is_compact = true;
+        &mut self.compact
+    }
+
+    /// Stores what `make` writes into a polyhedron, in slots if it fits there.
+    pub(crate) fn assign<E>(
+        &mut self,
+        make: impl FnOnce(&mut Polyhedron) -> Result<(), E>,
+    ) -> Result<(), E> {
+        self.clear();
+        let mut polyhedron = self.spare.take();
+        make(&mut polyhedron)?;
+        self.is_compact = self.compact.assign(&polyhedron);
+        self.polyhedron = OnceCell::from(polyhedron);
+        Ok(())
+    }
+
+    /// The least axis-aligned box around the body, which holds the origin.
+    pub(crate) fn bounds(&self) -> Bounds<3> {
+        match self.compact() {
+            Some(compact) => compact.bounds_about_origin(),
+            None => self.polyhedron().bounds(),
+        }
+    }
+
+    /// The half-spaces that meet in the body, and maybe some that hold all of it.
+    pub(crate) fn half_spaces(&self) -> &[HalfSpace] {
+        match self.compact() {
+            Some(compact) => &compact.planes,
+            None => &self.polyhedron().planes,
+        }
+    }
+
+    fn clear(&mut self) {
+        if let Some(polyhedron) = self.polyhedron.take() {
+            *self.spare.get_mut() = polyhedron;
+        }
     }
 }

@@ -1,4 +1,4 @@
-//! The diagram of all sites: checked input, cells visited in parallel, answers in site order.
+//! The Voronoi diagram of all sites: validated input, cells visited in parallel, results in site order.
 
 use std::sync::OnceLock;
 
@@ -8,30 +8,30 @@ use thiserror::Error;
 
 use crate::domain::space::Domain;
 use crate::voronoi::cell::{Cell, CellBuilder};
-use crate::voronoi::index::SiteIndex;
+use crate::voronoi::kd_tree::tree::KdTree;
 use crate::voronoi::search::Duplicate;
 
 /// How many cells a thread takes at least: enough to pay for its memory, few enough to balance.
 const CELLS_PER_TASK: usize = 64;
 
-/// How many cells are asked before their answers join the others: many, since threads wait for each
+/// How many cells are visited before their results join the others: many, since threads wait for each
 /// other then, few compared with all.
 const CELLS_PER_BATCH: usize = 1 << 15;
 
-/// How many cells' answers are kept at a time when they are told one by one: enough for all
-/// threads, some megabytes for answers of the size of a cell.
+/// How many cells' results are kept at a time when they are streamed: enough for all threads, some
+/// megabytes for results of the size of a cell.
 const CELLS_PER_CHUNK: usize = 4096;
 
 /// The clipped Voronoi diagram of sites in a domain.
 ///
-/// It holds the index, not the cells: those are built when they are asked for, each in the memory
-/// of the one before, so that a diagram of 10⁷ sites needs no room for its cells.
+/// It holds a spatial index, not the cells: those are built when they are visited, each in the memory
+/// of the one before, so that a diagram of 10⁷ sites takes no memory for its cells.
 #[derive(Debug)]
 pub struct Diagram<'a> {
     domain: &'a dyn Domain,
     sites: &'a [Point3<f64>],
-    /// Made when it is first needed.
-    index: OnceLock<SiteIndex>,
+    /// Built on first use.
+    tree: OnceLock<KdTree>,
 }
 
 /// Why sites have no diagram. Indices count from zero.
@@ -107,15 +107,20 @@ impl<'a> Diagram<'a> {
         Ok(Self {
             domain,
             sites,
-            index: OnceLock::new(),
+            tree: OnceLock::new(),
         })
     }
 
-    /// The index of the sites, made now if nothing has been asked of it before.
-    pub fn index(&self) -> &SiteIndex {
-        self.index.get_or_init(|| {
+    /// Sorts the sites into the spatial index now; otherwise the first visit of the cells does.
+    pub fn sort_sites(&self) {
+        self.tree();
+    }
+
+    /// The k-d tree of the sites, built on first use.
+    fn tree(&self) -> &KdTree {
+        self.tree.get_or_init(|| {
             let wrapped = self.sites.par_iter().map(|site| self.domain.wrap(site));
-            SiteIndex::new(wrapped, self.domain.periods())
+            KdTree::new(wrapped, self.domain.periods())
         })
     }
 
@@ -153,9 +158,9 @@ impl<'a> Diagram<'a> {
         &self,
         ask: impl Fn(&mut Memory, Cell<'_>) -> Answer + Sync,
     ) -> Result<Vec<Answer>, DiagramError> {
-        let index = self.index();
+        let tree = self.tree();
         let one = |(builder, memory): &mut (CellBuilder, Memory), place: usize| {
-            let cell = builder.build(self.domain, index, place)?;
+            let cell = builder.build(self.domain, tree, place)?;
             Ok(ask(memory, cell))
         };
         let mut answers = Vec::with_capacity(self.len());
@@ -178,7 +183,7 @@ impl<'a> Diagram<'a> {
         if let Some(duplicate) = duplicate {
             return Err(self.duplicate(duplicate));
         }
-        bring_into_order(&mut answers, index.sites().to_vec());
+        bring_into_order(&mut answers, tree.sites().to_vec());
         Ok(answers)
     }
 
@@ -192,12 +197,12 @@ impl<'a> Diagram<'a> {
         ask: impl Fn(&mut Memory, Cell<'_>) -> Answer + Sync,
         mut tell: impl FnMut(usize, Answer) -> Result<(), Failure>,
     ) -> Result<(), Failure> {
-        let index = self.index();
+        let tree = self.tree();
         let one = |(builder, memory): &mut (CellBuilder, Memory), &place: &u32| {
-            let cell = builder.build(self.domain, index, place as usize)?;
+            let cell = builder.build(self.domain, tree, place as usize)?;
             Ok(ask(memory, cell))
         };
-        for (chunk, places) in index.places_of_sites().chunks(CELLS_PER_CHUNK).enumerate() {
+        for (chunk, places) in tree.places_of_sites().chunks(CELLS_PER_CHUNK).enumerate() {
             let answers: Vec<Result<Answer, Duplicate>> = places
                 .par_iter()
                 .with_min_len(CELLS_PER_TASK)
@@ -213,7 +218,7 @@ impl<'a> Diagram<'a> {
     fn duplicate(&self, duplicate: Duplicate) -> DiagramError {
         let Duplicate { first, second } = duplicate;
         let position = self.position(first);
-        // Of a crowd in one place, any two may have been found.
+        // Of several sites in one place, any two may have been found.
         let is_there = |&site: &u32| (self.position(site) - position).norm_squared() <= 0.0;
         let second = (first + 1..second).find(is_there).unwrap_or(second);
         DiagramError::Duplicate {
@@ -224,7 +229,7 @@ impl<'a> Diagram<'a> {
     }
 }
 
-/// Exchanges answers until each is where its goal tells, without room for a second list.
+/// Permutes `answers` in place so that each stands at the index that `goals` gives.
 fn bring_into_order<Answer>(answers: &mut [Answer], mut goals: Vec<u32>) {
     for place in 0..answers.len() {
         while goals[place] as usize != place {

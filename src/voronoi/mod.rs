@@ -1,26 +1,14 @@
-//! Where a cell comes from: L2 Voronoi cells clipped to a domain.
+//! L2 Voronoi cells clipped to a domain.
 //!
-//! [`diagram`] checks sites and visits their cells in parallel, [`cell`] builds one from what
-//! [`search`] finds around its site: the near sites in order (`surroundings`), which are gathered
-//! from the [`index`] for many sites at once (`crowd`, in layers), and what else the cell can feel
-//! (`far`). [`plane`] is the planar counterpart, through the crate `voronator`.
+//! [`diagram`] validates sites and visits their cells in parallel, [`cell`] builds one cell from the
+//! bisectors that [`search`] selects: candidates come nearest first from the [`kd_tree`], those
+//! beyond the first radius only where a vertex can still be cut (`search::VertexBalls`). [`check`]
+//! tells whether cells form a tessellation. [`planar`] is the counterpart in the plane.
 
 pub mod cell;
+pub mod check;
 pub mod diagram;
-pub mod index;
-pub mod plane;
-pub mod search;
-pub mod shifts;
+pub mod planar;
 
-mod body;
-mod candidate;
-mod crowd;
-mod delaunay;
-mod far;
-mod layer;
-mod leaf_order;
-mod plane_grid;
-mod plane_sites;
-mod shape;
-mod siblings;
-mod surroundings;
+mod kd_tree;
+mod search;

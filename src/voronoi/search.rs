@@ -1,142 +1,157 @@
-//! The sites that shape a cell: bisectors of ever farther sites until the security radius.
+//! Selection of the bisectors that cut a cell, up to its security radius.
 //!
 //! A site farther from x than twice the farthest vertex of the cell so far cannot cut it any more
-//! (\[RSL\] section 3). The nearest few dozen sites come sorted and shape the cell; of what lies
-//! beyond, only that is looked at which the far vertices of the cell can feel. So a cell
-//! that reaches far out of a crowd, or a crowd that lies uneven, costs little more than others.
+//! (\[RSL\] section 3: the security radius). The nearest few dozen candidates come sorted and cut the
+//! cell; of what lies beyond, only subtrees and sites inside the ball of a far vertex are tested
+//! ([`VertexBalls`]). So an elongated cell beside a dense cluster costs little more than others.
+//!
+//! \[RSL\] Ray, Sokolov, Lefebvre & Lévy, *Meshless Voronoi on the GPU*, 2018.
 
-use nalgebra::Point3;
+use nalgebra::{Point3, Vector3};
+use wide::f64x4;
 
-use crate::geometry::clip::Clip;
-use crate::geometry::compact_clip::Full;
+use crate::geometry::bounds::Bounds;
+use crate::geometry::clip::{Clip, ClipScratch, clip};
+use crate::geometry::compact::Compact;
+use crate::geometry::compact_clip::{CompactScratch, Full};
 use crate::geometry::half_space::HalfSpace;
-use crate::voronoi::candidate::{Candidate, Subtree};
-use crate::voronoi::far::FarVertices;
-use crate::voronoi::index::SiteIndex;
-use crate::voronoi::shape::Shape;
-use crate::voronoi::surroundings::{DISORDER, Surroundings};
+use crate::geometry::label::Label;
+use crate::geometry::polyhedron::Polyhedron;
+use crate::voronoi::kd_tree::candidates::{Candidate, Subtree};
+use crate::voronoi::kd_tree::neighborhood::{DISORDER, NeighborQuery};
+use crate::voronoi::kd_tree::tree::KdTree;
 
 /// Two sites in one place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Duplicate {
+pub(crate) struct Duplicate {
     /// The smaller index.
-    pub first: u32,
+    pub(crate) first: u32,
     /// The greater index.
-    pub second: u32,
+    pub(crate) second: u32,
 }
 
-/// Why a cell could not be finished.
-pub(crate) enum Halt {
+/// Why a cell could not be built.
+pub(crate) enum BuildError {
+    /// It has more vertices than the fixed slots hold.
     Full,
+    /// Another site lies in the same place.
     Duplicate(Duplicate),
 }
 
-/// The search for the sites that shape a cell.
+/// Memory of the search for the bisectors that cut a cell.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Search {
-    surroundings: Surroundings,
-    far: FarVertices,
+pub(crate) struct BisectorSearch {
+    query: NeighborQuery,
+    balls: VertexBalls,
     stack: Vec<Subtree>,
 }
 
-/// Where a search is.
-struct Task<'a, S> {
-    index: &'a SiteIndex,
+/// The state of a search.
+struct SearchState<'a, S> {
+    tree: &'a KdTree,
     place: usize,
     site: Point3<f64>,
-    shape: &'a mut S,
+    cell: &'a mut S,
     /// The squared distance from which on no site cuts.
-    needed: f64,
+    reach_squared: f64,
     /// The squared distance within which all sites have been tried.
-    seen: f64,
+    searched_squared: f64,
 }
 
-impl Search {
-    /// Cuts a shape by all bisectors of the site in `place`.
-    pub(crate) fn shape(
+impl BisectorSearch {
+    /// Cuts `cell` by all bisectors of the site in `place` that change it.
+    pub(crate) fn cut_all(
         &mut self,
-        index: &SiteIndex,
+        tree: &KdTree,
         place: usize,
-        shape: &mut impl Shape,
-    ) -> Result<(), Halt> {
-        // An earlier search may have been halted.
+        cell: &mut impl ClipTarget,
+    ) -> Result<(), BuildError> {
+        // An earlier search may have ended in an error.
         self.stack.clear();
-        let needed = 4.0 * shape.radius_squared();
-        let usual = index.first_look_squared(place);
-        let limit = usual.min(needed);
-        let seen = self.surroundings.look(index, place, (limit, usual));
-        let mut task = Task {
-            index,
+        let reach_squared = 4.0 * cell.radius_squared();
+        let initial = tree.initial_radius_squared(place);
+        let limit = initial.min(reach_squared);
+        let searched_squared = self.query.gather(tree, place, (limit, initial));
+        let mut state = SearchState {
+            tree,
             place,
-            site: index.position(place),
-            shape,
-            needed,
-            seen,
+            site: tree.position(place),
+            cell,
+            reach_squared,
+            searched_squared,
         };
-        let near = self.surroundings.near();
-        let twins = near.take_while(|candidate| candidate.distance_squared <= 0.0);
-        if let Some(twin) = twins.min_by_key(|twin| index.site(twin.place as usize)) {
-            return Err(Halt::Duplicate(task.duplicate(twin)));
+        let near = self.query.near();
+        let duplicates = near.take_while(|candidate| candidate.distance_squared <= 0.0);
+        if let Some(other) = duplicates.min_by_key(|other| tree.site(other.place as usize)) {
+            return Err(BuildError::Duplicate(state.duplicate(other)));
         }
-        for candidate in self.surroundings.near() {
-            if candidate.distance_squared < task.needed {
-                task.try_cut(candidate)?;
-            } else if candidate.distance_squared > DISORDER * task.needed {
+        for candidate in self.query.near() {
+            if candidate.distance_squared < state.reach_squared {
+                state.try_cut(candidate)?;
+            } else if candidate.distance_squared > DISORDER * state.reach_squared {
                 break;
             }
         }
-        if task.needed > seen {
-            task.shape.list_beyond(0.25 * task.seen, &mut self.far);
-            self.look_beyond(&mut task)?;
+        if state.reach_squared > searched_squared {
+            state
+                .cell
+                .list_beyond(0.25 * searched_squared, &mut self.balls);
+            self.search_beyond(&mut state)?;
         }
         Ok(())
     }
 
-    /// Tries what is farther than the first look and within the flower.
-    fn look_beyond(&mut self, task: &mut Task<'_, impl Shape>) -> Result<(), Halt> {
+    /// Tries the sites beyond the sorted ones that lie in the ball of a far vertex.
+    fn search_beyond(
+        &mut self,
+        state: &mut SearchState<'_, impl ClipTarget>,
+    ) -> Result<(), BuildError> {
         let Self {
-            surroundings,
-            far,
+            query,
+            balls,
             stack,
-            ..
         } = self;
-        let range = (task.seen, task.needed);
-        for candidate in surroundings.gathered(task.index, task.place, range) {
-            task.try_far(candidate, far)?;
+        let range = (state.searched_squared, state.reach_squared);
+        for candidate in query.gathered(state.tree, state.place, range) {
+            state.try_far(candidate, balls)?;
         }
-        for subtree in surroundings.beyond(task.needed) {
-            if subtree.gap_squared >= task.needed {
+        for subtree in query.beyond(state.reach_squared) {
+            if subtree.gap_squared >= state.reach_squared {
                 break;
             }
             stack.push(*subtree);
-            task.descend(stack, far)?;
+            state.descend(stack, balls)?;
         }
         Ok(())
     }
 }
 
-impl<S: Shape> Task<'_, S> {
-    /// Looks through the subtrees on the stack.
-    fn descend(&mut self, stack: &mut Vec<Subtree>, far: &mut FarVertices) -> Result<(), Halt> {
+impl<S: ClipTarget> SearchState<'_, S> {
+    /// Tries the sites of the subtrees on the stack.
+    fn descend(
+        &mut self,
+        stack: &mut Vec<Subtree>,
+        balls: &mut VertexBalls,
+    ) -> Result<(), BuildError> {
         while let Some(subtree) = stack.pop() {
-            if subtree.gap_squared >= self.needed {
+            if subtree.gap_squared >= self.reach_squared {
                 continue;
             }
-            let by = self.index.shifts()[subtree.shift as usize].by;
+            let by = self.tree.images()[subtree.shift as usize].by;
             let here = self.site - by;
-            if !far.meet(&self.index.bounds(subtree.node), &here) {
+            if !balls.meet(&self.tree.bounds(subtree.node), &here) {
                 continue;
             }
-            if self.index.is_leaf(subtree.node) {
-                for place in self.index.places(subtree.node) {
+            if self.tree.is_leaf(subtree.node) {
+                for place in self.tree.places(subtree.node) {
                     if place != self.place {
                         let at = (place, subtree.shift);
-                        let candidate = Candidate::new(self.index, &self.site, at, &by);
-                        self.try_far(&candidate, far)?;
+                        let candidate = Candidate::new(self.tree, &self.site, at, &by);
+                        self.try_far(&candidate, balls)?;
                     }
                 }
             } else {
-                let [near, other] = subtree.children(self.index, &here);
+                let [near, other] = subtree.children(self.tree, &here);
                 stack.push(other);
                 stack.push(near);
             }
@@ -144,31 +159,35 @@ impl<S: Shape> Task<'_, S> {
         Ok(())
     }
 
-    /// Cuts by a candidate that is farther than the first look, if it cuts at all.
+    /// Cuts by a candidate beyond the sorted ones, if it cuts at all.
     #[inline]
-    fn try_far(&mut self, candidate: &Candidate, far: &mut FarVertices) -> Result<(), Halt> {
+    fn try_far(
+        &mut self,
+        candidate: &Candidate,
+        balls: &mut VertexBalls,
+    ) -> Result<(), BuildError> {
         let square = candidate.distance_squared;
-        let may_cut = square > self.seen && square < self.needed;
-        // A site in the same place cuts nothing, and has to be told of.
-        if !may_cut || square > 0.0 && !far.exceed(&candidate.bisector()) {
+        let may_cut = square > self.searched_squared && square < self.reach_squared;
+        // A site in the same place cuts nothing, and is an error.
+        if !may_cut || square > 0.0 && !balls.exceed(&candidate.bisector()) {
             return Ok(());
         }
         self.try_cut(candidate)?;
-        self.shape.list_beyond(0.25 * self.seen, far);
+        self.cell.list_beyond(0.25 * self.searched_squared, balls);
         Ok(())
     }
 
     #[inline]
-    fn try_cut(&mut self, candidate: &Candidate) -> Result<(), Halt> {
+    fn try_cut(&mut self, candidate: &Candidate) -> Result<(), BuildError> {
         if candidate.distance_squared <= 0.0 {
-            return Err(Halt::Duplicate(self.duplicate(candidate)));
+            return Err(BuildError::Duplicate(self.duplicate(candidate)));
         }
-        let index = self.index;
-        let label = || candidate.label(index);
-        match self.shape.cut(&candidate.bisector(), label) {
+        let tree = self.tree;
+        let label = || candidate.label(tree);
+        match self.cell.cut(&candidate.bisector(), label) {
             Ok(Clip::Unchanged) => {}
-            Ok(_) => self.needed = 4.0 * self.shape.radius_squared(),
-            Err(Full) => return Err(Halt::Full),
+            Ok(_) => self.reach_squared = 4.0 * self.cell.radius_squared(),
+            Err(Full) => return Err(BuildError::Full),
         }
         Ok(())
     }
@@ -176,8 +195,8 @@ impl<S: Shape> Task<'_, S> {
     /// The site and another in its place.
     #[cold]
     fn duplicate(&self, candidate: &Candidate) -> Duplicate {
-        let site = self.index.site(self.place);
-        let other = self.index.site(candidate.place as usize);
+        let site = self.tree.site(self.place);
+        let other = self.tree.site(candidate.place as usize);
         Duplicate {
             first: site.min(other),
             second: site.max(other),
@@ -192,5 +211,131 @@ impl Candidate {
             normal: self.displacement,
             offset: 0.5 * self.distance_squared,
         }
+    }
+}
+
+/// A polyhedron about the origin that can be cut: in fixed slots, or of any size.
+pub(crate) trait ClipTarget {
+    fn cut(&mut self, half_space: &HalfSpace, label: impl FnOnce() -> Label) -> Result<Clip, Full>;
+
+    fn radius_squared(&self) -> f64;
+
+    /// Lists the vertices farther from the origin than the root of `square`.
+    fn list_beyond(&self, square: f64, balls: &mut VertexBalls);
+}
+
+impl ClipTarget for (&mut Compact, &mut CompactScratch) {
+    #[inline]
+    fn cut(&mut self, half_space: &HalfSpace, label: impl FnOnce() -> Label) -> Result<Clip, Full> {
+        self.0.clip(half_space, label, self.1)
+    }
+
+    #[inline]
+    fn radius_squared(&self) -> f64 {
+        self.0.radius_squared()
+    }
+
+    fn list_beyond(&self, square: f64, balls: &mut VertexBalls) {
+        balls.clear();
+        let compact = &self.0;
+        for slot in compact.beyond(square) {
+            balls.push([
+                compact.x[slot],
+                compact.y[slot],
+                compact.z[slot],
+                compact.square[slot],
+            ]);
+        }
+    }
+}
+
+impl ClipTarget for (&mut Polyhedron, &mut ClipScratch) {
+    fn cut(&mut self, half_space: &HalfSpace, label: impl FnOnce() -> Label) -> Result<Clip, Full> {
+        Ok(clip(self.0, half_space, label(), self.1))
+    }
+
+    fn radius_squared(&self) -> f64 {
+        self.0.radius_squared()
+    }
+
+    fn list_beyond(&self, square: f64, balls: &mut VertexBalls) {
+        balls.clear();
+        for vertex in self.0.vertices() {
+            let distance = vertex.coords.norm_squared();
+            if distance > square {
+                balls.push([vertex.x, vertex.y, vertex.z, distance]);
+            }
+        }
+    }
+}
+
+/// The vertices of a cell, relative to its site, that sites farther than some distance may cut.
+///
+/// A site p cuts the vertex v exactly if it lies in the ball about v through the site in the origin:
+/// |p − v| < |v|. So neither a site farther than 2 |v| cuts it, nor any site in a box that does not
+/// meet the ball. The union of the balls of all vertices contains every site that cuts the cell.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct VertexBalls {
+    blocks: Vec<[f64x4; 4]>,
+    /// How many vertices there are in the blocks.
+    count: usize,
+}
+
+impl VertexBalls {
+    /// Removes all vertices.
+    pub(crate) fn clear(&mut self) {
+        self.blocks.clear();
+        self.count = 0;
+    }
+
+    /// Adds a vertex, the last number being its squared distance.
+    #[inline]
+    pub(crate) fn push(&mut self, vertex: [f64; 4]) {
+        let lane = self.count % 4;
+        if lane == 0 {
+            // A vertex in the site itself is cut by nothing and has a ball that holds nothing.
+            self.blocks.push([f64x4::ZERO; 4]);
+        }
+        if let Some(block) = self.blocks.last_mut() {
+            for (lanes, number) in block.iter_mut().zip(vertex) {
+                lanes.as_mut_array()[lane] = number;
+            }
+        }
+        self.count += 1;
+    }
+
+    /// Whether one of the vertices lies beyond the half-space, as computed.
+    #[inline]
+    #[must_use]
+    pub(crate) fn exceed(&self, half_space: &HalfSpace) -> bool {
+        let [a, b, c] = [0, 1, 2].map(|axis| f64x4::splat(half_space.normal[axis]));
+        let offset = f64x4::splat(half_space.offset);
+        let mut cut = 0;
+        for [x, y, z, _] in &self.blocks {
+            cut |= (offset - (a * *x + b * *y + c * *z)).to_bitmask();
+        }
+        cut != 0
+    }
+
+    /// Whether the ball of one of the vertices meets the box, the cell's site standing in `here`.
+    #[inline]
+    #[must_use]
+    pub(crate) fn meet(&self, bounds: &Bounds<3>, here: &Point3<f64>) -> bool {
+        let [min, max] = [&bounds.min, &bounds.max].map(|end| {
+            let end: Vector3<f64> = end - here;
+            [0, 1, 2].map(|axis| f64x4::splat(end[axis]))
+        });
+        for [x, y, z, square] in &self.blocks {
+            let mut excess = -*square;
+            for (axis, along) in [x, y, z].into_iter().enumerate() {
+                let outside = (min[axis] - *along).fast_max(*along - max[axis]);
+                let gap = outside.fast_max(f64x4::ZERO);
+                excess += gap * gap;
+            }
+            if excess.to_bitmask() != 0 {
+                return true;
+            }
+        }
+        false
     }
 }

@@ -11,17 +11,20 @@
 //! Cells are kept relative to their sites: bisectors and cuts are then as exact for a small domain
 //! far from the origin as for one around it.
 
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
 use nalgebra::Point2;
 use rayon::prelude::*;
 use thiserror::Error;
+use voronator::VoronoiDiagram;
+use voronator::delaunator::Point;
+use voronator::polygon::Polygon;
 
 use crate::domain::beyond::Beyond;
 use crate::domain::plane::PlaneDomain;
 use crate::geometry::half_plane::HalfPlane;
 use crate::geometry::polygon::ConvexPolygon;
-use crate::voronoi::delaunay::delaunay_neighbors;
-use crate::voronoi::plane_grid::PlaneGrid;
-use crate::voronoi::plane_sites::check;
+use crate::voronoi::planar::grid::PlaneGrid;
 
 /// How closely the areas of the cells must add up to the domain's, relative to it.
 const AREA_AGREES: f64 = 1e-13;
@@ -209,4 +212,86 @@ fn compensated_sum(terms: impl Iterator<Item = f64>) -> f64 {
         sum = next;
     }
     sum + lost
+}
+
+/// Whether `sites` have a diagram in `domain`; of several flaws the first is named.
+pub(crate) fn check(domain: &PlaneDomain, sites: &[Point2<f64>]) -> Result<(), PlaneDiagramError> {
+    if sites.is_empty() {
+        return Err(PlaneDiagramError::NoSites);
+    }
+    for (site, point) in sites.iter().enumerate() {
+        let Point2 { coords } = point;
+        let (x, y) = (coords.x, coords.y);
+        if !(x.is_finite() && y.is_finite()) {
+            return Err(PlaneDiagramError::NotFinite { site, x, y });
+        }
+        if !domain.contains(point) {
+            return Err(PlaneDiagramError::Outside { site, x, y });
+        }
+    }
+    check_distinct(sites)
+}
+
+fn check_distinct(sites: &[Point2<f64>]) -> Result<(), PlaneDiagramError> {
+    // Adding zero makes −0 and 0 equal in the total order as well.
+    let key = |&site: &usize| (sites[site].x + 0.0, sites[site].y + 0.0);
+    let mut order: Vec<usize> = (0..sites.len()).collect();
+    order.sort_by(|a, b| {
+        let ((ax, ay), (bx, by)) = (key(a), key(b));
+        ax.total_cmp(&bx).then(ay.total_cmp(&by)).then(a.cmp(b))
+    });
+    let pair = order
+        .windows(2)
+        .filter(|pair| sites[pair[0]] == sites[pair[1]])
+        .min();
+    match pair {
+        Some(pair) => Err(PlaneDiagramError::Duplicate {
+            first: pair[0],
+            second: pair[1],
+            x: sites[pair[0]].x,
+            y: sites[pair[0]].y,
+        }),
+        None => Ok(()),
+    }
+}
+
+/// The half side of `voronator`'s bounding square, in units of the domain's largest extent. Its
+/// helpers stand three times as far out: no point of the domain is nearer to one than to a site.
+const BOUNDING_SQUARE: f64 = 5.0;
+
+/// Fewest sites for which `voronator` is right.
+const FEWEST_SITES: usize = 3;
+
+/// The neighbors of every site in the Delaunay triangulation, helpers left out; none if
+/// `voronator` cannot say.
+pub(crate) fn delaunay_neighbors(
+    domain: &PlaneDomain,
+    sites: &[Point2<f64>],
+) -> Option<Vec<Vec<usize>>> {
+    if sites.len() < FEWEST_SITES {
+        return None;
+    }
+    let bounds = domain.bounds();
+    let (center, unit) = (bounds.center(), bounds.extent().amax());
+    let points: Vec<Point> = sites
+        .iter()
+        .map(|site| (site - center) / unit)
+        .map(|v| Point { x: v.x, y: v.y })
+        .collect();
+    let square = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
+        .map(|(x, y)| Point {
+            x: BOUNDING_SQUARE * x,
+            y: BOUNDING_SQUARE * y,
+        })
+        .to_vec();
+    // `voronator` panics where its hull breaks down; for us that is one more way to fail.
+    let diagram = catch_unwind(AssertUnwindSafe(|| {
+        VoronoiDiagram::with_bounding_polygon(points, &Polygon::from_points(square))
+    }));
+    let mut neighbors = diagram.ok()??.neighbors;
+    neighbors.truncate(sites.len());
+    for around in &mut neighbors {
+        around.retain(|&other| other < sites.len());
+    }
+    Some(neighbors)
 }
