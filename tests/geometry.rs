@@ -2,11 +2,11 @@
 
 use chebloyd::geometry::bounds::Bounds;
 use chebloyd::geometry::clip::{Clip, ClipScratch, clip};
-use chebloyd::geometry::compact::Compact;
-use chebloyd::geometry::compact_clip::{CompactScratch, Full};
 use chebloyd::geometry::half_space::HalfSpace;
 use chebloyd::geometry::moments::Moments;
 use chebloyd::geometry::polyhedron::Polyhedron;
+use chebloyd::geometry::small_polyhedron::SmallPolyhedron;
+use chebloyd::geometry::small_polyhedron_clip::{Full, SmallClipScratch};
 use nalgebra::{Point3, Vector3};
 use proptest::prelude::*;
 
@@ -99,8 +99,8 @@ fn clipped(planes: &[HalfSpace]) -> Polyhedron {
 
 /// As [`clipped`], in slots, as far as these suffice.
 fn clipped_in_slots(planes: &[HalfSpace]) -> Result<Polyhedron, Full> {
-    let mut compact = Compact::default();
-    let mut scratch = CompactScratch::default();
+    let mut compact = SmallPolyhedron::default();
+    let mut scratch = SmallClipScratch::default();
     // What the memory has held before must not matter.
     for planes in [&planes[planes.len() / 2..], planes] {
         assert!(compact.assign(&cube()));
@@ -211,8 +211,8 @@ fn a_clip_says_what_it_did() {
 
 #[test]
 fn what_does_not_fit_in_slots_stays_as_it_was() {
-    let mut compact = Compact::default();
-    let mut scratch = CompactScratch::default();
+    let mut compact = SmallPolyhedron::default();
+    let mut scratch = SmallClipScratch::default();
     assert!(compact.assign(&cube()));
     // A dome of ever more facets.
     let plane = |k: u32| {

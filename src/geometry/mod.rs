@@ -3,10 +3,6 @@
 pub mod bounds;
 pub mod box_tree;
 pub mod clip;
-pub mod compact;
-pub mod compact_clip;
-mod compact_edges;
-pub(crate) mod compact_lists;
 pub mod faceted;
 pub mod half_plane;
 pub mod half_space;
@@ -19,3 +15,5 @@ pub mod polyhedron;
 pub mod primitives;
 pub mod section;
 pub mod shell;
+pub mod small_polyhedron;
+pub mod small_polyhedron_clip;

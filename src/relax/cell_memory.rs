@@ -10,9 +10,9 @@ use crate::chebyshev::mass_moments::mass_moments;
 use crate::chebyshev::walk::WalkScratch;
 use crate::domain::space::{Domain, PieceScratch};
 use crate::geometry::clip::ClipScratch;
-use crate::geometry::compact::Compact;
 use crate::geometry::faceted::Piece;
 use crate::geometry::moments::Moments;
+use crate::geometry::small_polyhedron::SmallPolyhedron;
 use crate::integrals::polynomial::Polynomial;
 use crate::minimize::problem::Evaluation;
 use crate::relax::figures::CellFigures;
@@ -93,7 +93,7 @@ impl CellMemory {
     }
 
     /// Prepares a cell that is its own only piece.
-    fn load_whole(&mut self, cell: &Compact) {
+    fn load_whole(&mut self, cell: &SmallPolyhedron) {
         let integrand = SignedPiece::place(&mut self.pieces, 0, 1.0);
         integrand.assign_compact(cell);
         self.measured = None;

@@ -3,9 +3,9 @@
 use std::cell::{OnceCell, RefCell};
 
 use crate::geometry::bounds::Bounds;
-use crate::geometry::compact::Compact;
 use crate::geometry::half_space::HalfSpace;
 use crate::geometry::polyhedron::Polyhedron;
+use crate::geometry::small_polyhedron::SmallPolyhedron;
 
 /// A cell's body, in memory to be reused from one cell to the next.
 ///
@@ -13,7 +13,7 @@ use crate::geometry::polyhedron::Polyhedron;
 /// polyhedron, which is only made then.
 #[derive(Debug, Default)]
 pub(crate) struct Body {
-    compact: Compact,
+    compact: SmallPolyhedron,
     /// Whether the body is in the fixed slots.
     is_compact: bool,
     polyhedron: OnceCell<Polyhedron>,
@@ -24,7 +24,7 @@ pub(crate) struct Body {
 impl Body {
     /// The body in fixed slots, if it fits.
     #[inline]
-    pub(crate) fn compact(&self) -> Option<&Compact> {
+    pub(crate) fn compact(&self) -> Option<&SmallPolyhedron> {
         self.is_compact.then_some(&self.compact)
     }
 
@@ -39,7 +39,7 @@ impl Body {
 
     /// The slots, for a new body to be written there.
     #[inline]
-    pub(crate) fn slots(&mut self) -> &mut Compact {
+    pub(crate) fn slots(&mut self) -> &mut SmallPolyhedron {
         self.forget();
         self.is_compact = true;
         &mut self.compact

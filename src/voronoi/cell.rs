@@ -8,10 +8,10 @@ use nalgebra::Point3;
 use crate::domain::space::Domain;
 use crate::geometry::bounds::Bounds;
 use crate::geometry::clip::ClipScratch;
-use crate::geometry::compact::Compact;
-use crate::geometry::compact_clip::CompactScratch;
 use crate::geometry::half_space::HalfSpace;
 use crate::geometry::polyhedron::Polyhedron;
+use crate::geometry::small_polyhedron::SmallPolyhedron;
+use crate::geometry::small_polyhedron_clip::SmallClipScratch;
 use crate::voronoi::body::Body;
 use crate::voronoi::index::SiteIndex;
 use crate::voronoi::search::{Duplicate, Halt, Manner, Search};
@@ -48,7 +48,7 @@ impl<'a> Cell<'a> {
 
     /// The body in fixed slots, if it fits there.
     #[must_use]
-    pub fn compact(&self) -> Option<&'a Compact> {
+    pub fn compact(&self) -> Option<&'a SmallPolyhedron> {
         self.body.compact()
     }
 }
@@ -59,7 +59,7 @@ pub struct CellBuilder {
     start: Polyhedron,
     clip: ClipScratch,
     body: Body,
-    compact_scratch: Box<CompactScratch>,
+    compact_scratch: Box<SmallClipScratch>,
     search: Search,
 }
 

@@ -183,10 +183,10 @@ mod tests {
     use super::*;
     use crate::domain::beyond::Beyond;
     use crate::geometry::bounds::Bounds;
-    use crate::geometry::compact::{Compact, slots};
-    use crate::geometry::compact_clip::CompactScratch;
     use crate::geometry::half_space::HalfSpace;
     use crate::geometry::polyhedron::Polyhedron;
+    use crate::geometry::small_polyhedron::{SmallPolyhedron, slots};
+    use crate::geometry::small_polyhedron_clip::SmallClipScratch;
 
     const SITE: u32 = 1000;
 
@@ -195,7 +195,7 @@ mod tests {
         Beyond::Neighbor { site, image }.label()
     }
 
-    fn pattern(cell: &Compact) -> Pattern {
+    fn pattern(cell: &SmallPolyhedron) -> Pattern {
         let mut pattern = Pattern::default();
         assert!(pattern.assign(cell, SITE));
         // The same edges, told by what is around their ends.
@@ -230,20 +230,20 @@ mod tests {
     }
 
     /// A cube cut by planes in many directions.
-    fn cell() -> Compact {
+    fn cell() -> SmallPolyhedron {
         let corner = Point3::new(1.0, 1.0, 1.0);
         let bounds = Bounds {
             min: -corner,
             max: corner,
         };
-        let mut cell = Compact::default();
+        let mut cell = SmallPolyhedron::default();
         let labels = [0, 1, 2, 3, 4, 5].map(|wall| Beyond::Wall(wall).label());
         assert!(cell.assign(&Polyhedron::cuboid(&bounds, labels)));
         for number in 0..18 {
             let turn = f64::from(number);
             let away = Vector3::new((2.3 * turn).sin(), (3.7 * turn).cos(), (1.9 * turn).sin());
             let plane = HalfSpace::bisector(away.normalize() * 2.0);
-            let scratch = &mut CompactScratch::default();
+            let scratch = &mut SmallClipScratch::default();
             cell.clip(&plane, || label(number as u32), scratch).unwrap();
         }
         cell
@@ -267,7 +267,7 @@ mod tests {
                 offset: vertex.norm_squared() * (1.0 + nearest) / 2.0,
             };
             let mut cut = cell.clone();
-            let scratch = &mut CompactScratch::default();
+            let scratch = &mut SmallClipScratch::default();
             cut.clip(&plane, || label(500), scratch).unwrap();
             let around = [1, 2, 3].map(|byte| usize::from(cell.facets[4 * slot + byte]));
             let [a, b, c] = around.map(|facet| cell.labels[facet]);

@@ -4,8 +4,8 @@
 //! for what lies beyond each facet, and eight bytes for each vertex, its facets and edges as in a
 //! cell's slots. A cell without a pattern has a record without vertices that lists its neighbors only.
 
-use crate::geometry::compact::{Compact, EDGES, SLOTS};
 use crate::geometry::label::Label;
+use crate::geometry::small_polyhedron::{EDGES, SLOTS, SmallPolyhedron};
 use crate::voronoi::pattern::Pattern;
 use crate::voronoi::ranks::{Across, Ranks};
 
@@ -179,7 +179,7 @@ impl Record<'_> {
 
     /// Lays the pattern out in a cell's slots; returns whether the cell has one.
     #[must_use]
-    pub(crate) fn write(&self, numbers: &Ranks<'_>, cell: &mut Compact) -> bool {
+    pub(crate) fn write(&self, numbers: &Ranks<'_>, cell: &mut SmallPolyhedron) -> bool {
         let (facets, vertices) = self.counts();
         if vertices == 0 {
             return false;

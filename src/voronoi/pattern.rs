@@ -8,9 +8,9 @@
 //! how the pattern was found.
 
 use crate::domain::beyond::Beyond;
-use crate::geometry::compact::{Compact, EDGES, PLANES, SLOTS, slots};
-use crate::geometry::compact_lists::Lists;
 use crate::geometry::label::Label;
+use crate::geometry::small_polyhedron::Lists;
+use crate::geometry::small_polyhedron::{EDGES, PLANES, SLOTS, SmallPolyhedron, slots};
 
 /// Vertices at most, and so facets; a handful of cells in 10⁵ have more and no pattern.
 pub(crate) const MOST: usize = SLOTS;
@@ -66,7 +66,7 @@ impl Pattern {
     /// Becomes the pattern of the cell of `site`; returns whether it has one: no two facets on the
     /// same neighbor, none on an image of the site itself, no two vertices on the same facets.
     #[must_use]
-    pub(crate) fn assign(&mut self, cell: &Compact, site: u32) -> bool {
+    pub(crate) fn assign(&mut self, cell: &SmallPolyhedron, site: u32) -> bool {
         let Some(numbers) = self.number_facets(cell, site) else {
             return false;
         };
@@ -136,7 +136,7 @@ impl Pattern {
     }
 
     /// Lays the pattern out in a cell's slots, with room for the planes.
-    pub(crate) fn write(&self, cell: &mut Compact) {
+    pub(crate) fn write(&self, cell: &mut SmallPolyhedron) {
         cell.clear();
         cell.alive = u64::MAX >> (SLOTS - self.vertex_count);
         (cell.facets, cell.twins) = (self.facets, self.twins);
@@ -145,7 +145,7 @@ impl Pattern {
     }
 
     /// Sorts the labels of the facets that have vertices; returns the facets' new numbers.
-    fn number_facets(&mut self, cell: &Compact, site: u32) -> Option<[u8; PLANES]> {
+    fn number_facets(&mut self, cell: &SmallPolyhedron, site: u32) -> Option<[u8; PLANES]> {
         if cell.alive.count_ones() < 4 {
             return None;
         }

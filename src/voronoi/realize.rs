@@ -16,9 +16,9 @@
 use nalgebra::Vector3;
 use wide::f64x4;
 
-use crate::geometry::compact::{BLOCK, Compact, EDGES};
 use crate::geometry::half_space::HalfSpace;
 use crate::geometry::lanes::{cross, dot};
+use crate::geometry::small_polyhedron::{BLOCK, EDGES, SmallPolyhedron};
 use crate::voronoi::pattern::MOST;
 
 /// The least volume that three unit normals span: vertices are then known to some 1e-13 of the
@@ -88,7 +88,7 @@ impl Realizer {
 
     /// Adds a plane, for a neighbor its bisector, to those of `cell`.
     #[inline]
-    pub(crate) fn add(&mut self, plane: &HalfSpace, is_neighbor: bool, cell: &mut Compact) {
+    pub(crate) fn add(&mut self, plane: &HalfSpace, is_neighbor: bool, cell: &mut SmallPolyhedron) {
         cell.planes.push(*plane);
         self.sum += plane.offset + plane.normal.sum();
         let away = if is_neighbor {
@@ -106,7 +106,7 @@ impl Realizer {
     /// Places the vertices of `cell`, which is a pattern to which all planes have been added; returns
     /// whether it is beyond doubt.
     #[must_use]
-    pub(crate) fn realize(&mut self, cell: &mut Compact) -> bool {
+    pub(crate) fn realize(&mut self, cell: &mut SmallPolyhedron) -> bool {
         if !self.is_finite() {
             return false;
         }
@@ -135,7 +135,7 @@ impl Realizer {
 
     /// Calls `found` for every edge of the cell just placed that runs the wrong way, with the facets left
     /// and right of it and those at its ends.
-    pub(crate) fn visit_reversed(&self, cell: &Compact, mut found: impl FnMut([u8; 4])) {
+    pub(crate) fn visit_reversed(&self, cell: &SmallPolyhedron, mut found: impl FnMut([u8; 4])) {
         for edge in cell.upward() {
             let twin = usize::from(cell.twins[edge]);
             let facet = |byte: usize| cell.facets[byte % EDGES];
@@ -155,7 +155,7 @@ impl Realizer {
 
     /// How far four vertices are inside the planes that their edges leave at the other end, at least.
     #[inline(always)]
-    fn room_at(&self, vertices: [usize; BLOCK], at: &[f64x4; 3], cell: &Compact) -> f64x4 {
+    fn room_at(&self, vertices: [usize; BLOCK], at: &[f64x4; 3], cell: &SmallPolyhedron) -> f64x4 {
         let room = |edge: usize| {
             let [x, y, z, offset] = self.gather(vertices.map(|vertex| {
                 let twin = usize::from(cell.twins[4 * vertex + edge]);
@@ -174,7 +174,7 @@ impl Realizer {
     }
 
     /// Places all vertices, four at a time.
-    fn meet(&self, cell: &mut Compact) -> Meeting {
+    fn meet(&self, cell: &mut SmallPolyhedron) -> Meeting {
         let count = cell.alive.count_ones() as usize;
         let mut flattest = f64x4::splat(f64::INFINITY);
         let (mut far, mut room) = (f64x4::ZERO, f64x4::splat(f64::INFINITY));

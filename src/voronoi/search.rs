@@ -8,8 +8,8 @@
 use nalgebra::Point3;
 
 use crate::geometry::clip::Clip;
-use crate::geometry::compact_clip::Full;
 use crate::geometry::half_space::HalfSpace;
+use crate::geometry::small_polyhedron_clip::Full;
 use crate::voronoi::candidate::{Candidate, Subtree};
 use crate::voronoi::far::FarVertices;
 use crate::voronoi::in_order::{Next, Queue};

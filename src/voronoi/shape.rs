@@ -1,11 +1,11 @@
 //! What a cell is cut from: a polyhedron in fixed slots, or one of any size.
 
 use crate::geometry::clip::{Clip, ClipScratch, clip};
-use crate::geometry::compact::Compact;
-use crate::geometry::compact_clip::{CompactScratch, Full};
 use crate::geometry::half_space::HalfSpace;
 use crate::geometry::label::Label;
 use crate::geometry::polyhedron::Polyhedron;
+use crate::geometry::small_polyhedron::SmallPolyhedron;
+use crate::geometry::small_polyhedron_clip::{Full, SmallClipScratch};
 use crate::voronoi::far::FarVertices;
 
 /// A polyhedron about the origin that is being cut.
@@ -18,7 +18,7 @@ pub(crate) trait Shape {
     fn list_beyond(&self, square: f64, far: &mut FarVertices);
 }
 
-impl Shape for (&mut Compact, &mut CompactScratch) {
+impl Shape for (&mut SmallPolyhedron, &mut SmallClipScratch) {
     #[inline]
     fn cut(&mut self, half_space: &HalfSpace, label: impl FnOnce() -> Label) -> Result<Clip, Full> {
         self.0.clip(half_space, label, self.1)

@@ -5,7 +5,7 @@
 //! sites: such a cell must not be carried.
 
 use crate::geometry::bounds::Bounds;
-use crate::geometry::compact::{Compact, slots};
+use crate::geometry::small_polyhedron::{SmallPolyhedron, slots};
 use crate::voronoi::candidate::{Candidate, Subtree};
 use crate::voronoi::far::FarVertices;
 use crate::voronoi::index::SiteIndex;
@@ -27,7 +27,12 @@ pub(crate) struct Touch {
 
 impl Touch {
     /// Whether the cell of the site in `place` is touched.
-    pub(crate) fn is_touched(&mut self, index: &SiteIndex, place: usize, cell: &Compact) -> bool {
+    pub(crate) fn is_touched(
+        &mut self,
+        index: &SiteIndex,
+        place: usize,
+        cell: &SmallPolyhedron,
+    ) -> bool {
         let Self { vertices, stack } = self;
         vertices.clear();
         for slot in slots(cell.alive) {

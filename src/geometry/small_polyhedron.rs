@@ -12,10 +12,9 @@
 //! the facet right of edge e is `facets[e]` and the left one `facets[e + 1]`.
 
 use nalgebra::{Point3, Vector3};
-use wide::f64x4;
+use wide::{f64x4, u8x32};
 
 use crate::geometry::bounds::Bounds;
-use crate::geometry::compact_lists::Lists;
 use crate::geometry::half_space::HalfSpace;
 use crate::geometry::label::Label;
 use crate::geometry::polyhedron::Polyhedron;
@@ -37,7 +36,7 @@ pub(crate) const ROW: usize = 2 * BLOCK;
 
 /// A convex polyhedron of at most 64 vertices.
 #[derive(Clone, Debug)]
-pub struct Compact {
+pub struct SmallPolyhedron {
     pub(crate) x: [f64; SLOTS],
     pub(crate) y: [f64; SLOTS],
     pub(crate) z: [f64; SLOTS],
@@ -63,7 +62,7 @@ struct Layout {
     bytes: Vec<[[u8; 4]; 2]>,
 }
 
-impl Default for Compact {
+impl Default for SmallPolyhedron {
     fn default() -> Self {
         Self {
             x: [0.0; SLOTS],
@@ -81,7 +80,7 @@ impl Default for Compact {
     }
 }
 
-impl Compact {
+impl SmallPolyhedron {
     /// Becomes a copy of `other`; returns whether it fits. If it does not, this is empty.
     #[must_use]
     pub fn assign(&mut self, other: &Polyhedron) -> bool {
@@ -278,5 +277,149 @@ impl Iterator for Slots {
         let slot = self.mask.trailing_zeros() as usize % SLOTS;
         self.mask &= self.mask - 1;
         Some(slot)
+    }
+}
+
+/// The number of a plane without a facet, until facets are numbered.
+const UNSEEN: u8 = u8::MAX;
+
+/// Some bytes.
+pub(crate) struct List {
+    bytes: [u8; EDGES],
+    count: usize,
+}
+
+impl Default for List {
+    fn default() -> Self {
+        Self {
+            bytes: [0; EDGES],
+            count: 0,
+        }
+    }
+}
+
+impl List {
+    /// Adds a byte, to be overwritten by the next if it is not wanted.
+    #[inline(always)]
+    fn push_if(&mut self, byte: u8, is_wanted: bool) {
+        self.bytes[self.count % EDGES] = byte;
+        self.count += usize::from(is_wanted);
+    }
+
+    /// All of them.
+    pub(crate) fn listed(&self) -> &[u8] {
+        &self.bytes[..self.count]
+    }
+}
+
+/// What is in use, and what it is called where all is.
+pub(crate) struct Lists {
+    /// The slots in use, in ascending order.
+    pub(crate) slots: List,
+    /// The planes that have facets, in the order in which they were added.
+    pub(crate) planes: List,
+    /// Per slot in use: its vertex.
+    pub(crate) vertices: [u8; SLOTS],
+    /// Per plane that has one: its facet.
+    pub(crate) facets: [u8; PLANES],
+}
+
+impl Default for Lists {
+    fn default() -> Self {
+        Self {
+            slots: List::default(),
+            planes: List::default(),
+            vertices: [0; SLOTS],
+            facets: [UNSEEN; PLANES],
+        }
+    }
+}
+
+impl Lists {
+    /// Those of `piece`.
+    #[inline]
+    pub(crate) fn of(piece: &SmallPolyhedron) -> Self {
+        let mut lists = Self::default();
+        lists.fill(piece);
+        lists
+    }
+
+    fn fill(&mut self, piece: &SmallPolyhedron) {
+        for slot in slots(piece.alive) {
+            self.vertices[slot] = self.slots.count as u8;
+            self.slots.push_if(slot as u8, true);
+            for edge in 4 * slot..4 * slot + 3 {
+                self.facets[usize::from(piece.facets[edge])] = 0;
+            }
+        }
+        for (plane, number) in self.facets.iter_mut().enumerate().take(piece.planes.len()) {
+            let is_seen = *number != UNSEEN;
+            *number = self.planes.count as u8;
+            self.planes.push_if(plane as u8, is_seen);
+        }
+    }
+}
+
+/// Edges compared with their twins at once.
+const LANES: usize = 32;
+
+/// Slots the edges of which, and the unused bytes between, are one set of bits.
+const SLOTS_PER_SET: usize = 2 * LANES / 4;
+
+/// The numbers of all edges.
+static NUMBERS: [[u8; LANES]; EDGES / LANES] = numbers();
+
+const fn numbers() -> [[u8; LANES]; EDGES / LANES] {
+    let mut all = [[0; LANES]; EDGES / LANES];
+    let mut edge = 0;
+    while edge < EDGES {
+        all[edge / LANES][edge % LANES] = edge as u8;
+        edge += 1;
+    }
+    all
+}
+
+impl SmallPolyhedron {
+    /// The edges that lead to a slot of higher number, in ascending order.
+    #[inline]
+    pub(crate) fn upward(&self) -> impl Iterator<Item = usize> {
+        let rows = self.twins.as_chunks::<LANES>().0.as_chunks::<2>().0.iter();
+        let rows = rows.zip(NUMBERS.as_chunks::<2>().0).enumerate();
+        let used = SLOTS - self.alive.leading_zeros() as usize;
+        let rows = rows.take(used.div_ceil(SLOTS_PER_SET));
+        rows.flat_map(move |(row, (twins, numbers))| {
+            let [low, high] = [0, 1].map(|half| {
+                let is_upward = u8x32::new(twins[half]).simd_gt(u8x32::new(numbers[half]));
+                u64::from(is_upward.to_bitmask())
+            });
+            let alive = edges_of((self.alive >> (row * SLOTS_PER_SET)) as u16);
+            slots((low | high << LANES) & alive).map(move |bit| row * 2 * LANES + bit)
+        })
+    }
+}
+
+/// The edges that leave some slots.
+#[inline]
+fn edges_of(slots: u16) -> u64 {
+    let spread = |bits: u64, by: u32, kept: u64| (bits | bits << by) & kept;
+    let bits = spread(u64::from(slots), 24, 0x0000_00ff_0000_00ff);
+    let bits = spread(bits, 12, 0x000f_000f_000f_000f);
+    let bits = spread(bits, 6, 0x0303_0303_0303_0303);
+    7 * spread(bits, 3, 0x1111_1111_1111_1111)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn edges_leave_their_slots() {
+        for slots in [0, 1, 0x8000, 0x5a3c, 0xffff] {
+            let edges = edges_of(slots);
+            for edge in 0..64 {
+                let leaves = edge % 4 < 3 && slots >> (edge / 4) & 1 == 1;
+                assert_eq!(edges >> edge & 1 == 1, leaves, "{slots:x} {edge}");
+            }
+        }
     }
 }

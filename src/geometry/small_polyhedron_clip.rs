@@ -1,4 +1,4 @@
-//! Clipping a [`Compact`] polyhedron: the algorithm of [`clip`](crate::geometry::clip), with masks.
+//! Clipping a [`SmallPolyhedron`] polyhedron: the algorithm of [`clip`](crate::geometry::clip), with masks.
 //!
 //! The tolerance policy is the same: no epsilon, and a flood where rounding alone decides. Branches
 //! on geometry are what a processor cannot foresee, so lists are written in full and their lengths
@@ -7,17 +7,19 @@
 use wide::f64x4;
 
 use crate::geometry::clip::Clip;
-use crate::geometry::compact::{BLOCK, Compact, EDGES, PLANES, ROW, SLOTS, blocks, slots};
 use crate::geometry::half_space::HalfSpace;
 use crate::geometry::label::Label;
+use crate::geometry::small_polyhedron::{
+    BLOCK, EDGES, PLANES, ROW, SLOTS, SmallPolyhedron, blocks, slots,
+};
 
 /// There is no room for the new vertices.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Full;
 
-/// The memory of [`Compact::clip`].
+/// The memory of [`SmallPolyhedron::clip`].
 #[derive(Clone, Debug)]
-pub struct CompactScratch {
+pub struct SmallClipScratch {
     /// Per slot: offset − normal · vertex, negative where a vertex is cut.
     slack: [f64; SLOTS],
     /// The crossings: edges from a kept to a cut vertex, as they leave the cut one.
@@ -28,7 +30,7 @@ pub struct CompactScratch {
     exit: [u8; 2 * PLANES],
 }
 
-impl Default for CompactScratch {
+impl Default for SmallClipScratch {
     fn default() -> Self {
         Self {
             slack: [0.0; SLOTS],
@@ -38,7 +40,7 @@ impl Default for CompactScratch {
     }
 }
 
-impl Compact {
+impl SmallPolyhedron {
     /// Clips by `half_space`; the new facet carries the label, asked for only then.
     ///
     /// # Errors
@@ -48,7 +50,7 @@ impl Compact {
         &mut self,
         half_space: &HalfSpace,
         label: impl FnOnce() -> Label,
-        scratch: &mut CompactScratch,
+        scratch: &mut SmallClipScratch,
     ) -> Result<Clip, Full> {
         let cut = self.classify(half_space, scratch);
         if cut == 0 {
@@ -64,7 +66,7 @@ impl Compact {
 
     /// Computes all slacks and returns the slots where they are negative.
     #[inline]
-    fn classify(&self, half_space: &HalfSpace, scratch: &mut CompactScratch) -> u64 {
+    fn classify(&self, half_space: &HalfSpace, scratch: &mut SmallClipScratch) -> u64 {
         let [a, b, c] = [0, 1, 2].map(|axis| f64x4::splat(half_space.normal[axis]));
         let offset = f64x4::splat(half_space.offset);
         let [x, y, z] = [&self.x, &self.y, &self.z].map(|all| all.as_chunks::<ROW>().0);
@@ -87,7 +89,7 @@ impl Compact {
         mut cut: u64,
         half_space: &HalfSpace,
         label: Label,
-        scratch: &mut CompactScratch,
+        scratch: &mut SmallClipScratch,
     ) -> Result<(), Full> {
         let mut count = self.find_crossings(cut, scratch)?;
         let mut added = self.join(count, scratch);
@@ -107,7 +109,7 @@ impl Compact {
     /// Lists the crossings and enters each at the facet on its left; the cut vertices lose their
     /// distances.
     #[inline]
-    fn find_crossings(&mut self, cut: u64, scratch: &mut CompactScratch) -> Result<usize, Full> {
+    fn find_crossings(&mut self, cut: u64, scratch: &mut SmallClipScratch) -> Result<usize, Full> {
         let mut count = 0;
         for slot in slots(cut) {
             self.square[slot] = 0.0;
@@ -130,7 +132,7 @@ impl Compact {
     /// Puts a new vertex on every crossing, on the way around the new facet, and returns their slots:
     /// none if the crossings, each followed by the next one around, are not a single cycle.
     #[inline]
-    fn join(&mut self, count: usize, scratch: &CompactScratch) -> u64 {
+    fn join(&mut self, count: usize, scratch: &SmallClipScratch) -> u64 {
         let facet = self.planes.len() as u8;
         let mut room = !self.alive;
         let first = room.trailing_zeros() as u8;
@@ -171,7 +173,7 @@ impl Compact {
 
     /// Puts a vertex where an edge that leaves a cut vertex crosses the plane.
     #[inline]
-    fn put(&mut self, place: u8, edge: u8, scratch: &CompactScratch) {
+    fn put(&mut self, place: u8, edge: u8, scratch: &SmallClipScratch) {
         let back = self.twins[usize::from(edge)];
         let (cut, kept) = (usize::from(edge / 4), usize::from(back / 4));
         let inner = scratch.slack[kept];
@@ -185,7 +187,7 @@ impl Compact {
 
     /// Takes back what an attempt to join has done to the vertices in use.
     #[cold]
-    fn part(&mut self, count: usize, scratch: &CompactScratch) {
+    fn part(&mut self, count: usize, scratch: &SmallClipScratch) {
         for &edge in &scratch.edges[..count] {
             let back = self.twins[usize::from(edge)];
             self.twins[usize::from(back)] = edge;
@@ -195,7 +197,7 @@ impl Compact {
 
     /// Makes the cut vertices one connected part with a connected rest, and returns them.
     #[cold]
-    fn repair(&self, cut: u64, scratch: &mut CompactScratch) -> u64 {
+    fn repair(&self, cut: u64, scratch: &mut SmallClipScratch) -> u64 {
         let deepest = |mask: u64, sign: f64, slack: &[f64; SLOTS]| {
             slots(mask).reduce(|best, slot| {
                 let deeper = sign * slack[slot] > sign * slack[best];
