@@ -19,6 +19,7 @@ use chebloyd::domain::weighted::WeightedDomain;
 use chebloyd::geometry::bounds::Bounds;
 use chebloyd::geometry::faceted::Piece;
 use chebloyd::geometry::polyhedron::Polyhedron;
+use chebloyd::geometry::random::Random;
 use chebloyd::integrals::polynomial::Polynomial;
 use chebloyd::mesh::shapes::boxes::{unit_cube, unit_cube_tets};
 use chebloyd::mesh::shapes::sphere::icosphere;
@@ -30,8 +31,6 @@ use chebloyd::relax::lloyd::{LloydOptions, lloyd};
 use chebloyd::relax::space::Space;
 use chebloyd::relax::tessellation::{Norm, Question};
 use nalgebra::{Point3, Vector3};
-use rand_chacha::ChaCha8Rng;
-use rand_core::{Rng, SeedableRng};
 
 use quadrature::gauss;
 
@@ -42,8 +41,8 @@ const LINF: Question = Question {
 };
 
 fn random_sites(count: usize, seed: u64) -> Vec<Point3<f64>> {
-    let mut random = ChaCha8Rng::seed_from_u64(seed);
-    let mut uniform = || (random.next_u64() >> 11) as f64 / (1u64 << 53) as f64;
+    let mut random = Random::new(seed);
+    let mut uniform = || random.uniform();
     (0..count)
         .map(|_| Point3::new(uniform(), uniform(), uniform()))
         .collect()

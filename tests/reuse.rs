@@ -7,12 +7,12 @@ use chebloyd::domain::cuboid::Cuboid;
 use chebloyd::domain::space::Domain;
 use chebloyd::geometry::bounds::Bounds;
 use chebloyd::geometry::half_space::HalfSpace;
+use chebloyd::geometry::random::Random;
 use chebloyd::relax::cell_memory::CellMemory;
 use chebloyd::relax::lloyd::{LloydOptions, lloyd};
 use chebloyd::relax::record::Record;
 use chebloyd::relax::space::Space;
 use chebloyd::relax::tessellation::{Minimizer, Norm, Question, Tessellation};
-use chebloyd::scene::random::Uniform;
 use chebloyd::voronoi::carried::Carried;
 use chebloyd::voronoi::cell::Cell;
 use chebloyd::voronoi::diagram::{Diagram, DiagramError};
@@ -26,8 +26,8 @@ const QUESTION: Question = Question {
 };
 
 /// A vector in [−1, 1]³.
-fn step(random: &mut Uniform) -> Vector3<f64> {
-    Vector3::from_fn(|_, _| 2.0 * random.number() - 1.0)
+fn step(random: &mut Random) -> Vector3<f64> {
+    Vector3::from_fn(|_, _| 2.0 * random.uniform() - 1.0)
 }
 
 /// All bits of a cell, and what it is worth.
@@ -109,7 +109,7 @@ fn periodic(axes: [bool; 3]) -> Cuboid {
 }
 
 fn random_sites(domain: &dyn Domain, count: usize, seed: u64) -> Vec<Point3<f64>> {
-    let mut random = Uniform::new(seed);
+    let mut random = Random::new(seed);
     let (bounds, mut sites) = (domain.bounds(), Vec::new());
     while sites.len() < count {
         let inside = 0.5 * step(&mut random).component_mul(&bounds.extent());
@@ -126,7 +126,7 @@ fn shaken(
     domain: &dyn Domain,
     sites: &[Point3<f64>],
     share: f64,
-    random: &mut Uniform,
+    random: &mut Random,
 ) -> Vec<Point3<f64>> {
     let spacing = (domain.volume() / sites.len() as f64).cbrt();
     let moved = |site: &Point3<f64>| {
@@ -165,7 +165,7 @@ fn carried_cells_are_cold_cells_all_along_a_relaxation() {
 #[test]
 fn cells_that_change_partners_are_flipped_and_not_rebuilt() {
     let domain = Cuboid::unit();
-    let mut random = Uniform::new(21);
+    let mut random = Random::new(21);
     let mut sites = random_sites(&domain, 3000, 20);
     let mut from_before = Carried::default();
     check(&domain, &sites, &mut from_before);
@@ -194,7 +194,7 @@ fn flips_that_cells_take_back_mislead_nobody() {
             2 => Box::new(periodic([true; 3])),
             _ => Box::new(tilted()),
         };
-        let mut random = Uniform::new(seed);
+        let mut random = Random::new(seed);
         let mut sites = random_sites(domain.as_ref(), count, seed);
         let mut from_before = Carried::default();
         check(domain.as_ref(), &sites, &mut from_before);
@@ -211,7 +211,7 @@ fn cells_are_carried_in_every_convex_domain() {
     let slab: Box<dyn Domain> = Box::new(periodic([false, true, false]));
     let polyhedron: Box<dyn Domain> = Box::new(tilted());
     for (seed, domain) in [periodic_box, slab, polyhedron].into_iter().enumerate() {
-        let mut random = Uniform::new(seed as u64);
+        let mut random = Random::new(seed as u64);
         let mut sites = random_sites(domain.as_ref(), 800, seed as u64);
         let mut from_before = Carried::default();
         check(domain.as_ref(), &sites, &mut from_before);
@@ -255,7 +255,7 @@ fn a_jump_is_survived() {
 fn patterns_are_not_kept_where_memory_is_short() {
     let domain = Cuboid::unit();
     let sites = random_sites(&domain, 500, 7);
-    let near = shaken(&domain, &sites, 1e-4, &mut Uniform::new(7));
+    let near = shaken(&domain, &sites, 1e-4, &mut Random::new(7));
     for (bytes_per_site, is_kept) in [(0, false), (799, false), (800, true)] {
         let mut from_before = Carried::within(500 * bytes_per_site);
         assert_eq!(check(&domain, &sites, &mut from_before), 500);
@@ -273,7 +273,7 @@ fn lattices_with_any_noise_stay_as_they_are_cut() {
         let at = move |n: usize| (n as f64 + 0.5) / k as f64;
         move |n: usize| Point3::new(at(n % k), at(n / k % k), at(n / k / k))
     };
-    let mut random = Uniform::new(5);
+    let mut random = Random::new(5);
     for noise in [0.0, 1e-16, 1e-14, 1e-12, 1e-9, 1e-7, 1e-6, 1e-5] {
         let mut sites: Vec<_> = (0..216).map(lattice(6)).collect();
         let mut from_before = Carried::default();
@@ -309,7 +309,7 @@ fn what_leaves_an_exact_lattice_is_right() {
     let others = [lattice(4, &body_centered), lattice(4, &face_centered)];
     for (number, sites) in lattices.chain(others).enumerate() {
         for share in [1e-9, 1e-4, 1e-3, 1e-2] {
-            let (domain, mut random) = (Cuboid::unit(), Uniform::new(number as u64));
+            let (domain, mut random) = (Cuboid::unit(), Random::new(number as u64));
             let mut from_before = Carried::default();
             for _ in 0..2 {
                 check(&domain, &sites, &mut from_before);
@@ -337,7 +337,7 @@ fn a_lattice_is_not_carried() {
         assert!(from_before.memory() < 40 * 729);
     }
     // Sites that leave it are carried as ever.
-    let mut random = Uniform::new(3);
+    let mut random = Random::new(3);
     let left = shaken(&domain, &sites, 0.2, &mut random);
     assert_eq!(check(&domain, &left, &mut from_before), 729);
     let near = shaken(&domain, &left, 1e-6, &mut random);
@@ -347,7 +347,7 @@ fn a_lattice_is_not_carried() {
 #[test]
 fn sites_beside_and_above_each_other_are_told_apart() {
     let domain = Cuboid::unit();
-    let mut random = Uniform::new(6);
+    let mut random = Random::new(6);
     let mut sites = random_sites(&domain, 300, 6);
     // Pairs at all distances down to rounding, and many sites on one sphere.
     for pair in 0..40 {
@@ -371,7 +371,7 @@ fn sites_beside_and_above_each_other_are_told_apart() {
 
 #[test]
 fn a_crowd_among_others_is_carried() {
-    let (domain, mut random) = (Cuboid::unit(), Uniform::new(13));
+    let (domain, mut random) = (Cuboid::unit(), Random::new(13));
     let mut sites = random_sites(&domain, 600, 12);
     let middle = Point3::new(0.4, 0.5, 0.6);
     sites.extend((0..400).map(|_| middle + step(&mut random) * 0.02));

@@ -19,6 +19,7 @@ use chebloyd::domain::tets::TetSolid;
 use chebloyd::geometry::bounds::Bounds;
 use chebloyd::geometry::faceted::Piece;
 use chebloyd::geometry::half_space::HalfSpace;
+use chebloyd::geometry::random::Random;
 use chebloyd::geometry::shell::Shell;
 use chebloyd::mesh::load::{Solid, load};
 use chebloyd::mesh::shapes::boxes::{cuboid, unit_cube, unit_cube_five_tets, unit_cube_tets};
@@ -36,8 +37,6 @@ use chebloyd::relax::space::Space;
 use chebloyd::relax::tessellation::{Norm, Question};
 use chebloyd::voronoi::diagram::Diagram;
 use nalgebra::{Point3, Vector3};
-use rand_chacha::ChaCha8Rng;
-use rand_core::{Rng, SeedableRng};
 
 /// The closed models of the shared folder.
 const MODELS: [&str; 8] = [
@@ -57,17 +56,13 @@ const LINF: Question = Question {
     minimizer: Minimizer::Newton,
 };
 
-fn uniform(random: &mut ChaCha8Rng) -> f64 {
-    (random.next_u64() >> 11) as f64 / (1u64 << 53) as f64
-}
-
 /// Uniform random points of the domain.
 fn random_sites(domain: &dyn Domain, count: usize, seed: u64) -> Vec<Point3<f64>> {
-    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let mut random = Random::new(seed);
     let bounds = domain.bounds();
     let mut sites = Vec::new();
     while sites.len() < count {
-        let share = Vector3::from_fn(|_, _| uniform(&mut random));
+        let share = Vector3::from_fn(|_, _| random.uniform());
         let point = bounds.min + bounds.extent().component_mul(&share);
         if domain.contains(&point) {
             sites.push(point);

@@ -13,6 +13,7 @@ pub mod outline;
 pub mod polygon;
 pub mod polyhedron;
 pub mod primitives;
+pub mod random;
 pub mod section;
 pub mod shell;
 pub mod small_polyhedron;
