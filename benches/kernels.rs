@@ -13,7 +13,6 @@ use chebloyd::chebyshev::walk::WalkScratch;
 use chebloyd::domain::cuboid::Cuboid;
 use chebloyd::geometry::clip::{ClipScratch, clip};
 use chebloyd::geometry::half_space::HalfSpace;
-use chebloyd::geometry::moments::Moments;
 use chebloyd::geometry::polyhedron::Polyhedron;
 use chebloyd::geometry::random::Random;
 use chebloyd::relax::space::Space;
@@ -54,7 +53,7 @@ fn kernels(criterion: &mut Criterion) {
         bencher.iter_batched(&mut next, cut, BatchSize::SmallInput);
     });
     criterion.bench_function("moments of a cell", |bencher| {
-        let moments = |cell: Polyhedron| Moments::of(&cell);
+        let moments = |cell: Polyhedron| cell.moments();
         bencher.iter_batched(&mut next, moments, BatchSize::SmallInput);
     });
     criterion.bench_function("prepare a cell for integrals", |bencher| {

@@ -17,7 +17,7 @@ use chebloyd::domain::surface::shadow::shadows;
 use chebloyd::domain::surface::solid::SurfaceSolid;
 use chebloyd::domain::tets::TetSolid;
 use chebloyd::geometry::bounds::Bounds;
-use chebloyd::geometry::faceted::Piece;
+use chebloyd::geometry::brep::Piece;
 use chebloyd::geometry::half_space::HalfSpace;
 use chebloyd::geometry::random::Random;
 use chebloyd::geometry::shell::Shell;
@@ -150,7 +150,7 @@ fn fill(domain: &SurfaceSolid, sites: &[Point3<f64>]) -> (f64, [usize; 3]) {
         .map(
             |(clipped, scratch): &mut (ClippedCell, PieceScratch), cell| {
                 let mut volume = 0.0;
-                let mut add = |sign: f64, piece: Piece<'_>| volume += sign * piece.moments().volume;
+                let mut add = |sign: f64, piece: Piece<'_>| volume += sign * piece.moments().mass;
                 domain.pieces(&cell.position, cell.polyhedron(), scratch, &mut add);
                 (
                     volume,
@@ -440,7 +440,7 @@ fn wall_area(domain: &SurfaceSolid, diagram: &Diagram<'_>) -> f64 {
         let mut walls: BTreeMap<u64, Vector3<f64>> = BTreeMap::new();
         let (mut inner, mut all) = (Vector3::zeros(), Vector3::zeros());
         let mut add = |sign: f64, piece: Piece<'_>| {
-            piece.visit_areas(|label, area| {
+            piece.visit_facets(|label, _, area| {
                 all += area * sign;
                 match Beyond::of(label) {
                     Beyond::Wall(_) => *walls.entry(label).or_default() += area * sign,

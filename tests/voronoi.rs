@@ -10,7 +10,6 @@ use chebloyd::domain::space::Domain;
 use chebloyd::geometry::bounds::Bounds;
 use chebloyd::geometry::clip::{ClipScratch, clip};
 use chebloyd::geometry::half_space::HalfSpace;
-use chebloyd::geometry::moments::Moments;
 use chebloyd::geometry::polyhedron::Polyhedron;
 use chebloyd::geometry::random::Random;
 use chebloyd::voronoi::cell::Cell;
@@ -53,7 +52,7 @@ fn cells(domain: &dyn Domain, sites: &[Point3<f64>], least: f64) -> Vec<(f64, BT
         let facets = cell.polyhedron().facets();
         let large = facets.filter(|facet| facet.area_vector().norm() > least);
         let neighbors = large.map(|facet| Beyond::of(facet.label())).collect();
-        (Moments::of(cell.polyhedron()).volume, neighbors)
+        (cell.polyhedron().moments().mass, neighbors)
     };
     Diagram::new(domain, sites).unwrap().map(ask).unwrap()
 }
@@ -198,7 +197,7 @@ fn assert_brute_force_agrees(sites: &[Point3<f64>], what: &str) {
             };
             clip(&mut cell, &bisector, neighbor.label(), &mut scratch);
         }
-        assert!((Moments::of(&cell).volume - volume).abs() < 1e-14, "{what}");
+        assert!((cell.moments().mass - volume).abs() < 1e-14, "{what}");
         let large = cell
             .facets()
             .filter(|facet| facet.area_vector().norm() > 1e-12);
@@ -427,7 +426,7 @@ fn answers_are_told_in_site_order_however_many_there_are() {
     let domain = Cuboid::unit();
     let sites = points(&mut Random::new(11), 5000);
     let diagram = Diagram::new(&domain, &sites).expect("sites in the cube");
-    let volume = |(): &mut (), cell: Cell<'_>| Moments::of(cell.polyhedron()).volume;
+    let volume = |(): &mut (), cell: Cell<'_>| cell.polyhedron().moments().mass;
     let expected = diagram.map(volume).expect("distinct sites");
     let mut told = Vec::new();
     let tell = |site: usize, volume: f64| {

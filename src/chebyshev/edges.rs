@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::geometry::faceted::Edge;
+use crate::geometry::brep::Edge;
 use crate::geometry::small_polyhedron::BLOCK;
 
 /// Fills the last block. Between a vertex and itself there is no area.

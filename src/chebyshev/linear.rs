@@ -12,7 +12,7 @@ use crate::chebyshev::interface::{Interface, PAIRS};
 use crate::chebyshev::sector::{FourSectors, Sector};
 use crate::chebyshev::seen::Seen;
 use crate::chebyshev::visit::{Corner, FacetView, Side, Visit};
-use crate::geometry::lanes::sum;
+use crate::geometry::simd::sum;
 use crate::geometry::small_polyhedron::BLOCK;
 use crate::minimize::problem::{Evaluation, Jet};
 

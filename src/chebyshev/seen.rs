@@ -9,7 +9,7 @@ use crate::chebyshev::pierced::height_below;
 use crate::chebyshev::sector::Sector;
 use crate::chebyshev::sight::VertexSight;
 use crate::chebyshev::visit::{Corner, FacetView, Side, Visit};
-use crate::geometry::faceted::Edge;
+use crate::geometry::brep::Edge;
 use crate::geometry::small_polyhedron::BLOCK;
 
 /// A piece, and the center from which it is seen.

@@ -5,7 +5,7 @@
 use std::fmt;
 
 use crate::chebyshev::integrand::Integrand;
-use crate::geometry::faceted::Edge;
+use crate::geometry::brep::Edge;
 use crate::geometry::small_polyhedron::Lists;
 use crate::geometry::small_polyhedron::{EDGES, ROW, SLOTS, SmallPolyhedron};
 

@@ -8,7 +8,6 @@ use crate::domain::space::Domain;
 use crate::geometry::bounds::Bounds;
 use crate::geometry::clip::{Clip, ClipScratch, clip};
 use crate::geometry::half_space::HalfSpace;
-use crate::geometry::moments::Moments;
 use crate::geometry::polyhedron::Polyhedron;
 
 /// How far out an unbounded set is looked for, relative to the farthest plane's distance from the
@@ -59,7 +58,7 @@ impl ConvexPolyhedron {
             around.max = fit.max + margin;
             solid = intersection(&walls, &around)?;
         }
-        let volume = Moments::of(&solid).volume;
+        let volume = solid.moments().mass;
         let bounds = solid.bounds();
         if volume.is_nan() || volume <= bounds.volume() * f64::EPSILON {
             return Err(DomainError::NoVolume { volume });

@@ -3,7 +3,7 @@
 use nalgebra::{Point3, Vector3};
 
 use crate::geometry::bounds::Bounds;
-use crate::geometry::box_tree::BoxTree;
+use crate::geometry::bvh::Bvh;
 use crate::geometry::half_space::HalfSpace;
 use crate::geometry::polyhedron::Polyhedron;
 
@@ -13,7 +13,7 @@ const ROUNDING: f64 = 1e-12;
 /// Calls `found` with every box of the tree that no plane of `cell`, in coordinates relative to
 /// `site`, holds off.
 pub(crate) fn visit_near(
-    tree: &BoxTree,
+    tree: &Bvh,
     site: &Point3<f64>,
     cell: &Polyhedron,
     found: impl FnMut(u32),

@@ -10,8 +10,8 @@ use nalgebra::{Point3, Vector3};
 
 use crate::domain::surface::clipped::ClippedCell;
 use crate::geometry::bounds::Bounds;
+use crate::geometry::brep::Piece;
 use crate::geometry::clip::ClipScratch;
-use crate::geometry::faceted::Piece;
 use crate::geometry::polyhedron::Polyhedron;
 use crate::integrals::polynomial::Polynomial;
 

@@ -16,9 +16,9 @@ use crate::domain::space::{Domain, PieceScratch};
 use crate::domain::surface::clipped::Meeting;
 use crate::domain::surface::solid::SurfaceSolid;
 use crate::geometry::bounds::Bounds;
-use crate::geometry::box_tree::BoxTree;
+use crate::geometry::brep::Piece;
+use crate::geometry::bvh::Bvh;
 use crate::geometry::clip::{Clip, clip};
-use crate::geometry::faceted::Piece;
 use crate::geometry::half_space::HalfSpace;
 use crate::geometry::label::Label;
 use crate::geometry::polyhedron::Polyhedron;
@@ -33,7 +33,7 @@ pub struct TetSolid {
     mesh: TetMesh,
     /// Per tetrahedron the labels of the facets opposite its corners.
     labels: Vec<[Label; 4]>,
-    tree: BoxTree,
+    tree: Bvh,
     boundary: SurfaceSolid,
     volume: f64,
     density: Option<Density>,
@@ -68,7 +68,7 @@ impl TetSolid {
         let boundary = SurfaceSolid::new(&surface)?;
         Ok(Self {
             labels: labels(&mesh, &boundary),
-            tree: BoxTree::new(mesh.all_corners().map(|corners| Bounds::of(&corners))),
+            tree: Bvh::new(mesh.all_corners().map(|corners| Bounds::of(&corners))),
             volume: mesh.volume(),
             boundary,
             mesh,

@@ -8,7 +8,7 @@ use crate::domain::positive::check_positive;
 use crate::domain::space::{Domain, PieceScratch};
 use crate::domain::within::{clip_to_box, mass_within, start_of_all};
 use crate::geometry::bounds::Bounds;
-use crate::geometry::faceted::Piece;
+use crate::geometry::brep::Piece;
 use crate::geometry::polyhedron::Polyhedron;
 use crate::integrals::polynomial::Polynomial;
 

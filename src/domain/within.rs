@@ -8,8 +8,8 @@ use crate::geometry::bounds::Bounds;
 use crate::geometry::clip::{Clip, ClipScratch, clip};
 use crate::geometry::half_space::HalfSpace;
 use crate::geometry::polyhedron::Polyhedron;
+use crate::integrals::mesh_moments::of_piece;
 use crate::integrals::polynomial::Polynomial;
-use crate::integrals::polynomial_density::solid;
 
 /// A point and the convex polyhedron around the domain from which its cell would be cut, relative
 /// to it.
@@ -62,13 +62,7 @@ pub(crate) fn mass_within(
     let density = density.seen_from(middle);
     let mut mass = 0.0;
     domain.pieces_within(middle, &part, &mut scratch, &mut |sign, piece| {
-        let (mut corners, mut triangles) = (Vec::new(), Vec::new());
-        piece.visit_fans(|a, b, c| {
-            let first = corners.len() as u32;
-            corners.extend([a, b, c].map(Point3::from));
-            triangles.push([first, first + 1, first + 2]);
-        });
-        mass += sign * solid(&corners, &triangles, &density, &Point3::origin()).mass;
+        mass += sign * of_piece(piece, &density).mass;
     });
     mass
 }

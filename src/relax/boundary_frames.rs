@@ -75,7 +75,7 @@ fn around(domain: &dyn Domain, cell: &Cell<'_>, scratch: &mut PieceScratch) -> A
         cell.polyhedron(),
         scratch,
         &mut |sign, part| {
-            part.visit_areas(|label, area| *areas.entry(label).or_default() += area * sign);
+            part.visit_facets(|label, _, area| *areas.entry(label).or_default() += area * sign);
         },
     );
     let mut around = Around::default();

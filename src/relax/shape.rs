@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use nalgebra::{Rotation3, Vector3};
 
 use crate::domain::beyond::Beyond;
+use crate::geometry::brep::Piece;
 use crate::geometry::clip::{Clip, ClipScratch, clip};
-use crate::geometry::faceted::Piece;
 use crate::geometry::half_space::HalfSpace;
 use crate::geometry::label::Label;
 use crate::geometry::polyhedron::Polyhedron;
@@ -24,7 +24,7 @@ pub(crate) struct Shape {
 impl Shape {
     /// Adds the facets of `sign` times the piece.
     pub(crate) fn add(&mut self, sign: f64, piece: Piece<'_>) {
-        piece.visit_areas(|label, area| {
+        piece.visit_facets(|label, _, area| {
             if Beyond::of(label) != Beyond::Inner {
                 *self.areas.entry(label).or_default() += area * sign;
             }

@@ -17,7 +17,7 @@ use nalgebra::Vector3;
 use wide::f64x4;
 
 use crate::geometry::half_space::HalfSpace;
-use crate::geometry::lanes::{cross, dot};
+use crate::geometry::simd::{cross, dot};
 use crate::geometry::small_polyhedron::{BLOCK, EDGES, SmallPolyhedron};
 use crate::voronoi::pattern::MOST;
 

@@ -7,7 +7,7 @@
 
 use nalgebra::Vector3;
 
-use crate::geometry::faceted::{Edge, Faceted};
+use crate::geometry::brep::{Brep, Edge};
 use crate::geometry::polyhedron::Polyhedron;
 
 /// Where a triangle meets two facets of the cell, in the order of the triangle's walk.
@@ -140,7 +140,7 @@ impl CellEdges {
     }
 
     /// Adds the inner parts of the cell's edges.
-    pub(crate) fn push_inner(&mut self, cell: &Polyhedron, part: &mut Faceted) -> bool {
+    pub(crate) fn push_inner(&mut self, cell: &Polyhedron, part: &mut Brep) -> bool {
         self.numbers.clear();
         self.numbers.resize(cell.vertex_count(), UNSEEN);
         let mut cut = 0;
@@ -169,7 +169,7 @@ impl CellEdges {
     }
 
     /// The number in the part of a vertex of the cell.
-    fn number(&mut self, cell: &Polyhedron, vertex: u32, part: &mut Faceted) -> u32 {
+    fn number(&mut self, cell: &Polyhedron, vertex: u32, part: &mut Brep) -> u32 {
         let number = &mut self.numbers[vertex as usize];
         if *number == UNSEEN {
             *number = part.vertices.len() as u32;
@@ -180,7 +180,7 @@ impl CellEdges {
 }
 
 /// Adds the part of the edge from where it has begun, if it has, and says so.
-fn push(part: &mut Faceted, begun: Option<u32>, to: u32, edge: &CellEdge) -> bool {
+fn push(part: &mut Brep, begun: Option<u32>, to: u32, edge: &CellEdge) -> bool {
     let (left, right) = (edge.left, edge.right);
     part.edges.extend(begun.map(|from| Edge {
         from,

@@ -18,9 +18,9 @@ use crate::domain::surface::cell_edges::{CellEdges, Crossing};
 use crate::domain::surface::corner_numbers::CornerNumbers;
 use crate::domain::surface::solid::SurfaceSolid;
 use crate::domain::surface::triangle::{Border, Corner, Plane, TriangleClip};
-use crate::geometry::faceted::{Edge, Extent, Faceted};
+use crate::geometry::brep::{Brep, Edge, Extent, Piece};
 use crate::geometry::half_space::HalfSpace;
-use crate::geometry::polyhedron::{Facet, Polyhedron};
+use crate::geometry::polyhedron::Polyhedron;
 
 /// How far the boundary may be from closed, and the volume beyond its bounds, relative to area
 /// and volume. What the checks before have missed is wrong by far more.
@@ -41,7 +41,7 @@ pub enum Meeting {
 #[derive(Clone, Debug, Default)]
 pub struct ClippedCell {
     /// The common part, in coordinates relative to the site.
-    pub part: Faceted,
+    pub part: Brep,
     near: Vec<u32>,
     planes: Vec<Plane>,
     clip: TriangleClip,
@@ -196,16 +196,8 @@ impl ClippedCell {
 
     /// Whether the boundary is closed and its volume between nothing and the cell's.
     fn is_sound(&self, cell: &Polyhedron) -> bool {
-        let Extent { area, gap, volume } = self.part.extent();
-        let whole = volume_of(cell);
+        let Extent { area, gap, volume } = Piece::Brep(&self.part).extent();
+        let whole = Piece::Convex(cell).extent().volume;
         gap.norm() <= CLOSED * area && (-CLOSED * whole..=whole * (1.0 + CLOSED)).contains(&volume)
     }
-}
-
-fn volume_of(cell: &Polyhedron) -> f64 {
-    let cone = |facet: Facet<'_>| {
-        let base = facet.corners().next();
-        base.map_or(0.0, |base| facet.area_vector().dot(&base.coords))
-    };
-    cell.facets().map(cone).sum::<f64>() / 3.0
 }

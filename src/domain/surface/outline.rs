@@ -11,9 +11,8 @@ use crate::domain::beyond::Beyond;
 use crate::domain::space::PieceScratch;
 use crate::domain::surface::clipped::{ClippedCell, Meeting};
 use crate::domain::surface::solid::SurfaceSolid;
+use crate::geometry::brep::{Brep, Piece};
 use crate::geometry::clip::{ClipScratch, clip};
-use crate::geometry::faceted::{Faceted, Piece};
-use crate::geometry::moments::Moments;
 use crate::geometry::polyhedron::Polyhedron;
 
 /// How far the solid is moved, in shares of the cell's size: above rounding, below what a file of
@@ -80,7 +79,7 @@ fn as_it_is(
         Meeting::Apart => visit(Piece::Convex(cell)),
         // A site lies within its cell and within the solid, so something must be left.
         Meeting::Clipped if is_something(&clipped.part, cell) => {
-            visit(Piece::Faceted(&clipped.part));
+            visit(Piece::Brep(&clipped.part));
         }
         Meeting::Clipped | Meeting::Tangled => return false,
     }
@@ -88,8 +87,9 @@ fn as_it_is(
 }
 
 /// Whether the part is more than what rounding leaves of a cell along its border.
-fn is_something(part: &Faceted, cell: &Polyhedron) -> bool {
-    part.extent().volume > NOTHING * Moments::of(cell).volume
+fn is_something(part: &Brep, cell: &Polyhedron) -> bool {
+    let [part, cell] = [Piece::Brep(part), Piece::Convex(cell)].map(|piece| piece.extent());
+    part.volume > NOTHING * cell.volume
 }
 
 /// Makes `into` the cell without facets of no area. Those stand, as strips along edges, in the cells

@@ -13,7 +13,7 @@ use nalgebra::{Point3, Vector3};
 
 use crate::domain::beyond::Beyond;
 use crate::geometry::bounds::Bounds;
-use crate::geometry::box_tree::BoxTree;
+use crate::geometry::bvh::Bvh;
 use crate::geometry::clip::{Clip, ClipScratch, clip};
 use crate::geometry::half_space::HalfSpace;
 use crate::geometry::label::Label;
@@ -31,7 +31,7 @@ const RAY: [f64; 3] = [
 /// `tree` holds the triangles' bounds; `label` names the wall that a triangle belongs to.
 pub fn shadows(
     surface: &SurfaceMesh,
-    tree: &BoxTree,
+    tree: &Bvh,
     label: impl Fn(u32) -> Label,
     site: &Point3<f64>,
     cell: &Polyhedron,

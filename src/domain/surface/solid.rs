@@ -15,8 +15,8 @@ use crate::domain::surface::walls::walls;
 use crate::domain::surface::way::first_exit;
 use crate::domain::surface::winding::winding;
 use crate::geometry::bounds::Bounds;
-use crate::geometry::box_tree::BoxTree;
-use crate::geometry::faceted::Piece;
+use crate::geometry::brep::Piece;
+use crate::geometry::bvh::Bvh;
 use crate::geometry::label::Label;
 use crate::geometry::polyhedron::Polyhedron;
 use crate::mesh::edges::EdgeTable;
@@ -35,7 +35,7 @@ pub struct SurfaceSolid {
     /// Per triangle the edges from its corners 0, 1, 2.
     edges: Vec<[u32; 3]>,
     walls: Vec<u32>,
-    tree: BoxTree,
+    tree: Bvh,
     clearance: Clearance,
     bounds: Bounds<3>,
     start: Bounds<3>,
@@ -67,7 +67,7 @@ impl SurfaceSolid {
             edges,
             walls: walls(&surface, &table),
             clearance: Clearance::new(&surface),
-            tree: BoxTree::new(surface.all_corners().map(|corners| Bounds::of(&corners))),
+            tree: Bvh::new(surface.all_corners().map(|corners| Bounds::of(&corners))),
             start: Bounds {
                 min: bounds.min - margin,
                 max: bounds.max + margin,
@@ -86,7 +86,7 @@ impl SurfaceSolid {
 
     /// The triangles' bounds.
     #[must_use]
-    pub fn tree(&self) -> &BoxTree {
+    pub fn tree(&self) -> &Bvh {
         &self.tree
     }
 
@@ -151,7 +151,7 @@ impl SurfaceSolid {
     ) {
         match meeting {
             Meeting::Apart => visit(1.0, Piece::Convex(cell)),
-            Meeting::Clipped => visit(1.0, Piece::Faceted(&scratch.clipped.part)),
+            Meeting::Clipped => visit(1.0, Piece::Brep(&scratch.clipped.part)),
             Meeting::Tangled => {
                 let memory = (&mut scratch.piece, &mut scratch.clip);
                 let label = |triangle| self.label(triangle);

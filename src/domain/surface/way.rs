@@ -5,7 +5,7 @@ use robust::orient3d;
 
 use crate::domain::surface::winding::{coordinates, depth};
 use crate::geometry::bounds::Bounds;
-use crate::geometry::box_tree::BoxTree;
+use crate::geometry::bvh::Bvh;
 use crate::mesh::surface::SurfaceMesh;
 
 /// The share of `step` after which the way from `from`, a point of the solid, first crosses the
@@ -14,7 +14,7 @@ use crate::mesh::surface::SurfaceMesh;
 #[must_use]
 pub fn first_exit(
     surface: &SurfaceMesh,
-    tree: &BoxTree,
+    tree: &Bvh,
     from: &Point3<f64>,
     step: &Vector3<f64>,
 ) -> f64 {

@@ -9,13 +9,13 @@ use nalgebra::Point3;
 use robust::{Coord, Coord3D, orient2d, orient3d};
 
 use crate::geometry::bounds::Bounds;
-use crate::geometry::box_tree::BoxTree;
+use crate::geometry::bvh::Bvh;
 use crate::mesh::surface::SurfaceMesh;
 
 /// The winding number of the surface about `point`, or `None` for a point on the surface. `tree`
 /// holds the triangles' bounds.
 #[must_use]
-pub fn winding(surface: &SurfaceMesh, tree: &BoxTree, point: &Point3<f64>) -> Option<i32> {
+pub fn winding(surface: &SurfaceMesh, tree: &Bvh, point: &Point3<f64>) -> Option<i32> {
     let ahead = |bounds: &Bounds<3>| {
         let beside =
             |axis: usize| bounds.min[axis] <= point[axis] && point[axis] <= bounds.max[axis];

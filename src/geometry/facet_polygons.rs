@@ -1,4 +1,4 @@
-//! Plane facets of any shape as polygons.
+//! The polygons that make up a plane facet of any shape.
 //!
 //! A facet given by directed edges may be non-convex, have holes and several parts. Its edges are
 //! chained to loops, and every hole is joined to the loop around it by a bridge run in both

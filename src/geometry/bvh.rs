@@ -1,17 +1,17 @@
-//! A tree of boxes: which of many things may touch something.
+//! A bounding volume hierarchy: a tree of axis-aligned boxes.
 //!
-//! Things are known by their bounds only. The tree halves them along the longest axis of their
-//! middles until few are left. Nodes lie in the order of a depth-first walk, each with the place
+//! The tree halves its boxes along the longest axis of their middles until few
+//! are left. Nodes lie in the order of a depth-first walk, each with the place
 //! where the walk goes on once the node is left out, so that a query needs no stack.
 
 use crate::geometry::bounds::Bounds;
 
-/// Things per leaf: testing four boxes costs about what two more levels would.
+/// Boxes per leaf: testing four boxes costs about what two more levels would.
 const LEAF: usize = 4;
 
 /// Boxes, numbered in the order in which they were given.
 #[derive(Clone, Debug, Default)]
-pub struct BoxTree {
+pub struct Bvh {
     nodes: Vec<Node>,
     items: Vec<(Bounds<3>, u32)>,
 }
@@ -21,11 +21,11 @@ struct Node {
     bounds: Bounds<3>,
     /// The node at which the walk goes on past this one's descendants.
     past: u32,
-    /// A leaf's things in `items`; none for an inner node.
+    /// A leaf's boxes in `items`; none for an inner node.
     items: std::ops::Range<u32>,
 }
 
-impl BoxTree {
+impl Bvh {
     /// The tree over `boxes`.
     #[must_use]
     pub fn new(boxes: impl IntoIterator<Item = Bounds<3>>) -> Self {
@@ -103,7 +103,7 @@ mod tests {
                 Bounds { min, max }
             })
             .collect();
-        let tree = BoxTree::new(boxes.iter().copied());
+        let tree = Bvh::new(boxes.iter().copied());
         for probe in &boxes {
             let mut found = Vec::new();
             tree.visit(|bounds| bounds.overlaps(probe), |number| found.push(number));
@@ -115,6 +115,6 @@ mod tests {
 
     #[test]
     fn a_tree_of_nothing_finds_nothing() {
-        BoxTree::new([]).visit(|_| true, |_| panic!("there is nothing"));
+        Bvh::new([]).visit(|_| true, |_| panic!("there is nothing"));
     }
 }

@@ -6,8 +6,8 @@
 //! preview"): edges that are not the face's cancel, so neither convexity nor a triangulation that
 //! respects the holes is needed.
 
+use crate::integrals::reference::cattani_paoluzzi;
 use crate::integrals::series::{Exponents, over_simplex};
-use crate::integrals::structure;
 use nalgebra::{Point3, Vector3};
 
 /// A planar face: loops of vertex numbers, the outer counter-clockwise, holes clockwise.
@@ -59,7 +59,7 @@ impl Face {
 pub fn face(vertices: &[Point3<f64>], face: &Face, exponents: Exponents) -> f64 {
     let triangles: Vec<_> = face.triangles().collect();
     let normal = face.vector_area(vertices);
-    structure::planar_surface(vertices, &triangles, &normal, exponents)
+    cattani_paoluzzi::planar_surface(vertices, &triangles, &normal, exponents)
 }
 
 /// ∫ x^α y^β z^γ dV over the solid bounded by planar faces with holes, by the divergence theorem

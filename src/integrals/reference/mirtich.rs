@@ -10,9 +10,9 @@
 //! face's vector area normalized (the paper leaves its source open), and faces are summed by
 //! halves.
 
-use crate::integrals::moments::Moments;
+use crate::geometry::moments::Moments;
 use crate::integrals::pairwise::sum_by_halves;
-use crate::integrals::polygon::Face;
+use crate::integrals::reference::polygon::Face;
 use nalgebra::{Point3, Vector3};
 
 /// ∫ α^p β^q over a face's shadow, p + q ≤ 3, times the sign of n_γ: \[M\] eq. 89-98, named by the
