@@ -14,9 +14,9 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use chebloyd::domain::cuboid::Cuboid;
-use chebloyd::domain::space::Domain;
-use chebloyd::domain::surface::solid::SurfaceSolid;
-use chebloyd::domain::tets::TetSolid;
+use chebloyd::domain::domain::Domain;
+use chebloyd::domain::tet_mesh::TetSolid;
+use chebloyd::domain::tri_surface::solid::SurfaceSolid;
 use chebloyd::geometry::random::Random;
 use chebloyd::mesh::load::{Solid, load};
 use chebloyd::mesh::similarity::Similarity;

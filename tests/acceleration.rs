@@ -5,9 +5,9 @@ use std::ops::ControlFlow;
 
 use chebloyd::domain::convex::ConvexPolyhedron;
 use chebloyd::domain::cuboid::Cuboid;
-use chebloyd::domain::plane::PlaneDomain;
-use chebloyd::domain::surface::solid::SurfaceSolid;
-use chebloyd::domain::weighted::WeightedDomain;
+use chebloyd::domain::domain::WeightedDomain;
+use chebloyd::domain::planar::PlaneDomain;
+use chebloyd::domain::tri_surface::solid::SurfaceSolid;
 use chebloyd::geometry::bounds::Bounds;
 use chebloyd::geometry::half_space::HalfSpace;
 use chebloyd::geometry::random::Random;

@@ -5,8 +5,8 @@ use std::ops::ControlFlow;
 
 use chebloyd::domain::convex::ConvexPolyhedron;
 use chebloyd::domain::cuboid::Cuboid;
-use chebloyd::domain::surface::solid::SurfaceSolid;
-use chebloyd::domain::weighted::WeightedDomain;
+use chebloyd::domain::domain::WeightedDomain;
+use chebloyd::domain::tri_surface::solid::SurfaceSolid;
 use chebloyd::geometry::bounds::Bounds;
 use chebloyd::geometry::half_space::HalfSpace;
 use chebloyd::geometry::random::Random;

@@ -9,8 +9,9 @@ use std::ops::ControlFlow;
 
 use chebloyd::domain::convex::ConvexPolyhedron;
 use chebloyd::domain::cuboid::Cuboid;
-use chebloyd::domain::space::Domain;
-use chebloyd::domain::surface::solid::SurfaceSolid;
+use chebloyd::domain::domain::Domain;
+use chebloyd::domain::shape::DomainShape;
+use chebloyd::domain::tri_surface::solid::SurfaceSolid;
 use chebloyd::geometry::half_space::HalfSpace;
 use chebloyd::geometry::random::Random;
 use chebloyd::mesh::shapes::tubes::torus;

@@ -3,10 +3,10 @@
 
 use chebloyd::domain::convex::ConvexPolyhedron;
 use chebloyd::domain::cuboid::Cuboid;
-use chebloyd::domain::space::Domain;
-use chebloyd::domain::surface::solid::SurfaceSolid;
-use chebloyd::domain::tets::TetSolid;
-use chebloyd::domain::weighted::WeightedDomain;
+use chebloyd::domain::domain::Domain;
+use chebloyd::domain::domain::WeightedDomain;
+use chebloyd::domain::tet_mesh::TetSolid;
+use chebloyd::domain::tri_surface::solid::SurfaceSolid;
 use chebloyd::geometry::bounds::Bounds;
 use chebloyd::geometry::half_space::HalfSpace;
 use chebloyd::geometry::random::Random;

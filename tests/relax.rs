@@ -4,7 +4,8 @@ use std::ops::ControlFlow;
 
 use chebloyd::domain::convex::ConvexPolyhedron;
 use chebloyd::domain::cuboid::Cuboid;
-use chebloyd::domain::space::Domain;
+use chebloyd::domain::domain::Domain;
+use chebloyd::domain::shape::DomainShape;
 use chebloyd::geometry::half_space::HalfSpace;
 use chebloyd::geometry::random::Random;
 use chebloyd::relax::figures::Figures;

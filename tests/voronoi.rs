@@ -2,11 +2,12 @@
 
 use std::collections::BTreeSet;
 
-use chebloyd::domain::beyond::Beyond;
 use chebloyd::domain::convex::ConvexPolyhedron;
 use chebloyd::domain::cuboid::Cuboid;
+use chebloyd::domain::domain::Domain;
 use chebloyd::domain::error::DomainError;
-use chebloyd::domain::space::Domain;
+use chebloyd::domain::facet_kind::FacetKind;
+use chebloyd::domain::shape::DomainShape;
 use chebloyd::geometry::bounds::Bounds;
 use chebloyd::geometry::clip::{ClipScratch, clip};
 use chebloyd::geometry::half_space::HalfSpace;
@@ -47,11 +48,15 @@ fn octahedron() -> ConvexPolyhedron {
 }
 
 /// Per cell: its volume and its neighbors across facets of at least `least` area.
-fn cells(domain: &dyn Domain, sites: &[Point3<f64>], least: f64) -> Vec<(f64, BTreeSet<Beyond>)> {
+fn cells(
+    domain: &dyn Domain,
+    sites: &[Point3<f64>],
+    least: f64,
+) -> Vec<(f64, BTreeSet<FacetKind>)> {
     let ask = |(): &mut (), cell: chebloyd::voronoi::cell::Cell<'_>| {
         let facets = cell.polyhedron().facets();
         let large = facets.filter(|facet| facet.area_vector().norm() > least);
-        let neighbors = large.map(|facet| Beyond::of(facet.label())).collect();
+        let neighbors = large.map(|facet| FacetKind::of(facet.label())).collect();
         (cell.polyhedron().moments().mass, neighbors)
     };
     Diagram::new(domain, sites).unwrap().map(ask).unwrap()
@@ -191,7 +196,7 @@ fn assert_brute_force_agrees(sites: &[Point3<f64>], what: &str) {
         domain.start(&sites[site], site as u32, &mut cell);
         for (other, position) in sites.iter().enumerate().filter(|(other, _)| *other != site) {
             let bisector = HalfSpace::bisector(position - sites[site]);
-            let neighbor = Beyond::Neighbor {
+            let neighbor = FacetKind::Neighbor {
                 site: other as u32,
                 image: [0; 3],
             };
@@ -201,7 +206,7 @@ fn assert_brute_force_agrees(sites: &[Point3<f64>], what: &str) {
         let large = cell
             .facets()
             .filter(|facet| facet.area_vector().norm() > 1e-12);
-        let expected: BTreeSet<_> = large.map(|facet| Beyond::of(facet.label())).collect();
+        let expected: BTreeSet<_> = large.map(|facet| FacetKind::of(facet.label())).collect();
         assert_eq!(&expected, neighbors, "{what}, site {site}");
     }
 }
@@ -248,10 +253,10 @@ fn neighbors_are_mutual_across_periodic_sides_too() {
         let cells = cells(&periodic(axes), &sites, 1e-10);
         for (site, (_, neighbors)) in cells.iter().enumerate() {
             for neighbor in neighbors {
-                let Beyond::Neighbor { site: other, image } = *neighbor else {
+                let FacetKind::Neighbor { site: other, image } = *neighbor else {
                     continue;
                 };
-                let back = Beyond::Neighbor {
+                let back = FacetKind::Neighbor {
                     site: site as u32,
                     image: image.map(|n| -n),
                 };

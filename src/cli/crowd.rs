@@ -6,7 +6,7 @@ use clap::ValueEnum;
 use nalgebra::Point3;
 
 use chebloyd::domain::cuboid::Cuboid;
-use chebloyd::domain::space::Domain;
+use chebloyd::domain::shape::DomainShape;
 use chebloyd::export::sites::write_csv;
 use chebloyd::export::whole_file;
 use chebloyd::geometry::bounds::Bounds;

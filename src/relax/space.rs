@@ -4,7 +4,8 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use nalgebra::{Point3, Vector3};
 
-use crate::domain::space::{Domain, displacement};
+use crate::domain::domain::Domain;
+use crate::domain::shape::displacement;
 use crate::geometry::bounds::Bounds;
 use crate::relax::cell_memory::CellMemory;
 use crate::relax::figures::CellFigures;

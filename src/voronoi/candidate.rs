@@ -2,7 +2,7 @@
 
 use nalgebra::{Point3, Vector3};
 
-use crate::domain::beyond::Beyond;
+use crate::domain::facet_kind::FacetKind;
 use crate::geometry::label::Label;
 use crate::voronoi::index::SiteIndex;
 
@@ -76,7 +76,7 @@ impl Candidate {
 
     /// What lies beyond a facet towards it.
     pub(crate) fn label(&self, index: &SiteIndex) -> Label {
-        let beyond = Beyond::Neighbor {
+        let beyond = FacetKind::Neighbor {
             site: index.site(self.place as usize),
             image: index.shifts()[self.shift as usize].image,
         };

@@ -55,7 +55,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use crate::domain::space::displacement;
+use crate::domain::shape::displacement;
 use crate::voronoi::diagram::Diagram;
 use crate::voronoi::index::SiteIndex;
 use crate::voronoi::packed::Packed;

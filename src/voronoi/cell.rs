@@ -5,7 +5,7 @@
 
 use nalgebra::Point3;
 
-use crate::domain::space::Domain;
+use crate::domain::domain::Domain;
 use crate::geometry::bounds::Bounds;
 use crate::geometry::clip::ClipScratch;
 use crate::geometry::half_space::HalfSpace;

@@ -181,7 +181,7 @@ mod tests {
     use nalgebra::{Point3, Vector3};
 
     use super::*;
-    use crate::domain::beyond::Beyond;
+    use crate::domain::facet_kind::FacetKind;
     use crate::geometry::bounds::Bounds;
     use crate::geometry::half_space::HalfSpace;
     use crate::geometry::polyhedron::Polyhedron;
@@ -192,7 +192,7 @@ mod tests {
 
     fn label(site: u32) -> Label {
         let image = [0; 3];
-        Beyond::Neighbor { site, image }.label()
+        FacetKind::Neighbor { site, image }.label()
     }
 
     fn pattern(cell: &SmallPolyhedron) -> Pattern {
@@ -237,7 +237,7 @@ mod tests {
             max: corner,
         };
         let mut cell = SmallPolyhedron::default();
-        let labels = [0, 1, 2, 3, 4, 5].map(|wall| Beyond::Wall(wall).label());
+        let labels = [0, 1, 2, 3, 4, 5].map(|wall| FacetKind::Wall(wall).label());
         assert!(cell.assign(&Polyhedron::cuboid(&bounds, labels)));
         for number in 0..18 {
             let turn = f64::from(number);

@@ -13,7 +13,7 @@ use voronator::VoronoiDiagram;
 use voronator::delaunator::Point;
 use voronator::polygon::Polygon;
 
-use crate::domain::plane::PlaneDomain;
+use crate::domain::planar::PlaneDomain;
 
 /// The half side of `voronator`'s bounding square, in units of the domain's largest extent. Its
 /// helpers stand three times as far out: no point of the domain is nearer to one than to a site.

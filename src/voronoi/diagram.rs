@@ -6,7 +6,7 @@ use nalgebra::Point3;
 use rayon::prelude::*;
 use thiserror::Error;
 
-use crate::domain::space::Domain;
+use crate::domain::domain::Domain;
 use crate::voronoi::cell::{Cell, CellBuilder};
 use crate::voronoi::index::SiteIndex;
 use crate::voronoi::search::Duplicate;

@@ -1,6 +1,6 @@
 //! Five sites whose cells change partners, as the cell that noticed tells the others.
 
-use crate::domain::beyond::Beyond;
+use crate::domain::facet_kind::FacetKind;
 use crate::geometry::label::Label;
 use crate::voronoi::corners::{Corners, Four};
 
@@ -103,15 +103,15 @@ impl Flip {
 
 fn site_label(site: u32) -> Label {
     let image = [0; 3];
-    Beyond::Neighbor { site, image }.label()
+    FacetKind::Neighbor { site, image }.label()
 }
 
 /// The number that stands for a site where it is itself, or for a wall.
 fn number(label: Label) -> Option<u32> {
-    match Beyond::of(label) {
-        Beyond::Neighbor { site, image } => (image == [0; 3] && site < WALL).then_some(site),
-        Beyond::Wall(wall) => (wall < WALL).then_some(WALL + wall),
-        Beyond::Inner => None,
+    match FacetKind::of(label) {
+        FacetKind::Neighbor { site, image } => (image == [0; 3] && site < WALL).then_some(site),
+        FacetKind::Wall(wall) => (wall < WALL).then_some(WALL + wall),
+        FacetKind::Inner => None,
     }
 }
 
@@ -119,6 +119,6 @@ fn label(number: u32) -> Label {
     if number < WALL {
         site_label(number)
     } else {
-        Beyond::Wall(number - WALL).label()
+        FacetKind::Wall(number - WALL).label()
     }
 }

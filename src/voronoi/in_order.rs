@@ -91,7 +91,8 @@ mod tests {
     use rayon::prelude::*;
 
     use crate::domain::cuboid::Cuboid;
-    use crate::domain::space::Domain;
+    use crate::domain::domain::Domain;
+    use crate::domain::shape::DomainShape;
     use crate::geometry::bounds::Bounds;
     use crate::voronoi::cell::CellBuilder;
     use crate::voronoi::index::SiteIndex;

@@ -239,7 +239,7 @@ fn rows_mut(bytes: &mut [u8]) -> &mut [[u8; 4 * ROW]] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::domain::beyond::Beyond;
+    use crate::domain::facet_kind::FacetKind;
 
     #[test]
     fn records_read_back() {
@@ -253,8 +253,8 @@ mod tests {
             ..Pattern::default()
         };
         let (site, image) = (1, [0, -1, 1]);
-        pattern.labels[0] = Beyond::Neighbor { site, image }.label();
-        pattern.labels[1] = Beyond::Wall(7).label();
+        pattern.labels[0] = FacetKind::Neighbor { site, image }.label();
+        pattern.labels[1] = FacetKind::Wall(7).label();
         pattern.facets[..8].copy_from_slice(&[3, 1, 2, 3, 6, 4, 5, 6]);
         pattern.twins[..8].copy_from_slice(&[4, 5, 6, 0, 1, 2, 0, 0]);
         let mut packed = Packed::default();

@@ -7,7 +7,7 @@
 //! [realized](crate::voronoi::realize) from a pattern and the sites does not depend, to the bit, on
 //! how the pattern was found.
 
-use crate::domain::beyond::Beyond;
+use crate::domain::facet_kind::FacetKind;
 use crate::geometry::label::Label;
 use crate::geometry::small_polyhedron::Lists;
 use crate::geometry::small_polyhedron::{EDGES, PLANES, SLOTS, SmallPolyhedron, slots};
@@ -235,10 +235,10 @@ impl Pattern {
 
 /// Whether a facet with this label can be found again from the sites alone.
 fn may_bound(label: Label, cell_site: u32) -> bool {
-    match Beyond::of(label) {
-        Beyond::Neighbor { site, .. } => site != cell_site,
-        Beyond::Wall(_) => true,
-        Beyond::Inner => false,
+    match FacetKind::of(label) {
+        FacetKind::Neighbor { site, .. } => site != cell_site,
+        FacetKind::Wall(_) => true,
+        FacetKind::Inner => false,
     }
 }
 

@@ -2,7 +2,7 @@
 
 use nalgebra::Point2;
 
-use crate::domain::plane::PlaneDomain;
+use crate::domain::planar::PlaneDomain;
 use crate::voronoi::plane::PlaneDiagramError;
 
 /// Whether `sites` have a diagram in `domain`; of several flaws the first is named.

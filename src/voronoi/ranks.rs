@@ -1,6 +1,6 @@
 //! How carried sites and their images are numbered.
 
-use crate::domain::beyond::Beyond;
+use crate::domain::facet_kind::FacetKind;
 use crate::geometry::label::Label;
 
 /// The images within one period to either side.
@@ -43,12 +43,12 @@ pub(crate) struct Ranks<'a> {
 impl Ranks<'_> {
     /// What the label stands for.
     pub(crate) fn across(&self, label: Label) -> Across {
-        match Beyond::of(label) {
-            Beyond::Neighbor { site, image } => Across {
+        match FacetKind::of(label) {
+            FacetKind::Neighbor { site, image } => Across {
                 number: self.ranks[site as usize],
                 image: image_number(image),
             },
-            Beyond::Wall(_) | Beyond::Inner => Across {
+            FacetKind::Wall(_) | FacetKind::Inner => Across {
                 number: label as u32,
                 image: WALL,
             },
@@ -62,7 +62,7 @@ impl Ranks<'_> {
             Some((rank, image)) => {
                 OF_SITE_0[usize::from(image) % IMAGES] | Label::from(self.sites[rank as usize])
             }
-            None => Beyond::Wall(across.number).label(),
+            None => FacetKind::Wall(across.number).label(),
         }
     }
 }
@@ -91,7 +91,7 @@ const fn labels_table() -> [Label; IMAGES] {
     let mut number = 0;
     while number < IMAGES {
         let image = image_of(number as u8);
-        table[number] = Beyond::Neighbor { site: 0, image }.label();
+        table[number] = FacetKind::Neighbor { site: 0, image }.label();
         number += 1;
     }
     table

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use crate::domain::space::Domain;
+use crate::domain::domain::Domain;
 use crate::voronoi::index::SiteIndex;
 use crate::voronoi::ranks::{IMAGES, Ranks, image_of};
 

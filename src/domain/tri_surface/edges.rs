@@ -2,8 +2,8 @@
 //!
 //! The crossings on an edge must alternate between ends and beginnings of inner parts. They tell on
 //! which side of the surface the edge's vertices are; edges that are not crossed carry that on, and
-//! since the edges of a convex polyhedron hang together, to all vertices. What contradicts itself
-//! is told: every step returns whether the pattern holds.
+//! since the edges of a convex polyhedron hang together, to all vertices. Every step returns whether
+//! the crossings are consistent so far.
 
 use nalgebra::Vector3;
 
@@ -52,12 +52,7 @@ impl CellEdges {
         vertices: &[Vector3<f64>],
         cell: &Polyhedron,
     ) -> bool {
-        let Self {
-            cuts,
-            inside,
-            crossed,
-            ..
-        } = self;
+        let (cuts, inside, crossed) = (&mut self.cuts, &mut self.inside, &mut self.crossed);
         cuts.clear();
         inside.clear();
         inside.resize(cell.vertex_count(), None);
@@ -110,12 +105,7 @@ impl CellEdges {
                 _ => return false,
             }
         }
-        let Self {
-            stack,
-            inside,
-            crossed,
-            ..
-        } = self;
+        let (stack, inside, crossed) = (&mut self.stack, &mut self.inside, &self.crossed);
         stack.clear();
         stack.extend((0..inside.len() as u32).filter(|&v| inside[v as usize].is_some()));
         while let Some(vertex) = stack.pop() {

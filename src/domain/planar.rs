@@ -1,13 +1,13 @@
 //! Domains of the plane: rectangles and convex polygons.
 //!
 //! A domain is kept as one counter-clockwise convex polygon. Its edges are labelled as walls
-//! ([`Beyond::Wall`]): wall k of a rectangle is bottom, right, top, left for k = 0…3, of corners
+//! ([`FacetKind::Wall`]): wall k of a rectangle is bottom, right, top, left for k = 0…3, of corners
 //! the side that joins corner k to the next one, of half-planes the half-plane k.
 
 use nalgebra::{Point2, Vector2};
 use thiserror::Error;
 
-use crate::domain::beyond::Beyond;
+use crate::domain::facet_kind::FacetKind;
 use crate::geometry::bounds::Bounds;
 use crate::geometry::half_plane::HalfPlane;
 use crate::geometry::label::Label;
@@ -181,7 +181,7 @@ impl PlaneDomain {
 }
 
 fn wall(index: usize) -> Label {
-    Beyond::Wall(index as u32).label()
+    FacetKind::Wall(index as u32).label()
 }
 
 fn no_area(extent: &Vector2<f64>) -> PlaneDomainError {

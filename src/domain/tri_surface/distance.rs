@@ -1,8 +1,8 @@
-//! How far it is at least from a place to a surface, at the price of one look.
+//! Lower bounds of the distance to a surface, on a grid of cubes.
 //!
 //! The bounding box is cut into equal cubes. Those that a triangle may touch are marked, and every
-//! other is given its distance to the nearest marked one in king's moves. A cell that reaches less
-//! far than that is apart from the surface, and costs what it costs in a box.
+//! other is given its Chebyshev distance to the nearest marked one. A cell that reaches less far than
+//! that is apart from the surface, and costs what it costs in a box.
 
 use nalgebra::{Point3, Vector3};
 
@@ -16,39 +16,39 @@ const FINEST: f64 = 64.0;
 /// Rounding of coordinates against the cubes' walls, in sides: more than any place far from zero has.
 const ROUNDING: f64 = 1e-3;
 
-/// Distances to a surface from below.
+/// Lower bounds of the distance to a surface.
 #[derive(Clone, Debug)]
-pub(crate) struct Clearance {
+pub(crate) struct DistanceGrid {
     origin: Point3<f64>,
     side: f64,
     counts: [usize; 3],
-    /// In king's moves; 0 where a triangle may be. The last axis runs fastest.
-    moves: Vec<u8>,
+    /// In cubes; 0 where a triangle may be. The last axis runs fastest.
+    steps: Vec<u8>,
 }
 
-impl Clearance {
+impl DistanceGrid {
     /// The distances to the triangles of `surface`.
     pub(crate) fn new(surface: &SurfaceMesh) -> Self {
         let bounds = surface.bounds();
         let side = (bounds.extent().max() / FINEST).max(f64::MIN_POSITIVE);
         let counts = [0, 1, 2].map(|axis| (bounds.extent()[axis] / side) as usize + 1);
-        let mut clearance = Self {
+        let mut grid = Self {
             origin: bounds.min,
             side,
             counts,
-            moves: vec![u8::MAX; counts.iter().product()],
+            steps: vec![u8::MAX; counts.iter().product()],
         };
         for corners in surface.all_corners() {
-            clearance.mark(&corners);
+            grid.mark(&corners);
         }
-        clearance.spread();
-        clearance
+        grid.spread();
+        grid
     }
 
     /// No triangle is nearer to `place`, a point of the bounding box, along all axes (L).
     pub(crate) fn at(&self, place: &Point3<f64>) -> f64 {
-        let moves = self.moves[self.number(self.cube(place))];
-        (f64::from(moves) - 1.0 - ROUNDING) * self.side
+        let steps = self.steps[self.number(self.cube(place))];
+        (f64::from(steps) - 1.0 - ROUNDING) * self.side
     }
 
     fn cube(&self, place: &Point3<f64>) -> [usize; 3] {
@@ -76,7 +76,7 @@ impl Clearance {
                     let middle = self.origin + steps * self.side;
                     if normal.dot(&(middle - corners[0])).abs() <= reach {
                         let number = self.number([x, y, z]);
-                        self.moves[number] = 0;
+                        self.steps[number] = 0;
                     }
                 }
             }
@@ -86,7 +86,7 @@ impl Clearance {
     /// Gives every cube its distance: one more than the least of its neighbors', which a sweep
     /// forward and one backward find.
     fn spread(&mut self) {
-        let count = self.moves.len();
+        let count = self.steps.len();
         for number in 0..count {
             self.take_from_neighbors(number);
         }
@@ -96,7 +96,7 @@ impl Clearance {
     }
 
     fn take_from_neighbors(&mut self, number: usize) {
-        let here = self.moves[number];
+        let here = self.steps[number];
         if here == 0 {
             return;
         }
@@ -112,11 +112,11 @@ impl Clearance {
         for x in span(0) {
             for y in span(1) {
                 for z in span(2) {
-                    least = least.min(self.moves[self.number([x, y, z])]);
+                    least = least.min(self.steps[self.number([x, y, z])]);
                 }
             }
         }
-        self.moves[number] = here.min(least.saturating_add(1));
+        self.steps[number] = here.min(least.saturating_add(1));
     }
 }
 
@@ -126,20 +126,20 @@ mod tests {
     use crate::mesh::shapes::tubes::trefoil;
 
     #[test]
-    fn no_vertex_is_nearer_than_told() {
+    fn no_vertex_is_nearer_than_the_bound() {
         let surface = trefoil(0.4, 64, 8);
-        let clearance = Clearance::new(&surface);
+        let grid = DistanceGrid::new(&surface);
         let bounds = surface.bounds();
         let mut is_somewhere_free = false;
         for k in 0..1000_u32 {
             let share = |k: u32| f64::from(k % 10) / 9.0;
             let share = Vector3::new(share(k), share(k / 10), share(k / 100));
             let place = bounds.min + bounds.extent().component_mul(&share);
-            let told = clearance.at(&place);
+            let bound = grid.at(&place);
             let vertices = surface.vertices.iter();
             let nearest = vertices.fold(f64::INFINITY, |near: f64, v| near.min((v - place).amax()));
-            assert!(told < nearest, "{place}: {told} {nearest}");
-            is_somewhere_free |= told > 0.5 * nearest;
+            assert!(bound < nearest, "{place}: {bound} {nearest}");
+            is_somewhere_free |= bound > 0.5 * nearest;
         }
         assert!(is_somewhere_free);
     }

@@ -1,11 +1,11 @@
-//! Inside or outside a closed surface, decided exactly.
+//! The winding number of a closed surface about a point, and where a ray leaves the surface.
 //!
 //! The winding number of a point is the signed number of triangles on a ray from it along +x. Both
 //! questions, whether the ray's line passes through a triangle and on which side of the triangle
 //! the point lies, are answered by Shewchuk's exact predicates. Ties in the first are broken the
 //! same way for both triangles at an edge: a side counts where it rises past the line on its left.
 
-use nalgebra::Point3;
+use nalgebra::{Point3, Vector3};
 use robust::{Coord, Coord3D, orient2d, orient3d};
 
 use crate::geometry::bounds::Bounds;
@@ -34,20 +34,49 @@ pub fn winding(surface: &SurfaceMesh, tree: &Bvh, point: &Point3<f64>) -> Option
     (!on_surface).then_some(sum)
 }
 
+/// The share of `step` after which the way from `from`, a point of the solid, first crosses the
+/// surface outward; infinity where it does not. Touching an edge counts as crossing. `tree` holds
+/// the triangles' bounds.
+#[must_use]
+pub fn ray_exit(surface: &SurfaceMesh, tree: &Bvh, from: &Point3<f64>, step: &Vector3<f64>) -> f64 {
+    let to = from + step;
+    let around = Bounds::of([from, &to]);
+    let mut first = f64::INFINITY;
+    let near = |bounds: &Bounds<3>| bounds.overlaps(&around);
+    tree.visit(near, |triangle| {
+        let corners = surface.corners(triangle as usize);
+        let (before, after) = (depth(&corners, from), depth(&corners, &to));
+        if before >= 0.0 && after < 0.0 && passes(&corners, from, &to) {
+            first = first.min(before / (before - after));
+        }
+    });
+    first
+}
+
+/// Whether the line through both points meets the closed triangle.
+fn passes(corners: &[Point3<f64>; 3], from: &Point3<f64>, to: &Point3<f64>) -> bool {
+    let sides = [0, 1, 2].map(|k| {
+        let [p, q, a, b] = [*from, *to, corners[k], corners[(k + 1) % 3]].map(coordinates);
+        orient3d(p, q, a, b)
+    });
+    have_one_sign(&sides)
+}
+
+/// Whether no two of the numbers have opposite signs.
+fn have_one_sign(numbers: &[f64; 3]) -> bool {
+    numbers.iter().all(|&number| number >= 0.0) || numbers.iter().all(|&number| number <= 0.0)
+}
+
 /// Positive where the point sees the triangle clockwise: behind it, for an outward triangle inside.
 /// The sign is exact.
-pub(crate) fn depth(corners: &[Point3<f64>; 3], point: &Point3<f64>) -> f64 {
+fn depth(corners: &[Point3<f64>; 3], point: &Point3<f64>) -> f64 {
     let [a, b, c, p] = [corners[0], corners[1], corners[2], *point].map(coordinates);
     orient3d(a, b, c, p)
 }
 
-pub(crate) fn coordinates(point: Point3<f64>) -> Coord3D<f64> {
-    let Point3 { coords } = point;
-    Coord3D {
-        x: coords.x,
-        y: coords.y,
-        z: coords.z,
-    }
+fn coordinates(point: Point3<f64>) -> Coord3D<f64> {
+    let [x, y, z] = point.into();
+    Coord3D { x, y, z }
 }
 
 /// How often the triangle, seen along x, winds about the point.
@@ -65,14 +94,12 @@ fn turns(corners: &[Point3<f64>; 3], point: &Point3<f64>) -> i32 {
 
 /// Whether the triangle holds a point of its plane.
 fn holds(corners: &[Point3<f64>; 3], point: &Point3<f64>) -> bool {
-    if !Bounds::of(corners).contains(point) {
-        return false;
-    }
     // The projections along all three axes must hold the point; at least one is not degenerate.
-    [[0, 1], [1, 2], [2, 0]].into_iter().all(|axes| {
+    let holds_along = |axes: [usize; 2]| {
         let turns = [0, 1, 2].map(|k| turn(&corners[k], &corners[(k + 1) % 3], point, axes));
-        turns.iter().all(|&turn| turn >= 0.0) || turns.iter().all(|&turn| turn <= 0.0)
-    })
+        have_one_sign(&turns)
+    };
+    Bounds::of(corners).contains(point) && [[0, 1], [1, 2], [2, 0]].into_iter().all(holds_along)
 }
 
 fn turn(a: &Point3<f64>, b: &Point3<f64>, point: &Point3<f64>, axes: [usize; 2]) -> f64 {

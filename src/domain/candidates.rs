@@ -1,4 +1,4 @@
-//! Which parts of a mesh a cell may touch.
+//! The parts of a mesh that a cell may touch, by boxes and planes.
 
 use nalgebra::{Point3, Vector3};
 
@@ -11,8 +11,8 @@ use crate::geometry::polyhedron::Polyhedron;
 const ROUNDING: f64 = 1e-12;
 
 /// Calls `found` with every box of the tree that no plane of `cell`, in coordinates relative to
-/// `site`, holds off.
-pub(crate) fn visit_near(
+/// `site`, separates from it.
+pub(crate) fn visit_candidates(
     tree: &Bvh,
     site: &Point3<f64>,
     cell: &Polyhedron,
@@ -22,7 +22,10 @@ pub(crate) fn visit_near(
     let slack = Vector3::repeat(ROUNDING * (site.coords.amax() + around.extent().max()));
     around.min += site.coords - slack;
     around.max += site.coords + slack;
-    let planes: Vec<Fence> = cell.facets().map(|f| Fence::of(&f.half_space())).collect();
+    let planes: Vec<Separator> = cell
+        .facets()
+        .map(|facet| Separator::of(&facet.half_space()))
+        .collect();
     let far = site.coords.amax();
     let meets = |bounds: &Bounds<3>| {
         if !bounds.overlaps(&around) {
@@ -33,13 +36,13 @@ pub(crate) fn visit_near(
         let size = middle.amax() + half.amax() + far;
         !planes
             .iter()
-            .any(|plane| plane.holds_off(&middle, &half, size))
+            .any(|plane| plane.separates(&middle, &half, size))
     };
     tree.visit(meets, found);
 }
 
 /// A plane of the cell, ready to be compared with many boxes.
-struct Fence {
+struct Separator {
     normal: Vector3<f64>,
     /// Its normal's components without signs.
     reach: Vector3<f64>,
@@ -48,7 +51,7 @@ struct Fence {
     slack: f64,
 }
 
-impl Fence {
+impl Separator {
     fn of(plane: &HalfSpace) -> Self {
         Self {
             normal: plane.normal,
@@ -60,7 +63,7 @@ impl Fence {
 
     /// Whether the box about `middle` that reaches `half` to either side lies beyond the plane.
     /// `size` bounds the coordinates involved.
-    fn holds_off(&self, middle: &Vector3<f64>, half: &Vector3<f64>, size: f64) -> bool {
+    fn separates(&self, middle: &Vector3<f64>, half: &Vector3<f64>, size: f64) -> bool {
         // The corner of the box deepest in the half-space.
         let deepest = self.normal.dot(middle) - self.reach.dot(half);
         deepest - self.offset > self.slack * size

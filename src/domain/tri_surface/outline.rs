@@ -7,10 +7,10 @@
 
 use nalgebra::{Point3, Vector3};
 
-use crate::domain::beyond::Beyond;
-use crate::domain::space::PieceScratch;
-use crate::domain::surface::clipped::{ClippedCell, Meeting};
-use crate::domain::surface::solid::SurfaceSolid;
+use crate::domain::facet_kind::FacetKind;
+use crate::domain::shape::PieceScratch;
+use crate::domain::tri_surface::clip_cell::{ClipStatus, ClippedCell};
+use crate::domain::tri_surface::indexed::IndexedSurface;
 use crate::geometry::brep::{Brep, Piece};
 use crate::geometry::clip::{ClipScratch, clip};
 use crate::geometry::polyhedron::Polyhedron;
@@ -35,15 +35,16 @@ const SLIVER: f64 = 1e-11;
 /// the wrong side for the inner one.
 const NOTHING: f64 = 1e-9;
 
-/// Visits what `cell`, in coordinates relative to `site`, and `solid` have in common.
+/// Visits what `cell`, in coordinates relative to `site`, and the solid within `surface` have in
+/// common.
 pub(crate) fn outline(
-    solid: &SurfaceSolid,
+    surface: &IndexedSurface,
     site: &Point3<f64>,
     cell: &Polyhedron,
     scratch: &mut PieceScratch,
     visit: &mut dyn FnMut(Piece<'_>),
 ) {
-    if as_it_is(solid, site, cell, &mut scratch.clipped, visit) {
+    if as_it_is(surface, site, cell, &mut scratch.clipped, visit) {
         return;
     }
     let PieceScratch {
@@ -53,41 +54,41 @@ pub(crate) fn outline(
         ..
     } = scratch;
     drop_slivers(cell, piece, clip);
-    if as_it_is(solid, site, piece, clipped, visit) {
+    if as_it_is(surface, site, piece, clipped, visit) {
         return;
     }
     let size = cell.radius_squared().sqrt();
     for share in NUDGES {
         for direction in DIRECTIONS {
             let nudged = site + Vector3::from(direction) * (share * size);
-            if as_it_is(solid, &nudged, piece, clipped, visit) {
+            if as_it_is(surface, &nudged, piece, clipped, visit) {
                 return;
             }
         }
     }
 }
 
-/// Visits what the cell and the solid have in common, unless that is tangled.
+/// Visits what the cell and the solid have in common, unless that is inconsistent.
 fn as_it_is(
-    solid: &SurfaceSolid,
+    surface: &IndexedSurface,
     site: &Point3<f64>,
     cell: &Polyhedron,
     clipped: &mut ClippedCell,
     visit: &mut dyn FnMut(Piece<'_>),
 ) -> bool {
-    match clipped.meet(solid, site, cell) {
-        Meeting::Apart => visit(Piece::Convex(cell)),
+    match clipped.clip(surface, site, cell) {
+        ClipStatus::Disjoint => visit(Piece::Convex(cell)),
         // A site lies within its cell and within the solid, so something must be left.
-        Meeting::Clipped if is_something(&clipped.part, cell) => {
+        ClipStatus::Clipped if is_significant(&clipped.part, cell) => {
             visit(Piece::Brep(&clipped.part));
         }
-        Meeting::Clipped | Meeting::Tangled => return false,
+        ClipStatus::Clipped | ClipStatus::Inconsistent => return false,
     }
     true
 }
 
 /// Whether the part is more than what rounding leaves of a cell along its border.
-fn is_something(part: &Brep, cell: &Polyhedron) -> bool {
+fn is_significant(part: &Brep, cell: &Polyhedron) -> bool {
     let [part, cell] = [Piece::Brep(part), Piece::Convex(cell)].map(|piece| piece.extent());
     part.volume > NOTHING * cell.volume
 }
@@ -100,7 +101,7 @@ fn drop_slivers(cell: &Polyhedron, into: &mut Polyhedron, scratch: &mut ClipScra
     around.min -= margin;
     around.max += margin;
     let least = SLIVER * cell.radius_squared();
-    into.assign_cuboid(&around, [Beyond::Inner.label(); 6]);
+    into.assign_cuboid(&around, [FacetKind::Inner.label(); 6]);
     for facet in cell
         .facets()
         .filter(|facet| facet.area_vector().norm() > least)

@@ -1,9 +1,10 @@
-//! A solid as a signed sum of shadows: the robust way.
+//! The part of a convex cell within a closed surface as a signed sum of half-infinite prisms, for
+//! where rounding spoils its boundary.
 //!
 //! From every point of the solid a ray in a fixed direction leaves the solid once more often than
 //! it enters. So the solid's indicator is the sum over the triangles of ± that of the triangle's
-//! *shadow*, the half-infinite prism of the points from which the ray hits the triangle; plus where
-//! the ray leaves. A cell's part of a shadow is the cell clipped by four half-spaces: convex, and
+//! *prism*, the half-infinite one of the points from which the ray hits the triangle; plus where
+//! the ray leaves. A cell's part of a prism is the cell clipped by four half-spaces: convex, and
 //! nothing has to be decided. Only triangles ahead of the cell count.
 //!
 //! This is section 6 of the method (\[BL\] section 3.3 by signed cones) with the apex at infinity,
@@ -11,14 +12,14 @@
 
 use nalgebra::{Point3, Vector3};
 
-use crate::domain::beyond::Beyond;
+use crate::domain::facet_kind::FacetKind;
+use crate::domain::shape::PieceScratch;
+use crate::domain::tri_surface::indexed::IndexedSurface;
 use crate::geometry::bounds::Bounds;
-use crate::geometry::bvh::Bvh;
+use crate::geometry::brep::Piece;
 use crate::geometry::clip::{Clip, ClipScratch, clip};
 use crate::geometry::half_space::HalfSpace;
-use crate::geometry::label::Label;
 use crate::geometry::polyhedron::Polyhedron;
-use crate::mesh::surface::SurfaceMesh;
 
 /// The rays' direction: all components positive, along no plane that a person would build.
 const RAY: [f64; 3] = [
@@ -27,30 +28,33 @@ const RAY: [f64; 3] = [
     0.745_615_920_126_583_1,
 ];
 
-/// Visits the signed parts of the triangles' shadows in `cell`, in coordinates relative to `site`.
-/// `tree` holds the triangles' bounds; `label` names the wall that a triangle belongs to.
-pub fn shadows(
-    surface: &SurfaceMesh,
-    tree: &Bvh,
-    label: impl Fn(u32) -> Label,
+/// Visits the signed parts of the triangles' prisms in `cell`, in coordinates relative to `site`.
+pub fn signed_prisms(
+    surface: &IndexedSurface,
     site: &Point3<f64>,
     cell: &Polyhedron,
-    (part, scratch): (&mut Polyhedron, &mut ClipScratch),
-    mut visit: impl FnMut(f64, &Polyhedron),
+    scratch: &mut PieceScratch,
+    visit: &mut dyn FnMut(f64, Piece<'_>),
 ) {
     let mut around = cell.bounds();
     around.min += site.coords;
     around.max += site.coords;
-    let mut ahead = Vec::new();
-    tree.visit(
-        |bounds| is_ahead(bounds, &around),
-        |triangle| ahead.push(triangle),
-    );
-    for triangle in ahead {
-        part.assign_translated(cell, &Vector3::zeros());
-        let sign = clip_to_shadow(surface, triangle, label(triangle), site, part, scratch);
-        if sign != 0.0 && !part.is_empty() {
-            visit(sign, part);
+    let PieceScratch {
+        piece,
+        clip,
+        candidates,
+        ..
+    } = scratch;
+    candidates.clear();
+    let ahead = |bounds: &Bounds<3>| is_ahead(bounds, &around);
+    surface
+        .bvh
+        .visit(ahead, |triangle| candidates.push(triangle));
+    for &triangle in candidates.iter() {
+        piece.assign_translated(cell, &Vector3::zeros());
+        let sign = clip_to_prism(surface, triangle, site, piece, clip);
+        if sign != 0.0 && !piece.is_empty() {
+            visit(sign, Piece::Convex(piece));
         }
     }
 }
@@ -66,20 +70,18 @@ fn is_ahead(bounds: &Bounds<3>, around: &Bounds<3>) -> bool {
     first <= last + slack
 }
 
-/// Clips `part` to the triangle's shadow; returns the sign with which it counts.
-fn clip_to_shadow(
-    surface: &SurfaceMesh,
+/// Clips `part` to the triangle's prism; returns the sign with which it counts.
+fn clip_to_prism(
+    surface: &IndexedSurface,
     triangle: u32,
-    wall: Label,
     site: &Point3<f64>,
     part: &mut Polyhedron,
     scratch: &mut ClipScratch,
 ) -> f64 {
     let ray = Vector3::from(RAY);
-    let numbers = surface.triangles[triangle as usize];
-    let corners = surface
-        .corners(triangle as usize)
-        .map(|corner| corner - site);
+    let numbers = surface.mesh.triangles[triangle as usize];
+    let corners = surface.mesh.corners(triangle as usize);
+    let corners = corners.map(|corner| corner - site);
     let normal = (corners[1] - corners[0]).cross(&(corners[2] - corners[0]));
     let climb = normal.dot(&ray);
     if climb == 0.0 || !climb.is_finite() {
@@ -97,7 +99,7 @@ fn clip_to_shadow(
             normal: side * outward,
             offset: side.dot(&corners[a]) * outward,
         };
-        if clip(part, &half_space, Beyond::Inner.label(), scratch) == Clip::Emptied {
+        if clip(part, &half_space, FacetKind::Inner.label(), scratch) == Clip::Emptied {
             return 0.0;
         }
     }
@@ -105,6 +107,6 @@ fn clip_to_shadow(
         normal: normal * sign,
         offset: normal.dot(&corners[0]) * sign,
     };
-    clip(part, &cap, wall, scratch);
+    clip(part, &cap, surface.label(triangle), scratch);
     sign
 }

@@ -1,10 +1,10 @@
-//! What lies beyond a facet: the meaning of the labels that geometry carries.
+//! The kinds of facets: the meaning of the labels that geometry carries.
 
 use crate::geometry::label::Label;
 
 /// What a facet of a cell or piece borders on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum Beyond {
+pub enum FacetKind {
     /// The cell of another site, or of an image of one.
     Neighbor {
         /// The neighbor's index.
@@ -21,7 +21,7 @@ pub enum Beyond {
 const WALL: u64 = 1 << 62;
 const INNER: u64 = 2 << 62;
 
-impl Beyond {
+impl FacetKind {
     /// The label that stands for it.
     #[must_use]
     pub const fn label(self) -> Label {
@@ -55,14 +55,14 @@ mod tests {
 
     #[test]
     fn labels_read_back() {
-        let neighbor = |site, image| Beyond::Neighbor { site, image };
-        for beyond in [
+        let neighbor = |site, image| FacetKind::Neighbor { site, image };
+        for kind in [
             neighbor(0, [0, 0, 0]),
             neighbor(u32::MAX, [-1, 1, -1]),
-            Beyond::Wall(7),
-            Beyond::Inner,
+            FacetKind::Wall(7),
+            FacetKind::Inner,
         ] {
-            assert_eq!(Beyond::of(beyond.label()), beyond);
+            assert_eq!(FacetKind::of(kind.label()), kind);
         }
     }
 }

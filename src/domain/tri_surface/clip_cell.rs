@@ -10,14 +10,16 @@
 //! which side its ends are, and an edge that it does not cross has both ends on one side.
 //!
 //! Every step is combinatorial, and every one is checked. A coincidence, or rounding, that breaks
-//! the pattern is told as [`Meeting::Tangled`]: then the result is not to be used.
+//! the pattern is told as [`ClipStatus::Inconsistent`]: then the result is not to be used.
+
+use std::collections::HashMap;
+use std::hash::{BuildHasherDefault, Hasher};
 
 use nalgebra::Point3;
 
-use crate::domain::surface::cell_edges::{CellEdges, Crossing};
-use crate::domain::surface::corner_numbers::CornerNumbers;
-use crate::domain::surface::solid::SurfaceSolid;
-use crate::domain::surface::triangle::{Border, Corner, Plane, TriangleClip};
+use crate::domain::tri_surface::edges::{CellEdges, Crossing};
+use crate::domain::tri_surface::indexed::IndexedSurface;
+use crate::domain::tri_surface::triangle::{Border, Corner, Origin, Plane, TriangleClip};
 use crate::geometry::brep::{Brep, Edge, Extent, Piece};
 use crate::geometry::half_space::HalfSpace;
 use crate::geometry::polyhedron::Polyhedron;
@@ -28,13 +30,13 @@ const CLOSED: f64 = 1e-9;
 
 /// What a cell and a solid have in common.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Meeting {
+pub enum ClipStatus {
     /// No triangle touches the cell.
-    Apart,
+    Disjoint,
     /// The common part stands in [`ClippedCell::part`].
     Clipped,
     /// No consistent boundary was found.
-    Tangled,
+    Inconsistent,
 }
 
 /// The common part of a cell and a solid, and the memory to find it.
@@ -42,9 +44,9 @@ pub enum Meeting {
 pub struct ClippedCell {
     /// The common part, in coordinates relative to the site.
     pub part: Brep,
-    near: Vec<u32>,
+    candidates: Vec<u32>,
     planes: Vec<Plane>,
-    clip: TriangleClip,
+    triangle: TriangleClip,
     shared: CornerNumbers,
     /// (edge of the surface, forward, polygon, from, to).
     sides: Vec<(u32, bool, u32, [u32; 2])>,
@@ -53,28 +55,34 @@ pub struct ClippedCell {
 }
 
 impl ClippedCell {
-    /// Finds what `cell`, in coordinates relative to `site`, and `solid` have in common.
-    pub fn meet(&mut self, solid: &SurfaceSolid, site: &Point3<f64>, cell: &Polyhedron) -> Meeting {
-        if solid.is_clear(site, cell) {
-            return Meeting::Apart;
+    /// Finds what `cell`, in coordinates relative to `site`, and the solid within `surface` have in
+    /// common.
+    pub fn clip(
+        &mut self,
+        surface: &IndexedSurface,
+        site: &Point3<f64>,
+        cell: &Polyhedron,
+    ) -> ClipStatus {
+        if surface.is_clear(site, cell) {
+            return ClipStatus::Disjoint;
         }
-        self.near.clear();
-        solid.near(site, cell, &mut self.near);
-        if self.near.is_empty() {
-            return Meeting::Apart;
+        self.candidates.clear();
+        surface.candidates(site, cell, &mut self.candidates);
+        if self.candidates.is_empty() {
+            return ClipStatus::Disjoint;
         }
         self.begin(cell);
-        self.clip_triangles(solid, site);
+        self.clip_triangles(surface, site);
         if self.part.edges.is_empty() && self.sides.is_empty() {
-            return Meeting::Apart;
+            return ClipStatus::Disjoint;
         }
         let is_closed = self.pair_sides()
-            && self.close(cell, || solid.winding(&(site + cell.vertex(0).coords)))
+            && self.close(cell, || surface.winding(&(site + cell.vertex(0).coords)))
             && self.is_sound(cell);
         if is_closed {
-            Meeting::Clipped
+            ClipStatus::Clipped
         } else {
-            Meeting::Tangled
+            ClipStatus::Inconsistent
         }
     }
 
@@ -91,11 +99,11 @@ impl ClippedCell {
         self.crossings.clear();
     }
 
-    fn clip_triangles(&mut self, solid: &SurfaceSolid, site: &Point3<f64>) {
-        let mut clip = std::mem::take(&mut self.clip);
-        for place in 0..self.near.len() {
-            let triangle = self.near[place];
-            let corners = solid.triangle(triangle, site);
+    fn clip_triangles(&mut self, surface: &IndexedSurface, site: &Point3<f64>) {
+        let mut clip = std::mem::take(&mut self.triangle);
+        let candidates = std::mem::take(&mut self.candidates);
+        for &triangle in &candidates {
+            let corners = surface.triangle(triangle, site);
             let polygon = clip.clip(&corners, &self.planes);
             if polygon.is_empty() {
                 continue;
@@ -106,13 +114,13 @@ impl ClippedCell {
                 normal,
                 offset: normal.dot(&a),
             };
-            self.part.facets.push((half_space, solid.label(triangle)));
-            self.push_polygon(polygon, solid, triangle);
+            self.part.facets.push((half_space, surface.label(triangle)));
+            self.push_polygon(polygon, surface, triangle);
         }
-        self.clip = clip;
+        (self.triangle, self.candidates) = (clip, candidates);
     }
 
-    fn push_polygon(&mut self, polygon: &[Corner], solid: &SurfaceSolid, triangle: u32) {
+    fn push_polygon(&mut self, polygon: &[Corner], surface: &IndexedSurface, triangle: u32) {
         let facet = self.part.facets.len() as u32 - 1;
         let first = self.number(&polygon[0]);
         let mut from = first;
@@ -121,7 +129,7 @@ impl ClippedCell {
             let to = following.map_or(first, |corner| self.number(corner));
             match corner.border {
                 Border::Side(edge) => {
-                    let forward = solid.runs_forward(triangle, edge);
+                    let forward = surface.runs_forward(triangle, edge);
                     self.sides.push((edge, forward, facet, [from, to]));
                 }
                 Border::Plane(plane) => {
@@ -131,14 +139,11 @@ impl ClippedCell {
                         left: facet,
                         right: plane,
                     });
-                    let after = following.unwrap_or(&polygon[0]).border;
-                    if let Border::Plane(after) = after {
-                        let vertex = to;
-                        let before = plane;
+                    if let Border::Plane(after) = following.unwrap_or(&polygon[0]).border {
                         self.crossings.push(Crossing {
-                            before,
+                            before: plane,
                             after,
-                            vertex,
+                            vertex: to,
                         });
                     }
                 }
@@ -183,13 +188,8 @@ impl ClippedCell {
     /// Adds the inner parts of the cell's edges. Where the surface crosses none of them, `winding`
     /// tells on which side vertex 0 is.
     fn close(&mut self, cell: &Polyhedron, winding: impl Fn() -> Option<i32>) -> bool {
-        let Self {
-            part,
-            crossings,
-            edges,
-            ..
-        } = self;
-        edges.cut(crossings, &part.vertices, cell)
+        let (edges, part) = (&mut self.edges, &mut self.part);
+        edges.cut(&self.crossings, &part.vertices, cell)
             && edges.spread(cell, winding)
             && edges.push_inner(cell, part)
     }
@@ -199,5 +199,51 @@ impl ClippedCell {
         let Extent { area, gap, volume } = Piece::Brep(&self.part).extent();
         let whole = Piece::Convex(cell).extent().volume;
         gap.norm() <= CLOSED * area && (-CLOSED * whole..=whole * (1.0 + CLOSED)).contains(&volume)
+    }
+}
+
+/// The numbers of the corners that triangles share within a cell, by what made the corner.
+#[derive(Clone, Debug, Default)]
+struct CornerNumbers {
+    numbers: HashMap<u64, u32, BuildHasherDefault<Mixer>>,
+}
+
+impl CornerNumbers {
+    fn clear(&mut self) {
+        self.numbers.clear();
+    }
+
+    /// The number of the corner, which `make` gives to a new one. A corner within one triangle is
+    /// always new.
+    fn of(&mut self, origin: Origin, make: impl FnOnce() -> u32) -> u32 {
+        let key = match origin {
+            Origin::Within => return make(),
+            Origin::Vertex(vertex) => u64::from(vertex),
+            Origin::Side { edge, plane } => {
+                1 << 63 | u64::from(edge) << 31 | u64::from(plane & 0x7fff_ffff)
+            }
+        };
+        *self.numbers.entry(key).or_insert_with(make)
+    }
+}
+
+/// Fibonacci hashing: numbers of a mesh are no attack, and a cell asks for many.
+#[derive(Clone, Copy, Debug, Default)]
+struct Mixer(u64);
+
+impl Hasher for Mixer {
+    fn finish(&self) -> u64 {
+        self.0
+    }
+
+    fn write(&mut self, bytes: &[u8]) {
+        for &byte in bytes {
+            self.write_u64(u64::from(byte));
+        }
+    }
+
+    fn write_u64(&mut self, number: u64) {
+        let mixed = (self.0 ^ number).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        self.0 = mixed ^ (mixed >> 32);
     }
 }

@@ -1,20 +1,21 @@
 //! The solid filled with tetrahedra, as a domain.
 //!
-//! A cell that no boundary triangle touches is its own only piece, unless the tetrahedra carry a
-//! density. Any other is cut tetrahedron by tetrahedron: the cell is clipped by the four planes of
-//! every near one. Two tetrahedra at a facet are cut by the same plane from either side, so that
-//! nothing is lost or counted twice. Inside and outside, and the way out, are the boundary's affair.
+//! A cell that no boundary triangle touches is its own only piece. Any other is cut tetrahedron by
+//! tetrahedron: the cell is clipped by the four planes of every near one. Two tetrahedra at a facet
+//! are cut by the same plane from either side, so that nothing is lost or counted twice. Inside and
+//! outside, and the way out, are the boundary's affair.
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
-use nalgebra::{Matrix3, Point3, Vector3};
+use nalgebra::{Point3, Vector3};
 
-use crate::domain::beyond::Beyond;
+use crate::domain::candidates::visit_candidates;
 use crate::domain::error::DomainError;
-use crate::domain::near::visit_near;
-use crate::domain::space::{Domain, PieceScratch};
-use crate::domain::surface::clipped::Meeting;
-use crate::domain::surface::solid::SurfaceSolid;
+use crate::domain::facet_kind::FacetKind;
+use crate::domain::shape::{DomainShape, PieceScratch};
+use crate::domain::tri_surface::clip_cell::ClipStatus;
+use crate::domain::tri_surface::solid::SurfaceSolid;
 use crate::geometry::bounds::Bounds;
 use crate::geometry::brep::Piece;
 use crate::geometry::bvh::Bvh;
@@ -22,29 +23,25 @@ use crate::geometry::clip::{Clip, clip};
 use crate::geometry::half_space::HalfSpace;
 use crate::geometry::label::Label;
 use crate::geometry::polyhedron::Polyhedron;
-use crate::integrals::polynomial::Polynomial;
 use crate::mesh::sound::SoundTets;
-use crate::mesh::tets::{FACETS, TetMesh, tet_volume};
+use crate::mesh::tets::{FACETS, TetMesh};
 use crate::mesh::validate::validate;
 
 /// A solid given by tetrahedra that fill it.
 #[derive(Clone, Debug)]
 pub struct TetSolid {
-    mesh: TetMesh,
-    /// Per tetrahedron the labels of the facets opposite its corners.
-    labels: Vec<[Label; 4]>,
-    tree: Bvh,
+    tets: Arc<IndexedTets>,
     boundary: SurfaceSolid,
     volume: f64,
-    density: Option<Density>,
 }
 
-/// A density that is linear on every tetrahedron.
-#[derive(Clone, Debug)]
-struct Density {
-    /// Per tetrahedron the value at its first corner and the gradient.
-    linear: Vec<(f64, Vector3<f64>)>,
-    mean: f64,
+/// Tetrahedra, and what finds those near a cell.
+#[derive(Debug)]
+pub(crate) struct IndexedTets {
+    pub(crate) mesh: TetMesh,
+    /// Per tetrahedron the labels of the facets opposite its corners.
+    labels: Vec<[Label; 4]>,
+    bvh: Bvh,
 }
 
 impl TetSolid {
@@ -67,49 +64,20 @@ impl TetSolid {
         }
         let boundary = SurfaceSolid::new(&surface)?;
         Ok(Self {
-            labels: labels(&mesh, &boundary),
-            tree: Bvh::new(mesh.all_corners().map(|corners| Bounds::of(&corners))),
             volume: mesh.volume(),
+            tets: Arc::new(IndexedTets {
+                labels: labels(&mesh, &boundary),
+                bvh: Bvh::new(mesh.all_corners().map(|corners| Bounds::of(&corners))),
+                mesh,
+            }),
             boundary,
-            mesh,
-            density: None,
         })
-    }
-
-    /// The same solid with a density given at the vertices and linear on every tetrahedron.
-    ///
-    /// # Errors
-    /// When a value is not positive.
-    ///
-    /// # Panics
-    /// If there are fewer values than vertices.
-    pub fn with_density(mut self, values: &[f64]) -> Result<Self, DomainError> {
-        for (&value, vertex) in values.iter().zip(&self.mesh.vertices) {
-            if !(value.is_finite() && value > 0.0) {
-                let position = (*vertex).into();
-                return Err(DomainError::Density { value, position });
-            }
-        }
-        let mut mass = 0.0;
-        let mut linear = Vec::with_capacity(self.mesh.tets.len());
-        for (vertices, corners) in self.mesh.tets.iter().zip(self.mesh.all_corners()) {
-            let values = vertices.map(|vertex| values[vertex as usize]);
-            mass += tet_volume(&corners) * values.iter().sum::<f64>() / 4.0;
-            let edges = [1, 2, 3].map(|k| corners[k] - corners[0]);
-            let rises = Vector3::from([1, 2, 3].map(|k| values[k] - values[0]));
-            let rows = Matrix3::from_columns(&edges).transpose();
-            let gradient = rows.lu().solve(&rises).unwrap_or_default();
-            linear.push((values[0], gradient));
-        }
-        let mean = mass / self.volume;
-        self.density = Some(Density { linear, mean });
-        Ok(self)
     }
 
     /// The tetrahedra.
     #[must_use]
     pub fn mesh(&self) -> &TetMesh {
-        &self.mesh
+        &self.tets.mesh
     }
 
     /// The solid by its boundary.
@@ -118,24 +86,31 @@ impl TetSolid {
         &self.boundary
     }
 
+    /// The tetrahedra, to be held on to.
+    pub(crate) fn indexed(&self) -> &Arc<IndexedTets> {
+        &self.tets
+    }
+}
+
+impl IndexedTets {
     /// Visits the parts of all tetrahedra in `cell`, each with its tetrahedron's number.
-    pub fn visit_parts(
+    pub(crate) fn visit_parts(
         &self,
         site: &Point3<f64>,
         cell: &Polyhedron,
         scratch: &mut PieceScratch,
         mut visit: impl FnMut(u32, &Polyhedron),
     ) {
-        let mut near = std::mem::take(&mut scratch.near);
+        let mut near = std::mem::take(&mut scratch.candidates);
         near.clear();
-        visit_near(&self.tree, site, cell, |tet| near.push(tet));
+        visit_candidates(&self.bvh, site, cell, |tet| near.push(tet));
         for &tet in &near {
             scratch.piece.assign_translated(cell, &Vector3::zeros());
             if self.clip_to(tet, site, scratch) {
                 visit(tet, &scratch.piece);
             }
         }
-        scratch.near = near;
+        scratch.candidates = near;
     }
 
     /// Clips the piece to a tetrahedron and says whether anything is left.
@@ -175,14 +150,16 @@ fn labels(mesh: &TetMesh, boundary: &SurfaceSolid) -> Vec<[Label; 4]> {
     let label = |tet: usize, corners: [usize; 3]| {
         let all = mesh.corners(tet);
         let wall = walls.get(&key(corners.map(|corner| all[corner])));
-        wall.map_or(Beyond::Inner.label(), |&triangle| boundary.label(triangle))
+        wall.map_or(FacetKind::Inner.label(), |&triangle| {
+            boundary.indexed().label(triangle)
+        })
     };
     (0..mesh.tets.len())
         .map(|tet| FACETS.map(|corners| label(tet, corners)))
         .collect()
 }
 
-impl Domain for TetSolid {
+impl DomainShape for TetSolid {
     fn bounds(&self) -> Bounds<3> {
         self.boundary.bounds()
     }
@@ -203,69 +180,32 @@ impl Domain for TetSolid {
         false
     }
 
-    fn pieces(
-        &self,
-        site: &Point3<f64>,
-        cell: &Polyhedron,
-        scratch: &mut PieceScratch,
-        visit: &mut dyn FnMut(f64, Piece<'_>),
-    ) {
-        if scratch.clipped.meet(&self.boundary, site, cell) == Meeting::Apart {
-            visit(1.0, Piece::Convex(cell));
-        } else {
-            self.pieces_within(site, cell, scratch, visit);
-        }
-    }
-
-    fn pieces_within(
+    fn signed_pieces(
         &self,
         site: &Point3<f64>,
         part: &Polyhedron,
+        holds_site: bool,
         scratch: &mut PieceScratch,
         visit: &mut dyn FnMut(f64, Piece<'_>),
     ) {
-        self.visit_parts(site, part, scratch, |_, part| {
-            visit(1.0, Piece::Convex(part))
-        });
-    }
-
-    fn weighted_pieces(
-        &self,
-        site: &Point3<f64>,
-        cell: &Polyhedron,
-        scratch: &mut PieceScratch,
-        visit: &mut dyn FnMut(f64, Piece<'_>, Option<&Polynomial>),
-    ) {
-        let Some(density) = &self.density else {
-            return self.pieces(site, cell, scratch, &mut |sign, part| {
-                visit(sign, part, None)
+        let surface = self.boundary.indexed();
+        if holds_site && scratch.clipped.clip(surface, site, part) == ClipStatus::Disjoint {
+            visit(1.0, Piece::Convex(part));
+        } else {
+            self.tets.visit_parts(site, part, scratch, |_, part| {
+                visit(1.0, Piece::Convex(part));
             });
-        };
-        self.visit_parts(site, cell, scratch, |tet, part| {
-            let (value, gradient) = density.linear[tet as usize];
-            let corner = self.mesh.vertices[self.mesh.tets[tet as usize][0] as usize];
-            let at_site = value - gradient.dot(&(corner - site));
-            let density = Polynomial::linear(at_site, &gradient);
-            visit(1.0, Piece::Convex(part), Some(&density));
-        });
+        }
     }
 
-    fn has_density(&self) -> bool {
-        self.density.is_some()
-    }
-
-    fn mean_density(&self) -> f64 {
-        self.density.as_ref().map_or(1.0, |density| density.mean)
-    }
-
-    fn shape(
+    fn outline(
         &self,
         site: &Point3<f64>,
         cell: &Polyhedron,
         scratch: &mut PieceScratch,
         visit: &mut dyn FnMut(Piece<'_>),
     ) {
-        self.boundary.shape(site, cell, scratch, visit);
+        self.boundary.outline(site, cell, scratch, visit);
     }
 
     fn first_exit(&self, site: &Point3<f64>, step: &Vector3<f64>) -> f64 {

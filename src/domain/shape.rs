@@ -1,22 +1,21 @@
-//! A domain as the rest of the program sees it: a signed sum of pieces.
+//! The shape of a domain: a set of which every convex part is a signed sum of pieces.
 //!
 //! Everything that a cell is worth is additive over a partition of C ∩ Ω into pieces and linear in
-//! signs. So a domain only says from which convex polyhedron a cell starts and which signed pieces
+//! signs. So a shape only says from which convex polyhedron a cell starts and which signed pieces
 //! then overlap it. A piece is convex or given by its boundary.
 
 use std::fmt::Debug;
 
 use nalgebra::{Point3, Vector3};
 
-use crate::domain::surface::clipped::ClippedCell;
+use crate::domain::tri_surface::clip_cell::ClippedCell;
 use crate::geometry::bounds::Bounds;
 use crate::geometry::brep::Piece;
 use crate::geometry::clip::ClipScratch;
 use crate::geometry::polyhedron::Polyhedron;
-use crate::integrals::polynomial::Polynomial;
 
 /// A bounded solid Ω in space, possibly periodic along some axes.
-pub trait Domain: Debug + Send + Sync {
+pub trait DomainShape: Debug + Send + Sync + 'static {
     /// The least axis-aligned box around Ω.
     fn bounds(&self) -> Bounds<3>;
 
@@ -58,56 +57,34 @@ pub trait Domain: Debug + Send + Sync {
         true
     }
 
-    /// Visits the signed pieces of `cell` ∩ Ω. Cell and pieces are in coordinates relative to
-    /// `site`, which both the cell and Ω hold.
-    fn pieces(
+    /// Visits the signed pieces of `part` ∩ Ω for a convex part of a cell, all in coordinates
+    /// relative to `site`. Whether the part `holds_site`, a point of Ω, spares the question on which
+    /// side of Ω's boundary a part lies that the boundary does not touch.
+    fn signed_pieces(
         &self,
         _site: &Point3<f64>,
-        cell: &Polyhedron,
+        part: &Polyhedron,
+        _holds_site: bool,
         _scratch: &mut PieceScratch,
         visit: &mut dyn FnMut(f64, Piece<'_>),
     ) {
-        visit(1.0, Piece::Convex(cell));
+        visit(1.0, Piece::Convex(part));
     }
 
-    /// As [`Domain::pieces`] for a convex part of a cell, which need not hold the site.
-    fn pieces_within(
-        &self,
-        site: &Point3<f64>,
-        part: &Polyhedron,
-        scratch: &mut PieceScratch,
-        visit: &mut dyn FnMut(f64, Piece<'_>),
-    ) {
-        self.pieces(site, part, scratch, visit);
-    }
-
-    /// As [`Domain::pieces`], each piece with its density as a polynomial in the same coordinates;
-    /// none is density 1.
-    fn weighted_pieces(
+    /// Visits the signed pieces of `cell` ∩ Ω, the site's whole cell.
+    fn pieces(
         &self,
         site: &Point3<f64>,
         cell: &Polyhedron,
         scratch: &mut PieceScratch,
-        visit: &mut dyn FnMut(f64, Piece<'_>, Option<&Polynomial>),
+        visit: &mut dyn FnMut(f64, Piece<'_>),
     ) {
-        self.pieces(site, cell, scratch, &mut |sign, piece| {
-            visit(sign, piece, None)
-        });
-    }
-
-    /// Whether some places weigh more than others.
-    fn has_density(&self) -> bool {
-        false
-    }
-
-    /// The mean of the density over Ω; 1 without one.
-    fn mean_density(&self) -> f64 {
-        1.0
+        self.signed_pieces(site, cell, true, scratch, visit);
     }
 
     /// Visits `cell` ∩ Ω in one piece for files and pictures: exact to 1e-9 of the cell's size, and
     /// not at all where it has no boundary that could be shown.
-    fn shape(
+    fn outline(
         &self,
         _site: &Point3<f64>,
         cell: &Polyhedron,
@@ -124,7 +101,7 @@ pub trait Domain: Debug + Send + Sync {
     }
 }
 
-/// The memory of [`Domain::pieces`], to be reused from one cell to the next.
+/// The memory of [`DomainShape::pieces`], to be reused from one cell to the next.
 #[derive(Clone, Debug, Default)]
 pub struct PieceScratch {
     /// A part of a cell, to be cut into pieces.
@@ -135,8 +112,8 @@ pub struct PieceScratch {
     pub clip: ClipScratch,
     /// The part within a surface.
     pub clipped: ClippedCell,
-    /// Elements near a cell.
-    pub near: Vec<u32>,
+    /// Elements that may touch a cell.
+    pub candidates: Vec<u32>,
 }
 
 /// The displacement from `from` to `to`, the shortest one along periodic axes.
