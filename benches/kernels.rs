@@ -6,8 +6,6 @@ use std::hint::black_box;
 
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
 use nalgebra::{Point3, Vector3};
-use rand_chacha::ChaCha8Rng;
-use rand_core::{Rng, SeedableRng};
 
 use chebloyd::chebyshev::energy::{SignedPiece, energy};
 use chebloyd::chebyshev::integrand::Integrand;
@@ -15,8 +13,8 @@ use chebloyd::chebyshev::walk::WalkScratch;
 use chebloyd::domain::cuboid::Cuboid;
 use chebloyd::geometry::clip::{ClipScratch, clip};
 use chebloyd::geometry::half_space::HalfSpace;
-use chebloyd::geometry::moments::Moments;
 use chebloyd::geometry::polyhedron::Polyhedron;
+use chebloyd::geometry::random::Random;
 use chebloyd::relax::space::Space;
 use chebloyd::relax::tessellation::{Minimizer, Norm, Question, Tessellation};
 use chebloyd::voronoi::diagram::Diagram;
@@ -24,8 +22,8 @@ use chebloyd::voronoi::diagram::Diagram;
 const SITES: usize = 10_000;
 
 fn sites() -> Vec<Point3<f64>> {
-    let mut random = ChaCha8Rng::seed_from_u64(1);
-    let mut number = || (random.next_u64() >> 11) as f64 / (1u64 << 53) as f64;
+    let mut random = Random::new(1);
+    let mut number = || random.uniform();
     (0..SITES)
         .map(|_| Point3::new(number(), number(), number()))
         .collect()
@@ -55,7 +53,7 @@ fn kernels(criterion: &mut Criterion) {
         bencher.iter_batched(&mut next, cut, BatchSize::SmallInput);
     });
     criterion.bench_function("moments of a cell", |bencher| {
-        let moments = |cell: Polyhedron| Moments::of(&cell);
+        let moments = |cell: Polyhedron| cell.moments();
         bencher.iter_batched(&mut next, moments, BatchSize::SmallInput);
     });
     criterion.bench_function("prepare a cell for integrals", |bencher| {

@@ -6,8 +6,8 @@
 //! (`PYTHON=… cargo bench --bench mass` to choose one), `benches/mass_numpy.py` runs the same
 //! formulas on the same number of tetrahedra beside it.
 
-use chebloyd::integrals::surface::LinearDensity;
-use chebloyd::integrals::{polynomial_density, surface, tetrahedra};
+use chebloyd::integrals::mesh_moments;
+use chebloyd::integrals::mesh_moments::LinearDensity;
 use chebloyd::mass::density::{Density, Ramp};
 use chebloyd::mass::weigh::weigh_surface;
 use chebloyd::mesh::read::read_surface;
@@ -64,10 +64,10 @@ fn tetrahedra_rows(cells: u32) -> f64 {
     row(
         "  constant density: volume, center, inertia",
         count,
-        &|| tetrahedra::constant(&vertices, &tets, &ORIGIN).mass,
+        &|| mesh_moments::constant(&vertices, &tets, &ORIGIN).mass,
     );
     let linear = row("  linear density: mass, center, inertia", count, &|| {
-        tetrahedra::moments(&vertices, &tets, &densities, &ORIGIN).mass
+        mesh_moments::at_vertices(&vertices, &tets, &densities, &ORIGIN).mass
     });
     println!("  linear / read = {:.2}", linear / read);
     linear
@@ -85,20 +85,20 @@ fn surface_rows(name: &str, side: u32) {
             .sum()
     });
     row("  surface area", count, &|| {
-        surface::area(&vertices, &triangles)
+        mesh_moments::area(&vertices, &triangles)
     });
     let constant = row(
         "  constant density: volume, center, inertia",
         count,
-        &|| surface::constant(&vertices, &triangles, &ORIGIN).mass,
+        &|| mesh_moments::constant(&vertices, &triangles, &ORIGIN).mass,
     );
     let linear = row("  linear density: mass, center, inertia", count, &|| {
-        surface::linear(&vertices, &triangles, &DENSITY, &ORIGIN).mass
+        mesh_moments::linear(&vertices, &triangles, &DENSITY, &ORIGIN).mass
     });
     println!("  linear / constant = {:.2}", linear / constant);
     let quadratic = "1 + 2*x - 0.5*y*z".parse().expect("a polynomial");
     row("  density 1 + 2*x - 0.5*y*z", count, &|| {
-        polynomial_density::solid(&vertices, &triangles, &quadratic, &ORIGIN).mass
+        mesh_moments::polynomial(&vertices, &triangles, &quadratic, &ORIGIN).mass
     });
 }
 

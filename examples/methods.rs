@@ -11,13 +11,13 @@ use std::time::Instant;
 
 use chebloyd::domain::cuboid::Cuboid;
 use chebloyd::geometry::bounds::Bounds;
+use chebloyd::geometry::random::Random;
 use chebloyd::relax::figures::Figures;
 use chebloyd::relax::plan::{KickStyle, Kicks, Plan};
 use chebloyd::relax::space::Space;
 use chebloyd::relax::stand::Stand;
 use chebloyd::relax::tessellation::{Question, Tessellation};
 use chebloyd::relax::travel::travel;
-use chebloyd::scene::random::Uniform;
 use chebloyd::scene::read;
 use nalgebra::Point3;
 
@@ -129,7 +129,7 @@ fn run(space: &Space, name: &str, plan: &Plan, given: &[Point3<f64>], seed: usiz
 
 /// As many random sites as asked for that lie in the domain.
 fn sites(space: &Space, count: usize, seed: u64) -> Vec<Point3<f64>> {
-    let mut uniform = Uniform::new(seed);
+    let mut uniform = Random::new(seed);
     let points = std::iter::repeat_with(|| uniform.point(&space.bounds()));
     let inside = points.filter(|site| space.domain().contains(site));
     inside.take(count).collect()

@@ -14,15 +14,15 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use chebloyd::domain::cuboid::Cuboid;
-use chebloyd::domain::space::Domain;
-use chebloyd::domain::surface::solid::SurfaceSolid;
-use chebloyd::domain::tets::TetSolid;
+use chebloyd::domain::domain::Domain;
+use chebloyd::domain::tet_mesh::TetSolid;
+use chebloyd::domain::tri_surface::solid::SurfaceSolid;
+use chebloyd::geometry::random::Random;
 use chebloyd::mesh::load::{Solid, load};
 use chebloyd::mesh::similarity::Similarity;
 use chebloyd::relax::lloyd::{LloydOptions, lloyd};
 use chebloyd::relax::space::Space;
 use chebloyd::relax::tessellation::{Minimizer, Norm, Question, Tessellation};
-use chebloyd::scene::random::Uniform;
 use nalgebra::Point3;
 
 const LINF: Question = Question {
@@ -83,7 +83,7 @@ fn domain(path: &Path) -> Result<(Box<dyn Domain>, usize), String> {
 }
 
 fn sites(space: &Space, count: usize, seed: u64) -> Vec<Point3<f64>> {
-    let mut uniform = Uniform::new(seed);
+    let mut uniform = Random::new(seed);
     let bounds = space.bounds();
     let places = std::iter::from_fn(|| Some(uniform.point(&bounds)));
     let inside = places.filter(|place| space.domain().contains(place));

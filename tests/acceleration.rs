@@ -5,11 +5,12 @@ use std::ops::ControlFlow;
 
 use chebloyd::domain::convex::ConvexPolyhedron;
 use chebloyd::domain::cuboid::Cuboid;
-use chebloyd::domain::plane::PlaneDomain;
-use chebloyd::domain::surface::solid::SurfaceSolid;
-use chebloyd::domain::weighted::WeightedDomain;
+use chebloyd::domain::domain::WeightedDomain;
+use chebloyd::domain::planar::PlaneDomain;
+use chebloyd::domain::tri_surface::solid::SurfaceSolid;
 use chebloyd::geometry::bounds::Bounds;
 use chebloyd::geometry::half_space::HalfSpace;
+use chebloyd::geometry::random::Random;
 use chebloyd::mesh::shapes::tubes::torus;
 use chebloyd::mesh::validate::validate;
 use chebloyd::relax::lloyd::{LloydOptions, lloyd};
@@ -17,7 +18,6 @@ use chebloyd::relax::plane::Plane;
 use chebloyd::relax::record::Record;
 use chebloyd::relax::space::Space;
 use chebloyd::relax::tessellation::{Minimizer, Norm, Question, Tessellation};
-use chebloyd::scene::random::Uniform;
 use nalgebra::{Point, Point2, Point3, Vector3};
 
 const LINF: Question = Question {
@@ -72,7 +72,7 @@ fn check_moves<const D: usize>(
 }
 
 fn sites_in(space: &Space, count: usize, seed: u64) -> Vec<Point3<f64>> {
-    let mut uniform = Uniform::new(seed);
+    let mut uniform = Random::new(seed);
     let points = std::iter::repeat_with(|| uniform.point(&space.bounds()));
     points
         .filter(|site| space.domain().contains(site))
@@ -124,7 +124,7 @@ fn no_move_ends_above_lloyds_own() {
 fn no_move_in_the_plane_ends_above_lloyds_own() {
     let corners = [[0.0, 0.0], [2.0, 0.0], [1.5, 1.0], [0.0, 1.2]].map(Point2::from);
     let domain = PlaneDomain::from_corners(&corners).unwrap();
-    let mut uniform = Uniform::new(40);
+    let mut uniform = Random::new(40);
     let points = std::iter::repeat_with(|| uniform.point(&domain.bounds()));
     let given: Vec<_> = points
         .filter(|site| domain.contains(site))

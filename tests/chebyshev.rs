@@ -11,27 +11,21 @@ use chebloyd::domain::cuboid::Cuboid;
 use chebloyd::geometry::bounds::Bounds;
 use chebloyd::geometry::clip::{ClipScratch, clip};
 use chebloyd::geometry::half_space::HalfSpace;
-use chebloyd::geometry::moments::Moments;
 use chebloyd::geometry::polyhedron::Polyhedron;
+use chebloyd::geometry::random::Random;
 use chebloyd::minimize::problem::Evaluation;
 use chebloyd::voronoi::diagram::Diagram;
 use nalgebra::{Matrix3, Point3, Vector3};
-use rand_chacha::ChaCha8Rng;
-use rand_core::{Rng, SeedableRng};
 
 use quadrature::gauss;
 
-fn uniform(random: &mut ChaCha8Rng) -> f64 {
-    (random.next_u64() >> 11) as f64 / (1u64 << 53) as f64
-}
-
-fn point(random: &mut ChaCha8Rng) -> Point3<f64> {
-    Point3::new(uniform(random), uniform(random), uniform(random))
+fn point(random: &mut Random) -> Point3<f64> {
+    Point3::new(random.uniform(), random.uniform(), random.uniform())
 }
 
 /// A random convex polyhedron around the origin: a cube cut by bisectors.
 fn random_piece(seed: u64) -> Polyhedron {
-    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let mut random = Random::new(seed);
     let corner = Point3::new(1.0, 1.0, 1.0);
     let around = Bounds {
         min: -corner,
@@ -41,7 +35,7 @@ fn random_piece(seed: u64) -> Polyhedron {
     let mut scratch = ClipScratch::default();
     for label in 0..20 {
         let direction = point(&mut random) - Point3::new(0.5, 0.5, 0.5);
-        let distance = 1.0 + uniform(&mut random);
+        let distance = 1.0 + random.uniform();
         let bisector = HalfSpace::bisector(direction.normalize() * distance);
         clip(&mut piece, &bisector, label, &mut scratch);
     }
@@ -101,7 +95,7 @@ fn a_cube_about_its_center_has_three_eighths_of_its_volume_to_four_thirds() {
 
 #[test]
 fn energies_of_any_order_agree_with_quadrature_over_the_fragments() {
-    let mut random = ChaCha8Rng::seed_from_u64(1);
+    let mut random = Random::new(1);
     for seed in 0..60 {
         let piece = random_piece(seed);
         let center = Point3::from((point(&mut random).coords * 2.0).add_scalar(-1.0) * 0.6);
@@ -116,7 +110,7 @@ fn energies_of_any_order_agree_with_quadrature_over_the_fragments() {
 #[test]
 fn gradients_and_hessians_agree_with_central_differences() {
     let step = 1e-5;
-    let mut random = ChaCha8Rng::seed_from_u64(2);
+    let mut random = Random::new(2);
     for seed in 0..60 {
         let piece = random_piece(seed);
         // Also centers outside the piece.
@@ -161,7 +155,7 @@ fn gradients_and_hessians_agree_with_central_differences() {
 fn the_energy_is_never_below_that_of_the_cube_of_equal_volume() {
     for seed in 0..40 {
         let piece = random_piece(seed);
-        let Moments { volume, .. } = Moments::of(&piece);
+        let volume = piece.moments().mass;
         let least = 0.375 * volume.powf(4.0 / 3.0);
         assert!(evaluate(&piece, &Vector3::zeros(), 1).value >= least);
     }
@@ -170,7 +164,7 @@ fn the_energy_is_never_below_that_of_the_cube_of_equal_volume() {
 #[test]
 fn third_derivatives_agree_with_central_differences() {
     let step = 1e-5;
-    let mut random = ChaCha8Rng::seed_from_u64(5);
+    let mut random = Random::new(5);
     for seed in 0..60 {
         let piece = random_piece(seed);
         let center = (point(&mut random).coords * 2.0).add_scalar(-1.0);
@@ -195,8 +189,8 @@ fn fragments_partition_the_piece() {
         let piece = random_piece(seed);
         let center = Point3::new(0.1, -0.2, 0.05);
         let parts = fragments(&piece, &center, 9);
-        let sum: f64 = parts.iter().map(|part| Moments::of(part).volume).sum();
-        assert_close(sum, Moments::of(&piece).volume, 1e-14, "volume");
+        let sum: f64 = parts.iter().map(|part| part.moments().mass).sum();
+        assert_close(sum, piece.moments().mass, 1e-14, "volume");
     }
 }
 
@@ -248,7 +242,7 @@ fn energies_are_additive_over_a_cut_and_linear_in_signs() {
 fn ties_at_lattice_cells_change_nothing() {
     // Every vertex of a cube cell about its site lies on a diagonal; noise decides its sector.
     for noise in [0.0, 1e-16, 1e-14, 1e-12, 1e-9] {
-        let mut random = ChaCha8Rng::seed_from_u64(4);
+        let mut random = Random::new(4);
         let mut sites = Vec::new();
         for k in 0..64 {
             let cell = Vector3::new((k % 4) as f64, (k / 4 % 4) as f64, (k / 16) as f64);
@@ -261,7 +255,7 @@ fn ties_at_lattice_cells_change_nothing() {
             .map(|(): &mut (), cell| {
                 let here = evaluate(cell.polyhedron(), &Vector3::zeros(), 1);
                 let cubic = evaluate(cell.polyhedron(), &Vector3::zeros(), 3);
-                (here, cubic, Moments::of(cell.polyhedron()).volume)
+                (here, cubic, cell.polyhedron().moments().mass)
             })
             .unwrap();
         let tolerance = 1e-13 + 10.0 * noise;

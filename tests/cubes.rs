@@ -5,10 +5,11 @@ use std::ops::ControlFlow;
 
 use chebloyd::domain::convex::ConvexPolyhedron;
 use chebloyd::domain::cuboid::Cuboid;
-use chebloyd::domain::surface::solid::SurfaceSolid;
-use chebloyd::domain::weighted::WeightedDomain;
+use chebloyd::domain::domain::WeightedDomain;
+use chebloyd::domain::tri_surface::solid::SurfaceSolid;
 use chebloyd::geometry::bounds::Bounds;
 use chebloyd::geometry::half_space::HalfSpace;
+use chebloyd::geometry::random::Random;
 use chebloyd::mesh::shapes::tubes::torus;
 use chebloyd::mesh::validate::validate;
 use chebloyd::relax::figures::Figures;
@@ -20,7 +21,6 @@ use chebloyd::relax::space::Space;
 use chebloyd::relax::stand::Stand;
 use chebloyd::relax::tessellation::Tessellation;
 use chebloyd::relax::travel::travel;
-use chebloyd::scene::random::Uniform;
 use nalgebra::{Point3, Vector3};
 
 fn boxed(extent: [f64; 3], periodic: [bool; 3]) -> Space {
@@ -61,7 +61,7 @@ fn ring() -> Space {
 }
 
 fn random_sites(space: &Space, count: usize, seed: u64) -> Vec<Point3<f64>> {
-    let mut uniform = Uniform::new(seed);
+    let mut uniform = Random::new(seed);
     let points = std::iter::repeat_with(|| uniform.point(&space.bounds()));
     points
         .filter(|site| space.domain().contains(site))

@@ -7,6 +7,7 @@ use std::fs;
 
 use chebloyd::export::log::{LogError, read_log};
 use chebloyd::export::vtu::{CellGeometry, VtuWriter, write_cells};
+use chebloyd::geometry::brep::Piece;
 use chebloyd::geometry::shell::Shell;
 use common::{cell, grid_sites, random_sites};
 use nalgebra::{Point2, Point3};
@@ -180,7 +181,8 @@ fn written(cells: impl IntoIterator<Item = CellGeometry>) -> Vtu {
 #[test]
 fn cells_fill_the_cube_in_the_file_too() {
     let sites = random_sites(300, 7);
-    let cells = (0..300).map(|site| geometry(site, Shell::from(&cell(&sites, site))));
+    let cells =
+        (0..300).map(|site| geometry(site, Shell::from(Piece::Convex(&cell(&sites, site)))));
     let file = written(cells.clone());
     let (points, count) = (file.count("NumberOfPoints"), file.count("NumberOfCells"));
     assert_eq!(count, 300);
@@ -212,7 +214,9 @@ fn cells_fill_the_cube_in_the_file_too() {
 #[test]
 fn lattice_cells_are_clean_cubes_in_the_file() {
     let sites = grid_sites(4);
-    let file = written((0..64).map(|site| geometry(site, Shell::from(&cell(&sites, site)))));
+    let file = written(
+        (0..64).map(|site| geometry(site, Shell::from(Piece::Convex(&cell(&sites, site))))),
+    );
     assert_eq!(file.count("NumberOfPoints"), 64 * 8);
     // Per cell: the number of faces, then six times a count and four corners.
     assert_eq!(file.integers("faces").len(), 64 * 31);
@@ -236,7 +240,7 @@ fn cells_of_the_plane_are_polygons() {
 #[test]
 fn many_cells_pass_through_scratch_files() {
     // More than the MiB that an array may hold in memory.
-    let cube = Shell::from(&cell(&grid_sites(1), 0));
+    let cube = Shell::from(Piece::Convex(&cell(&grid_sites(1), 0)));
     let file = written((0..20_000).map(|site| geometry(site, cube.clone())));
     assert_eq!(file.count("NumberOfCells"), 20_000);
     assert!((file.volumes().iter().sum::<f64>() - 20_000.0).abs() < 1e-9);

@@ -9,9 +9,11 @@ use std::ops::ControlFlow;
 
 use chebloyd::domain::convex::ConvexPolyhedron;
 use chebloyd::domain::cuboid::Cuboid;
-use chebloyd::domain::space::Domain;
-use chebloyd::domain::surface::solid::SurfaceSolid;
+use chebloyd::domain::domain::Domain;
+use chebloyd::domain::shape::DomainShape;
+use chebloyd::domain::tri_surface::solid::SurfaceSolid;
 use chebloyd::geometry::half_space::HalfSpace;
+use chebloyd::geometry::random::Random;
 use chebloyd::mesh::shapes::tubes::torus;
 use chebloyd::mesh::validate::validate;
 use chebloyd::relax::boundary_frames::boundary_frames;
@@ -21,7 +23,6 @@ use chebloyd::relax::space::Space;
 use chebloyd::relax::stand::Stand;
 use chebloyd::relax::tessellation::{Minimizer, Norm, Question};
 use chebloyd::relax::travel::travel;
-use chebloyd::scene::random::Uniform;
 use nalgebra::{Matrix3, Point3, Rotation3, Vector3};
 
 use desk::{Desk, assert_all_in};
@@ -53,7 +54,7 @@ fn ring() -> Box<dyn Domain> {
 }
 
 fn sites_in(domain: &dyn Domain, count: usize, seed: u64) -> Vec<Point3<f64>> {
-    let mut uniform = Uniform::new(seed);
+    let mut uniform = Random::new(seed);
     let points = std::iter::repeat_with(|| uniform.point(&domain.bounds()));
     points
         .filter(|site| domain.contains(site))

@@ -2,11 +2,10 @@
 
 use chebloyd::geometry::bounds::Bounds;
 use chebloyd::geometry::clip::{Clip, ClipScratch, clip};
-use chebloyd::geometry::compact::Compact;
-use chebloyd::geometry::compact_clip::{CompactScratch, Full};
 use chebloyd::geometry::half_space::HalfSpace;
-use chebloyd::geometry::moments::Moments;
 use chebloyd::geometry::polyhedron::Polyhedron;
+use chebloyd::geometry::small_polyhedron::SmallPolyhedron;
+use chebloyd::geometry::small_polyhedron_clip::{Full, SmallClipScratch};
 use nalgebra::{Point3, Vector3};
 use proptest::prelude::*;
 
@@ -20,7 +19,7 @@ fn cube() -> Polyhedron {
 }
 
 fn volume(polyhedron: &Polyhedron) -> f64 {
-    Moments::of(polyhedron).volume
+    polyhedron.moments().mass
 }
 
 fn opposite(half_space: &HalfSpace) -> HalfSpace {
@@ -99,8 +98,8 @@ fn clipped(planes: &[HalfSpace]) -> Polyhedron {
 
 /// As [`clipped`], in slots, as far as these suffice.
 fn clipped_in_slots(planes: &[HalfSpace]) -> Result<Polyhedron, Full> {
-    let mut compact = Compact::default();
-    let mut scratch = CompactScratch::default();
+    let mut compact = SmallPolyhedron::default();
+    let mut scratch = SmallClipScratch::default();
     // What the memory has held before must not matter.
     for planes in [&planes[planes.len() / 2..], planes] {
         assert!(compact.assign(&cube()));
@@ -211,8 +210,8 @@ fn a_clip_says_what_it_did() {
 
 #[test]
 fn what_does_not_fit_in_slots_stays_as_it_was() {
-    let mut compact = Compact::default();
-    let mut scratch = CompactScratch::default();
+    let mut compact = SmallPolyhedron::default();
+    let mut scratch = SmallClipScratch::default();
     assert!(compact.assign(&cube()));
     // A dome of ever more facets.
     let plane = |k: u32| {
@@ -248,34 +247,39 @@ fn labels_stay_with_their_facets() {
 }
 
 #[test]
-fn tetrahedra_of_either_orientation_are_the_same_set() {
-    let corners = [
-        Point3::origin(),
-        Point3::new(1.0, 0.0, 0.0),
-        Point3::new(0.0, 2.0, 0.0),
-        Point3::new(0.0, 0.0, 3.0),
-    ];
-    let mirrored = [corners[1], corners[0], corners[2], corners[3]];
-    for (corners, labels) in [(corners, [0, 1, 2, 3]), (mirrored, [1, 0, 2, 3])] {
-        let tetrahedron = Polyhedron::tetrahedron(&corners, labels);
-        assert_eq!(check(&tetrahedron), Ok(()));
-        let moments = Moments::of(&tetrahedron);
-        assert!((moments.volume - 1.0).abs() < 1e-15);
-        assert!((moments.centroid() - Point3::new(0.25, 0.5, 0.75)).norm() < 1e-15);
-        // ∫ x² + y² + z² over it is V (1² + 2² + 3²)/10.
-        assert!((moments.second - 1.4).abs() < 1e-14);
-        let slanted = tetrahedron
-            .facets()
-            .find(|facet| facet.label() == 0)
-            .unwrap();
-        assert!(slanted.half_space().normal.min() > 0.0);
+fn a_tetrahedron_has_the_moments_of_the_textbook() {
+    // The corner x, y, z ≥ 0 with x + y/2 + z/3 ≤ 1, of which the cube's walls cut nothing.
+    let sides = [[-1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, -1.0]];
+    let sides = sides.map(|normal| (normal, 0.0)).into_iter();
+    let mut tetrahedron = Polyhedron::cuboid(
+        &Bounds {
+            min: Point3::new(-4.0, -4.0, -4.0),
+            max: Point3::new(4.0, 4.0, 4.0),
+        },
+        [9; 6],
+    );
+    let mut scratch = ClipScratch::default();
+    for (label, (normal, offset)) in sides.chain([([6.0, 3.0, 2.0], 6.0)]).enumerate() {
+        let normal = Vector3::from(normal);
+        let plane = HalfSpace { normal, offset };
+        clip(&mut tetrahedron, &plane, label as u64, &mut scratch);
+    }
+    assert_eq!(check(&tetrahedron), Ok(()));
+    assert_eq!(labels(&tetrahedron), [0, 1, 2, 3]);
+    let moments = tetrahedron.moments();
+    assert!((moments.mass - 1.0).abs() < 1e-14);
+    assert!((moments.centroid() - Point3::new(0.25, 0.5, 0.75)).norm() < 1e-14);
+    // ∫ x² = V 1²/10 and ∫ x y = V 1·2/20 over it, and so on.
+    let second = [0.1, 0.4, 0.9, 0.1, 0.3, 0.15];
+    for (value, expected) in moments.ten()[4..].iter().zip(second) {
+        assert!((value - expected).abs() < 1e-14, "{value} {expected}");
     }
 }
 
 #[test]
 fn moments_follow_the_parallel_axis_relation() {
-    let moments = Moments::of(&cube());
-    assert!((moments.second - 8.0).abs() < 1e-14);
+    let moments = cube().moments();
+    assert!((moments.second.trace() - 8.0).abs() < 1e-14);
     // About a corner: 8 + 8 · 3.
     assert!((moments.second_about(&Point3::new(1.0, 1.0, 1.0)) - 32.0).abs() < 1e-13);
 }

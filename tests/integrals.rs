@@ -1,10 +1,11 @@
 //! What must hold of the closed forms: printed tables, rational arithmetic, additivity.
 
-use chebloyd::integrals::moments::Moments;
-use chebloyd::integrals::polygon::{self, Face};
+use chebloyd::geometry::moments::Moments;
+use chebloyd::integrals::mesh_moments::LinearDensity;
 use chebloyd::integrals::polynomial::Polynomial;
-use chebloyd::integrals::surface::LinearDensity;
-use chebloyd::integrals::{mirtich, polynomial_density, series, structure, surface, tetrahedra};
+use chebloyd::integrals::reference::polygon::{self, Face};
+use chebloyd::integrals::reference::{cattani_paoluzzi, mirtich, tetrahedron};
+use chebloyd::integrals::{mesh_moments, series};
 use nalgebra::{Matrix3, Point2, Point3, Vector3};
 use num_bigint::BigInt;
 use num_rational::BigRational;
@@ -188,24 +189,29 @@ fn random_monomials_over_random_tetrahedra_have_their_rational_values() {
     let mut random = ChaCha8Rng::seed_from_u64(5);
     for case in 0..40 {
         let mut corners = [(); 4].map(|()| random_point(&mut random));
-        if tetrahedra::volume(&corners) < 0.0 {
+        if tetrahedron::volume(&corners) < 0.0 {
             corners.swap(0, 1);
         }
         let e = random_exponents(&mut random);
         let exact = rational_solid(&corners, &TET_FACES, e);
         let what = format!("case {case} {e:?}");
-        agrees(structure::tetrahedron(&corners, e), &exact, 1.0, &what);
         agrees(
-            structure::solid(&corners, &TET_FACES, e),
+            cattani_paoluzzi::tetrahedron(&corners, e),
+            &exact,
+            1.0,
+            &what,
+        );
+        agrees(
+            cattani_paoluzzi::solid(&corners, &TET_FACES, e),
             &exact,
             1.0,
             &what,
         );
         let density = Polynomial::monomial(1.0, e);
         for origin in [ORIGIN, random_point(&mut random)] {
-            let body = polynomial_density::solid(&corners, &TET_FACES, &density, &origin);
+            let body = mesh_moments::polynomial(&corners, &TET_FACES, &density, &origin);
             agrees(body.mass, &exact, 1.0, &what);
-            let body = polynomial_density::tetrahedra(&corners, &[[0, 1, 2, 3]], &density, &origin);
+            let body = mesh_moments::polynomial(&corners, &[[0, 1, 2, 3]], &density, &origin);
             agrees(body.mass, &exact, 1.0, &what);
         }
     }
@@ -226,7 +232,7 @@ fn random_monomials_over_random_polyhedra_have_their_rational_values() {
         let largest = vertices.iter().map(|v| v.coords.amax()).fold(1.0, f64::max);
         let scale = largest.powi(3 + i32::try_from(series::degree(e)).unwrap());
         agrees(
-            structure::solid(&vertices, &triangles, e),
+            cattani_paoluzzi::solid(&vertices, &triangles, e),
             &exact,
             scale,
             &what,
@@ -239,7 +245,7 @@ fn random_monomials_over_random_polyhedra_have_their_rational_values() {
             &what,
         );
         let density = Polynomial::monomial(1.0, e);
-        let body = polynomial_density::solid(&vertices, &triangles, &density, &ORIGIN);
+        let body = mesh_moments::polynomial(&vertices, &triangles, &density, &ORIGIN);
         agrees(body.mass, &exact, scale, &what);
     }
 }
@@ -253,7 +259,7 @@ fn a_triangle_in_space_has_the_structure_product_of_equation_10() {
         let exact = structure_product(&corners.each_ref().map(exact_point), e);
         let [o, a, b] = corners;
         let jacobian = (a - o).cross(&(b - o)).norm();
-        let got = structure::triangle(&corners, e) / jacobian;
+        let got = cattani_paoluzzi::triangle(&corners, e) / jacobian;
         agrees(got, &exact, 1.0, &format!("{e:?}"));
     }
 }
@@ -263,7 +269,12 @@ fn the_unit_triangle_has_the_values_of_equation_6() {
     for alpha in 0..=12 {
         for beta in 0..=12 {
             let exact = unit_triangle(alpha, beta).to_f64().unwrap();
-            close(structure::unit_triangle(alpha, beta), exact, 1e-15, "II");
+            close(
+                cattani_paoluzzi::unit_triangle(alpha, beta),
+                exact,
+                1e-15,
+                "II",
+            );
         }
     }
 }
@@ -276,7 +287,7 @@ fn mirtich_table_1_holds_to_15_digits() {
     let fifth = 20.0_f64.powi(5) / 12.0;
     let expected = [8000.0, 0.0, 0.0, 0.0, fifth, fifth, fifth, 0.0, 0.0, 0.0];
     let walked = mirtich::ten_integrals(&vertices, &faces(&QUADS), &ORIGIN).ten();
-    let coned = surface::constant(&vertices, &triangles, &ORIGIN).ten();
+    let coned = mesh_moments::constant(&vertices, &triangles, &ORIGIN).ten();
     for ((walked, coned), expected) in walked.into_iter().zip(coned).zip(expected) {
         close(walked, expected, 1e-15, "Table 1, cube");
         close(coned, expected, 1e-15, "Table 1, cube");
@@ -284,7 +295,7 @@ fn mirtich_table_1_holds_to_15_digits() {
     let corners = [[0.0; 3], [5.0, 0.0, 0.0], [0.0, 4.0, 0.0], [0.0, 0.0, 3.0]].map(Point3::from);
     let expected = [10.0, 12.5, 10.0, 7.5, 25.0, 16.0, 9.0, 10.0, 6.0, 7.5];
     let walked = mirtich::ten_integrals(&corners, &faces(&TET_FACES), &ORIGIN).ten();
-    let coned = surface::constant(&corners, &TET_FACES, &ORIGIN).ten();
+    let coned = mesh_moments::constant(&corners, &TET_FACES, &ORIGIN).ten();
     for ((walked, coned), expected) in walked.into_iter().zip(coned).zip(expected) {
         close(walked, expected, 1e-15, "Table 1, tetrahedron");
         close(coned, expected, 1e-15, "Table 1, tetrahedron");
@@ -305,7 +316,7 @@ fn mirtich_table_2_holds_to_all_printed_digits() {
         let (vertices, triangles) = icosphere(refinements);
         assert_eq!(vertices.len(), count);
         let walked = mirtich::ten_integrals(&vertices, &faces(&triangles), &ORIGIN);
-        let coned = surface::constant(&vertices, &triangles, &ORIGIN);
+        let coned = mesh_moments::constant(&vertices, &triangles, &ORIGIN);
         for moments in [walked, coned] {
             assert_eq!(format!("{:.3}", moments.mass), volume);
             assert_eq!(format!("{:.4}", moments.second.m11), second);
@@ -318,10 +329,10 @@ fn mirtich_table_2_holds_to_all_printed_digits() {
 #[test]
 fn the_examples_of_cattani_and_paoluzzi_hold() {
     let simplex = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(Point3::from);
-    let area = structure::surface(&simplex[..3], &[[0, 1, 2]], [0; 3]);
+    let area = cattani_paoluzzi::surface(&simplex[..3], &[[0, 1, 2]], [0; 3]);
     close(area, 0.5, 1e-15, "test 01, standard triangle");
     let faces = [[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]];
-    let volume = structure::solid(&simplex, &faces, [0; 3]);
+    let volume = cattani_paoluzzi::solid(&simplex, &faces, [0; 3]);
     close(volume, 1.0 / 6.0, 1e-15, "test 02, standard tetrahedron");
     let (vertices, triangles) = cube([0.0; 3], 1.0);
     let inside_out: Vec<_> = triangles.iter().map(|&[a, b, c]| [a, c, b]).collect();
@@ -332,19 +343,19 @@ fn the_examples_of_cattani_and_paoluzzi_hold() {
         ([1, 1, 0], 0.25),
         ([3, 2, 1], 1.0 / 24.0),
     ] {
-        let got = structure::solid(&vertices, &triangles, exponents);
+        let got = cattani_paoluzzi::solid(&vertices, &triangles, exponents);
         close(got, expected, 1e-15, "test 03, unit cube");
-        let got = structure::solid(&vertices, &inside_out, exponents);
+        let got = cattani_paoluzzi::solid(&vertices, &inside_out, exponents);
         close(got, -expected, 1e-15, "unit cube inside out");
     }
     close(
-        structure::surface(&vertices, &triangles, [0; 3]),
+        cattani_paoluzzi::surface(&vertices, &triangles, [0; 3]),
         6.0,
         1e-15,
         "its surface",
     );
     close(
-        surface::area(&vertices, &triangles),
+        mesh_moments::area(&vertices, &triangles),
         6.0,
         1e-15,
         "its surface",
@@ -362,21 +373,26 @@ fn the_non_convex_polygon_of_test_04_is_integrated_with_signs() {
         .zip(y)
         .map(|(x, y)| Point2::new(x, y))
         .collect();
-    close(structure::polygon(&points, 0, 0), area, 1e-15, "eq. 4");
+    close(
+        cattani_paoluzzi::polygon(&points, 0, 0),
+        area,
+        1e-15,
+        "eq. 4",
+    );
     let vertices: Vec<_> = points.iter().map(|p| Point3::new(p.x, p.y, 0.0)).collect();
     let fan: Vec<_> = (1..7).map(|i| [0, i, i + 1]).collect();
     let up = Vector3::new(0.0, 0.0, 3.0);
-    let signed = |e| structure::planar_surface(&vertices, &fan, &up, e);
+    let signed = |e| cattani_paoluzzi::planar_surface(&vertices, &fan, &up, e);
     close(signed([0; 3]), area, 1e-15, "signed fan");
-    assert!(structure::surface(&vertices, &fan, [0; 3]) > area.abs() + 1.0);
+    assert!(cattani_paoluzzi::surface(&vertices, &fan, [0; 3]) > area.abs() + 1.0);
     close(
         signed([3, 2, 0]),
-        structure::polygon(&points, 3, 2),
+        cattani_paoluzzi::polygon(&points, 3, 2),
         1e-13,
         "products",
     );
     let backwards: Vec<_> = fan.iter().map(|&[a, b, c]| [a, c, b]).collect();
-    let positive = structure::planar_surface(&vertices, &backwards, &up, [0; 3]);
+    let positive = cattani_paoluzzi::planar_surface(&vertices, &backwards, &up, [0; 3]);
     close(positive, -area, 1e-15, "test 05, reversed");
 }
 
@@ -493,7 +509,7 @@ fn every_projection_axis_gives_the_same_ten_integrals() {
     let walked = mirtich::ten_integrals(&spiky, &self::faces(&triangles), &ORIGIN);
     same(
         &walked,
-        &surface::constant(&spiky, &triangles, &ORIGIN),
+        &mesh_moments::constant(&spiky, &triangles, &ORIGIN),
         1e-14,
     );
 }
@@ -533,7 +549,7 @@ fn appendix_c(x0: f64, h: f64) -> ([Point3<f64>; 8], [[u32; 4]; 5]) {
         [1, 3, 4, 6],
     ];
     for tet in &mut tets {
-        if tetrahedra::volume(&tet.map(|v| vertices[v as usize])) < 0.0 {
+        if tetrahedron::volume(&tet.map(|v| vertices[v as usize])) < 0.0 {
             tet.swap(0, 1);
         }
     }
@@ -554,19 +570,19 @@ fn the_box_of_appendix_c_weighs_what_its_five_tetrahedra_weigh() {
         let corners = tet.map(|v| vertices[v as usize]);
         let values = tet.map(|v| densities[v as usize]);
         close(
-            tetrahedra::volume(&corners),
+            tetrahedron::volume(&corners),
             sixths * h / 6.0,
             1e-15,
             "volume",
         );
-        let weight = tetrahedra::mass(&corners, &values);
+        let weight = tetrahedron::mass(&corners, &values);
         total += weight;
-        center += tetrahedra::mass_center(&corners, &values).coords * weight;
+        center += tetrahedron::mass_center(&corners, &values).coords * weight;
     }
     close(total, mass, 1e-15, "mass, eq. 13 and 16");
     close(center.x / total, x, 1e-15, "center, eq. 14 and 18");
     assert!((center.y / total).abs() < 1e-15 && (center.z / total).abs() < 1e-15);
-    let moments = tetrahedra::moments(&vertices, &tets, &densities, &ORIGIN);
+    let moments = mesh_moments::at_vertices(&vertices, &tets, &densities, &ORIGIN);
     close(moments.mass, mass, 1e-15, "mass");
     close(moments.center().x, x, 1e-15, "center");
     let primitive = |x: f64| s * x.powi(4) / 4.0 + t * x.powi(3) / 3.0;
@@ -575,7 +591,8 @@ fn the_box_of_appendix_c_weighs_what_its_five_tetrahedra_weigh() {
     close(moments.second.m22, mass / 12.0, 1e-14, "∫ρy²");
     let one_by_one = tets.iter().fold(Matrix3::zeros(), |sum, tet| {
         let corners = tet.map(|v| vertices[v as usize]);
-        sum + tetrahedra::inertia(&corners, &tet.map(|v| densities[v as usize]), &ORIGIN)
+        let densities = tet.map(|v| densities[v as usize]);
+        sum + mesh_moments::at_vertices(&corners, &[[0, 1, 2, 3]], &densities, &ORIGIN).inertia()
     });
     assert!((moments.inertia() - one_by_one).amax() < 1e-14);
 }
@@ -584,13 +601,13 @@ fn the_box_of_appendix_c_weighs_what_its_five_tetrahedra_weigh() {
 fn constant_linear_and_polynomial_densities_agree_where_they_meet() {
     let (vertices, triangles) = icosphere(2);
     let origin = Point3::new(0.3, -0.2, 0.1);
-    let constant = surface::constant(&vertices, &triangles, &origin) * 2.5;
+    let constant = mesh_moments::constant(&vertices, &triangles, &origin) * 2.5;
     let flat = LinearDensity {
         value: 2.5,
         gradient: Vector3::zeros(),
     };
     same(
-        &surface::linear(&vertices, &triangles, &flat, &origin),
+        &mesh_moments::linear(&vertices, &triangles, &flat, &origin),
         &constant,
         1e-14,
     );
@@ -600,8 +617,8 @@ fn constant_linear_and_polynomial_densities_agree_where_they_meet() {
         gradient,
     };
     let polynomial = Polynomial::linear(2.5 - gradient.dot(&origin.coords), &gradient);
-    let linear = surface::linear(&vertices, &triangles, &density, &origin);
-    let general = polynomial_density::solid(&vertices, &triangles, &polynomial, &origin);
+    let linear = mesh_moments::linear(&vertices, &triangles, &density, &origin);
+    let general = mesh_moments::polynomial(&vertices, &triangles, &polynomial, &origin);
     same(&linear, &general, 1e-14);
     // The cones as tetrahedra of linear density.
     let apex = u32::try_from(vertices.len()).unwrap();
@@ -609,12 +626,12 @@ fn constant_linear_and_polynomial_densities_agree_where_they_meet() {
     let with_apex = [vertices, vec![origin]].concat();
     let values: Vec<_> = with_apex.iter().map(|v| polynomial.at(v)).collect();
     same(
-        &tetrahedra::moments(&with_apex, &cones, &values, &origin),
+        &mesh_moments::at_vertices(&with_apex, &cones, &values, &origin),
         &linear,
         1e-14,
     );
     same(
-        &(tetrahedra::constant(&with_apex, &cones, &origin) * 2.5),
+        &(mesh_moments::constant(&with_apex, &cones, &origin) * 2.5),
         &constant,
         1e-14,
     );
@@ -625,16 +642,16 @@ fn moving_the_origin_is_moving_the_body() {
     let (vertices, triangles) = icosphere(1);
     let offset = Vector3::new(0.5, 1.0, -0.75);
     let moved: Vec<_> = vertices.iter().map(|v| v + offset).collect();
-    let image = surface::constant(&vertices, &triangles, &ORIGIN).moved(&offset);
+    let image = mesh_moments::constant(&vertices, &triangles, &ORIGIN).moved(&offset);
     same(
         &image,
-        &surface::constant(&moved, &triangles, &ORIGIN),
+        &mesh_moments::constant(&moved, &triangles, &ORIGIN),
         1e-14,
     );
     let from = Point3::from(-offset);
     same(
         &image,
-        &surface::constant(&vertices, &triangles, &from),
+        &mesh_moments::constant(&vertices, &triangles, &from),
         1e-14,
     );
 }
@@ -644,8 +661,8 @@ fn an_affine_map_scales_the_volume_by_its_determinant() {
     let (vertices, triangles) = icosphere(1);
     let map = Matrix3::new(1.0, 0.5, 0.0, -0.25, 2.0, 0.125, 0.0, 1.0, 1.5);
     let mapped: Vec<_> = vertices.iter().map(|v| map * v).collect();
-    let moments = surface::constant(&vertices, &triangles, &ORIGIN);
-    let image = surface::constant(&mapped, &triangles, &ORIGIN);
+    let moments = mesh_moments::constant(&vertices, &triangles, &ORIGIN);
+    let image = mesh_moments::constant(&mapped, &triangles, &ORIGIN);
     close(
         image.mass,
         moments.mass * map.determinant(),
@@ -663,7 +680,7 @@ fn one_thread_or_many_give_the_same_bits() {
         value: 1.0,
         gradient: Vector3::new(0.1, 0.2, 0.3),
     };
-    let run = || surface::linear(&vertices, &triangles, &density, &ORIGIN).ten();
+    let run = || mesh_moments::linear(&vertices, &triangles, &density, &ORIGIN).ten();
     let [one, three] = [1, 3].map(|threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
         pool.build().unwrap().install(run).map(f64::to_bits)

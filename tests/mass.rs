@@ -1,9 +1,10 @@
 //! What must hold of bodies: transfer of axes, cutting, profiles, three ways to one mass.
 
 use chebloyd::geometry::bounds::Bounds;
-use chebloyd::integrals::moments::Moments;
+use chebloyd::geometry::moments::Moments;
+use chebloyd::integrals::mesh_moments;
 use chebloyd::integrals::polynomial::Polynomial;
-use chebloyd::integrals::{polynomial_density, structure, surface, tetrahedra};
+use chebloyd::integrals::reference::{cattani_paoluzzi, tetrahedron};
 use chebloyd::mass::body::Body;
 use chebloyd::mass::cut::cut;
 use chebloyd::mass::density::{Density, Ramp};
@@ -195,7 +196,7 @@ fn a_cube_has_the_coordinate_axes_for_its_body_frame() {
 // ------------------------------------------------------------- splitting and cutting
 
 fn tet_volume(corners: &[Point3<f64>; 4]) -> f64 {
-    tetrahedra::volume(corners)
+    tetrahedron::volume(corners)
 }
 
 /// Every placement of four corners about a plane, every order of ids.
@@ -297,7 +298,7 @@ proptest! {
         close(after.volume, before.volume, 1e-14, "volume");
         same(&after, &before, 1e-13, "cut");
         for (tet, &above) in halves.mesh.all_corners().zip(&halves.above) {
-            prop_assert!(tetrahedra::volume(&tet) >= 0.0);
+            prop_assert!(tetrahedron::volume(&tet) >= 0.0);
             let side = tet.iter().map(|v| normal.dot(&v.coords) - offset);
             let (low, high) = side.fold((0.0_f64, 0.0_f64), |(l, h), d| (l.min(d), h.max(d)));
             let on_its_side = if above { low > -1e-14 } else { high < 1e-14 };
@@ -373,7 +374,7 @@ fn a_profile_weighs_the_same_in_tetrahedra_and_within_the_surface() {
         .fold(mesh, |mesh, &offset| cut(&mesh, &unit, offset).mesh);
     let densities: Vec<f64> = sliced.vertices.iter().map(|v| inner.at_point(v)).collect();
     let near = extent.center();
-    let moments = tetrahedra::moments(&sliced.vertices, &sliced.tets, &densities, &near);
+    let moments = mesh_moments::at_vertices(&sliced.vertices, &sliced.tets, &densities, &near);
     let by_hand = Body::from_moments(filled.volume, 0.0, &moments, &near);
     same(&by_hand, &filled, 1e-13, "sliced");
 }
@@ -412,7 +413,7 @@ fn by_structure_products(mesh: &SurfaceMesh, density: &Polynomial, near: &Point3
         let product = density.clone() * Polynomial::monomial(1.0, e);
         let terms = product.terms();
         terms
-            .map(|(e, value)| value * structure::solid(&local, &mesh.triangles, e))
+            .map(|(e, value)| value * cattani_paoluzzi::solid(&local, &mesh.triangles, e))
             .sum()
     }))
 }
@@ -425,7 +426,7 @@ fn by_cones(mesh: &SurfaceMesh, density: &Polynomial, near: &Point3<f64>) -> Mom
         .iter()
         .map(|&[a, b, c]| [0, a, b, c])
         .collect();
-    tetrahedra::moments(&mesh.vertices, &cones, &values, near)
+    mesh_moments::at_vertices(&mesh.vertices, &cones, &values, near)
 }
 
 fn three_ways(mesh: &SurfaceMesh, what: &str) {
@@ -440,7 +441,7 @@ fn three_ways(mesh: &SurfaceMesh, what: &str) {
         let ways = [
             by_structure_products(&mesh, &density, &near),
             by_cones(&mesh, &density, &near),
-            polynomial_density::solid(&mesh.vertices, &mesh.triangles, &density, &near),
+            mesh_moments::polynomial(&mesh.vertices, &mesh.triangles, &density, &near),
         ];
         for moments in ways {
             let body = Body::from_moments(product.volume, product.surface_area, &moments, &near);
@@ -528,7 +529,7 @@ fn a_ball_approaches_the_ball() {
     close(body.surface_area, 3.0 * volume, 2e-3, "area");
     close(body.inertia_center().m11, 0.4 * volume, 4e-3, "inertia");
     close(
-        surface::volume(
+        mesh_moments::volume(
             &icosphere(5).vertices,
             &icosphere(5).triangles,
             &Point3::origin(),

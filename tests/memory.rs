@@ -8,7 +8,7 @@ use std::path::Path;
 use std::sync::{Mutex, PoisonError};
 
 use chebloyd::domain::cuboid::Cuboid;
-use chebloyd::domain::space::PieceScratch;
+use chebloyd::domain::shape::PieceScratch;
 use chebloyd::export::run::directory::RunDirectory;
 use chebloyd::export::sites::write_csv;
 use chebloyd::export::vtu::{CellGeometry, VtuWriter};

@@ -3,6 +3,7 @@
 
 use std::ops::ControlFlow;
 
+use chebloyd::geometry::random;
 use chebloyd::minimize::history::History;
 use chebloyd::minimize::lbfgsb::{LbfgsbEnd, LbfgsbStep, lbfgsb, resume};
 use chebloyd::minimize::lbfgsb_options::{LbfgsbError, LbfgsbOptions};
@@ -10,21 +11,19 @@ use chebloyd::minimize::lbfgsb_state::LbfgsbState;
 use chebloyd::minimize::newton::{NewtonOptions, newton};
 use chebloyd::minimize::problem::{Ended, Evaluation, Minimum};
 use nalgebra::{DMatrix, DVector, SMatrix, SVector};
-use rand_chacha::ChaCha8Rng;
-use rand_core::{Rng, SeedableRng};
 
 // ───────────────────────────── a source of problems ─────────────────────────────
 
-struct Random(ChaCha8Rng);
+struct Random(random::Random);
 
 impl Random {
     fn seeded(seed: u64) -> Self {
-        Self(ChaCha8Rng::seed_from_u64(seed))
+        Self(random::Random::new(seed))
     }
 
     /// Uniform in [−1, 1).
     fn signed(&mut self) -> f64 {
-        (self.0.next_u64() >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+        2.0 * self.0.uniform() - 1.0
     }
 
     fn vector<const D: usize>(&mut self) -> SVector<f64, D> {

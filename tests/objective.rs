@@ -3,12 +3,13 @@
 
 use chebloyd::domain::convex::ConvexPolyhedron;
 use chebloyd::domain::cuboid::Cuboid;
-use chebloyd::domain::space::Domain;
-use chebloyd::domain::surface::solid::SurfaceSolid;
-use chebloyd::domain::tets::TetSolid;
-use chebloyd::domain::weighted::WeightedDomain;
+use chebloyd::domain::domain::Domain;
+use chebloyd::domain::domain::WeightedDomain;
+use chebloyd::domain::tet_mesh::TetSolid;
+use chebloyd::domain::tri_surface::solid::SurfaceSolid;
 use chebloyd::geometry::bounds::Bounds;
 use chebloyd::geometry::half_space::HalfSpace;
+use chebloyd::geometry::random::Random;
 use chebloyd::mesh::shapes::boxes::unit_cube_tets;
 use chebloyd::mesh::shapes::bracket::bracket;
 use chebloyd::mesh::shapes::tubes::torus;
@@ -20,19 +21,13 @@ use chebloyd::relax::record::optimal_energy;
 use chebloyd::relax::space::Space;
 use chebloyd::relax::tessellation::{Minimizer, Norm, Question, Tessellation};
 use nalgebra::{Point3, Rotation3, Unit, Vector3};
-use rand_chacha::ChaCha8Rng;
-use rand_core::{Rng, SeedableRng};
-
-fn uniform(random: &mut ChaCha8Rng) -> f64 {
-    (random.next_u64() >> 11) as f64 / (1u64 << 53) as f64
-}
 
 fn random_sites(domain: &dyn Domain, count: usize, seed: u64) -> Vec<Point3<f64>> {
-    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let mut random = Random::new(seed);
     let bounds = domain.bounds();
     let mut sites = Vec::new();
     while sites.len() < count {
-        let part = Vector3::from([0; 3].map(|_| uniform(&mut random)));
+        let part = Vector3::from([0; 3].map(|_| random.uniform()));
         let site = bounds.min + bounds.extent().component_mul(&part);
         if domain.contains(&site) {
             sites.push(site);
@@ -234,9 +229,9 @@ fn a_turned_cube_with_turned_frames_is_worth_the_same() {
 
 #[test]
 fn the_gradient_is_that_of_central_differences_with_a_frame_for_every_site() {
-    let mut random = ChaCha8Rng::seed_from_u64(10);
-    let frame = |random: &mut ChaCha8Rng| {
-        let angles = [0; 3].map(|_| 6.0 * uniform(random));
+    let mut random = Random::new(10);
+    let frame = |random: &mut Random| {
+        let angles = [0; 3].map(|_| 6.0 * random.uniform());
         Rotation3::from_euler_angles(angles[0], angles[1], angles[2])
     };
     let frames = (0..25).map(|_| frame(&mut random)).collect();

@@ -3,8 +3,8 @@
 use chebloyd::chebyshev::plane::{
     FRAGMENTS, energy, energy_with_derivatives, fragments, triangles,
 };
-use chebloyd::domain::beyond::Beyond;
-use chebloyd::domain::plane::{PlaneDomain, PlaneDomainError};
+use chebloyd::domain::facet_kind::FacetKind;
+use chebloyd::domain::planar::{PlaneDomain, PlaneDomainError};
 use chebloyd::geometry::bounds::Bounds;
 use chebloyd::geometry::half_plane::HalfPlane;
 use chebloyd::geometry::label::Label;
@@ -182,8 +182,8 @@ fn square_lattice(side: usize) -> Vec<Point2<f64>> {
 }
 
 fn neighbor(label: Label) -> Option<usize> {
-    match Beyond::of(label) {
-        Beyond::Neighbor {
+    match FacetKind::of(label) {
+        FacetKind::Neighbor {
             site,
             image: [0, 0, 0],
         } => Some(site as usize),

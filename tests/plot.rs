@@ -3,6 +3,7 @@
 mod common;
 
 use chebloyd::geometry::bounds::Bounds;
+use chebloyd::geometry::brep::Piece;
 use chebloyd::geometry::half_space::HalfSpace;
 use chebloyd::geometry::section::section;
 use chebloyd::geometry::shell::Shell;
@@ -177,7 +178,7 @@ fn a_picture_without_pixels_is_refused() {
 fn shells(sites: &[Point3<f64>]) -> Vec<Shell> {
     let numbers = 0..sites.len();
     numbers
-        .map(|site| Shell::from(&cell(sites, site)))
+        .map(|site| Shell::from(Piece::Convex(&cell(sites, site))))
         .collect()
 }
 
@@ -240,7 +241,7 @@ fn sections_of_a_diagram_fill_the_section_of_the_cube() {
 
 #[test]
 fn a_plane_beside_a_cell_cuts_nothing() {
-    let cube = Shell::from(&cell(&grid_sites(1), 0));
+    let cube = Shell::from(Piece::Convex(&cell(&grid_sites(1), 0)));
     let across = |offset| HalfSpace {
         normal: Vector3::z(),
         offset,
@@ -393,7 +394,7 @@ fn a_cutaway_hides_what_it_removes() {
 #[test]
 fn an_exploded_cell_shows_all_its_fragments() {
     // The pyramids over the facets of a cube.
-    let cube = Shell::from(&cell(&grid_sites(1), 0));
+    let cube = Shell::from(Piece::Convex(&cell(&grid_sites(1), 0)));
     let center = Point3::new(0.5, 0.5, 0.5);
     let fragments = cube.loops().map(|facet| {
         let base: Vec<Point3<f64>> = facet.collect();

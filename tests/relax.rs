@@ -4,16 +4,16 @@ use std::ops::ControlFlow;
 
 use chebloyd::domain::convex::ConvexPolyhedron;
 use chebloyd::domain::cuboid::Cuboid;
-use chebloyd::domain::space::Domain;
+use chebloyd::domain::domain::Domain;
+use chebloyd::domain::shape::DomainShape;
 use chebloyd::geometry::half_space::HalfSpace;
+use chebloyd::geometry::random::Random;
 use chebloyd::relax::figures::Figures;
 use chebloyd::relax::lloyd::{Ended, LloydOptions, lloyd};
 use chebloyd::relax::record::Record;
 use chebloyd::relax::space::Space;
 use chebloyd::relax::tessellation::{Minimizer, Norm, Question, Tessellation};
 use nalgebra::{Point3, Vector3};
-use rand_chacha::ChaCha8Rng;
-use rand_core::{Rng, SeedableRng};
 
 const LINF: Question = Question {
     norm: Norm::Linf,
@@ -26,8 +26,8 @@ const L2: Question = Question {
 };
 
 fn numbers(seed: u64) -> impl FnMut() -> f64 {
-    let mut random = ChaCha8Rng::seed_from_u64(seed);
-    move || (random.next_u64() >> 11) as f64 / (1u64 << 53) as f64
+    let mut random = Random::new(seed);
+    move || random.uniform()
 }
 
 fn random_sites(count: usize, seed: u64) -> Vec<Point3<f64>> {

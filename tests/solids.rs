@@ -8,17 +8,19 @@ use chebloyd::chebyshev::center::Minimizer;
 use chebloyd::chebyshev::energy::{SignedPiece, energy};
 use chebloyd::chebyshev::integrand::Integrand;
 use chebloyd::chebyshev::walk::WalkScratch;
-use chebloyd::domain::beyond::Beyond;
 use chebloyd::domain::convex::ConvexPolyhedron;
 use chebloyd::domain::cuboid::Cuboid;
-use chebloyd::domain::space::{Domain, PieceScratch};
-use chebloyd::domain::surface::clipped::{ClippedCell, Meeting};
-use chebloyd::domain::surface::shadow::shadows;
-use chebloyd::domain::surface::solid::SurfaceSolid;
-use chebloyd::domain::tets::TetSolid;
+use chebloyd::domain::domain::Domain;
+use chebloyd::domain::facet_kind::FacetKind;
+use chebloyd::domain::shape::{DomainShape, PieceScratch};
+use chebloyd::domain::tet_mesh::TetSolid;
+use chebloyd::domain::tri_surface::clip_cell::{ClipStatus, ClippedCell};
+use chebloyd::domain::tri_surface::signed_prisms::signed_prisms;
+use chebloyd::domain::tri_surface::solid::SurfaceSolid;
 use chebloyd::geometry::bounds::Bounds;
-use chebloyd::geometry::faceted::Piece;
+use chebloyd::geometry::brep::Piece;
 use chebloyd::geometry::half_space::HalfSpace;
+use chebloyd::geometry::random::Random;
 use chebloyd::geometry::shell::Shell;
 use chebloyd::mesh::load::{Solid, load};
 use chebloyd::mesh::shapes::boxes::{cuboid, unit_cube, unit_cube_five_tets, unit_cube_tets};
@@ -36,8 +38,6 @@ use chebloyd::relax::space::Space;
 use chebloyd::relax::tessellation::{Norm, Question};
 use chebloyd::voronoi::diagram::Diagram;
 use nalgebra::{Point3, Vector3};
-use rand_chacha::ChaCha8Rng;
-use rand_core::{Rng, SeedableRng};
 
 /// The closed models of the shared folder.
 const MODELS: [&str; 8] = [
@@ -57,17 +57,13 @@ const LINF: Question = Question {
     minimizer: Minimizer::Newton,
 };
 
-fn uniform(random: &mut ChaCha8Rng) -> f64 {
-    (random.next_u64() >> 11) as f64 / (1u64 << 53) as f64
-}
-
 /// Uniform random points of the domain.
 fn random_sites(domain: &dyn Domain, count: usize, seed: u64) -> Vec<Point3<f64>> {
-    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let mut random = Random::new(seed);
     let bounds = domain.bounds();
     let mut sites = Vec::new();
     while sites.len() < count {
-        let share = Vector3::from_fn(|_, _| uniform(&mut random));
+        let share = Vector3::from_fn(|_, _| random.uniform());
         let point = bounds.min + bounds.extent().component_mul(&share);
         if domain.contains(&point) {
             sites.push(point);
@@ -155,17 +151,22 @@ fn fill(domain: &SurfaceSolid, sites: &[Point3<f64>]) -> (f64, [usize; 3]) {
         .map(
             |(clipped, scratch): &mut (ClippedCell, PieceScratch), cell| {
                 let mut volume = 0.0;
-                let mut add = |sign: f64, piece: Piece<'_>| volume += sign * piece.moments().volume;
+                let mut add = |sign: f64, piece: Piece<'_>| volume += sign * piece.moments().mass;
                 domain.pieces(&cell.position, cell.polyhedron(), scratch, &mut add);
                 (
                     volume,
-                    clipped.meet(domain, &cell.position, cell.polyhedron()),
+                    clipped.clip(domain.indexed(), &cell.position, cell.polyhedron()),
                 )
             },
         )
         .expect("no duplicates");
-    let count = |kind: Meeting| cells.iter().filter(|cell| cell.1 == kind).count();
-    let kinds = [Meeting::Apart, Meeting::Clipped, Meeting::Tangled].map(count);
+    let count = |kind: ClipStatus| cells.iter().filter(|cell| cell.1 == kind).count();
+    let kinds = [
+        ClipStatus::Disjoint,
+        ClipStatus::Clipped,
+        ClipStatus::Inconsistent,
+    ]
+    .map(count);
     (cells.iter().map(|cell| cell.0).sum(), kinds)
 }
 
@@ -226,13 +227,11 @@ fn sites_on_walls_edges_and_corners_have_cells() {
 }
 
 #[test]
-fn a_cell_is_worth_the_same_by_its_boundary_and_by_shadows() {
+fn a_cell_is_worth_the_same_by_its_boundary_and_by_signed_prisms() {
     for (name, domain) in shapes() {
         for (count, seed) in [(3, 6), (60, 7)] {
             let sites = random_sites(&domain, count, seed);
             let diagram = Diagram::new(&domain, &sites).expect("a diagram");
-            let label = |_| 0;
-            let tree = domain.tree();
             let worst = diagram
                 .map(|(scratch, walk): &mut (PieceScratch, WalkScratch), cell| {
                     let mut whole = Vec::new();
@@ -245,19 +244,10 @@ fn a_cell_is_worth_the_same_by_its_boundary_and_by_shadows() {
                         },
                     );
                     let mut parts = Vec::new();
-                    let memory = (&mut scratch.piece, &mut scratch.clip);
                     let (at, cell) = (&cell.position, cell.polyhedron());
-                    shadows(
-                        domain.surface(),
-                        tree,
-                        label,
-                        at,
-                        cell,
-                        memory,
-                        |sign, part| {
-                            parts.push(signed(sign, Piece::Convex(part)));
-                        },
-                    );
+                    signed_prisms(domain.indexed(), at, cell, scratch, &mut |sign, part| {
+                        parts.push(signed(sign, part));
+                    });
                     let size = cell.radius_squared().sqrt();
                     let mut worst: f64 = 0.0;
                     for (center, order) in
@@ -445,12 +435,12 @@ fn wall_area(domain: &SurfaceSolid, diagram: &Diagram<'_>) -> f64 {
         let mut walls: BTreeMap<u64, Vector3<f64>> = BTreeMap::new();
         let (mut inner, mut all) = (Vector3::zeros(), Vector3::zeros());
         let mut add = |sign: f64, piece: Piece<'_>| {
-            piece.visit_areas(|label, area| {
+            piece.visit_facets(|label, _, area| {
                 all += area * sign;
-                match Beyond::of(label) {
-                    Beyond::Wall(_) => *walls.entry(label).or_default() += area * sign,
-                    Beyond::Inner => inner += area * sign,
-                    Beyond::Neighbor { .. } => {}
+                match FacetKind::of(label) {
+                    FacetKind::Wall(_) => *walls.entry(label).or_default() += area * sign,
+                    FacetKind::Inner => inner += area * sign,
+                    FacetKind::Neighbor { .. } => {}
                 }
             });
         };

@@ -2,29 +2,29 @@
 
 use std::collections::BTreeSet;
 
-use chebloyd::domain::beyond::Beyond;
 use chebloyd::domain::convex::ConvexPolyhedron;
 use chebloyd::domain::cuboid::Cuboid;
+use chebloyd::domain::domain::Domain;
 use chebloyd::domain::error::DomainError;
-use chebloyd::domain::space::Domain;
+use chebloyd::domain::facet_kind::FacetKind;
+use chebloyd::domain::shape::DomainShape;
 use chebloyd::geometry::bounds::Bounds;
 use chebloyd::geometry::clip::{ClipScratch, clip};
 use chebloyd::geometry::half_space::HalfSpace;
-use chebloyd::geometry::moments::Moments;
 use chebloyd::geometry::polyhedron::Polyhedron;
-use chebloyd::scene::random::Uniform;
+use chebloyd::geometry::random::Random;
 use chebloyd::voronoi::cell::Cell;
 use chebloyd::voronoi::diagram::{Diagram, DiagramError};
 use nalgebra::{Point3, Vector3};
 
-fn points(random: &mut Uniform, count: usize) -> Vec<Point3<f64>> {
+fn points(random: &mut Random, count: usize) -> Vec<Point3<f64>> {
     let unit = Cuboid::unit().bounds();
     (0..count).map(|_| random.point(&unit)).collect()
 }
 
 /// A k×k×k lattice in the unit cube, each coordinate moved by up to ± noise.
 fn lattice(k: usize, noise: f64) -> Vec<Point3<f64>> {
-    let (unit, mut random) = (Cuboid::unit().bounds(), Uniform::new(k as u64));
+    let (unit, mut random) = (Cuboid::unit().bounds(), Random::new(k as u64));
     (0..k * k * k)
         .map(|n| {
             let cell = Vector3::new((n % k) as f64, (n / k % k) as f64, (n / k / k) as f64);
@@ -48,12 +48,16 @@ fn octahedron() -> ConvexPolyhedron {
 }
 
 /// Per cell: its volume and its neighbors across facets of at least `least` area.
-fn cells(domain: &dyn Domain, sites: &[Point3<f64>], least: f64) -> Vec<(f64, BTreeSet<Beyond>)> {
+fn cells(
+    domain: &dyn Domain,
+    sites: &[Point3<f64>],
+    least: f64,
+) -> Vec<(f64, BTreeSet<FacetKind>)> {
     let ask = |(): &mut (), cell: chebloyd::voronoi::cell::Cell<'_>| {
         let facets = cell.polyhedron().facets();
         let large = facets.filter(|facet| facet.area_vector().norm() > least);
-        let neighbors = large.map(|facet| Beyond::of(facet.label())).collect();
-        (Moments::of(cell.polyhedron()).volume, neighbors)
+        let neighbors = large.map(|facet| FacetKind::of(facet.label())).collect();
+        (cell.polyhedron().moments().mass, neighbors)
     };
     Diagram::new(domain, sites).unwrap().map(ask).unwrap()
 }
@@ -82,7 +86,7 @@ fn periodic(axes: [bool; 3]) -> Cuboid {
 #[test]
 fn random_cells_fill_every_domain() {
     for count in [1, 2, 3, 5, 20, 300, 3000] {
-        let sites = points(&mut Uniform::new(count as u64), count);
+        let sites = points(&mut Random::new(count as u64), count);
         for axes in 0..8 {
             let domain = periodic([0, 1, 2].map(|axis| axes >> axis & 1 == 1));
             assert_fills(
@@ -125,7 +129,7 @@ fn lattices_with_and_without_noise_fill_the_cube() {
 
 #[test]
 fn flat_sets_and_sites_on_walls_fill_the_cube() {
-    let mut random = Uniform::new(7);
+    let mut random = Random::new(7);
     let mut sets: Vec<(&str, Vec<Point3<f64>>)> = Vec::new();
     let on_plane = |p: Point3<f64>| Point3::new(p.x, p.y, 0.3);
     sets.push((
@@ -195,29 +199,29 @@ fn assert_brute_force_agrees(sites: &[Point3<f64>], what: &str) {
         domain.start(&sites[site], site as u32, &mut cell);
         for (other, position) in sites.iter().enumerate().filter(|(other, _)| *other != site) {
             let bisector = HalfSpace::bisector(position - sites[site]);
-            let neighbor = Beyond::Neighbor {
+            let neighbor = FacetKind::Neighbor {
                 site: other as u32,
                 image: [0; 3],
             };
             clip(&mut cell, &bisector, neighbor.label(), &mut scratch);
         }
-        assert!((Moments::of(&cell).volume - volume).abs() < 1e-14, "{what}");
+        assert!((cell.moments().mass - volume).abs() < 1e-14, "{what}");
         let large = cell
             .facets()
             .filter(|facet| facet.area_vector().norm() > 1e-12);
-        let expected: BTreeSet<_> = large.map(|facet| Beyond::of(facet.label())).collect();
+        let expected: BTreeSet<_> = large.map(|facet| FacetKind::of(facet.label())).collect();
         assert_eq!(&expected, neighbors, "{what}, site {site}");
     }
 }
 
 #[test]
 fn cells_agree_with_brute_force() {
-    assert_brute_force_agrees(&points(&mut Uniform::new(11), 150), "uniform");
+    assert_brute_force_agrees(&points(&mut Random::new(11), 150), "uniform");
 }
 
 #[test]
 fn crowded_and_lopsided_cells_agree_with_brute_force() {
-    let mut random = Uniform::new(15);
+    let mut random = Random::new(15);
     let mut of = |place: fn(Point3<f64>) -> Point3<f64>| -> Vec<Point3<f64>> {
         points(&mut random, 400).into_iter().map(place).collect()
     };
@@ -247,15 +251,15 @@ fn crowded_and_lopsided_cells_agree_with_brute_force() {
 
 #[test]
 fn neighbors_are_mutual_across_periodic_sides_too() {
-    let sites = points(&mut Uniform::new(12), 400);
+    let sites = points(&mut Random::new(12), 400);
     for axes in [[false; 3], [true, false, true], [true; 3]] {
         let cells = cells(&periodic(axes), &sites, 1e-10);
         for (site, (_, neighbors)) in cells.iter().enumerate() {
             for neighbor in neighbors {
-                let Beyond::Neighbor { site: other, image } = *neighbor else {
+                let FacetKind::Neighbor { site: other, image } = *neighbor else {
                     continue;
                 };
-                let back = Beyond::Neighbor {
+                let back = FacetKind::Neighbor {
                     site: site as u32,
                     image: image.map(|n| -n),
                 };
@@ -296,7 +300,7 @@ fn lattices_have_the_facets_of_their_books() {
 
 #[test]
 fn any_number_of_threads_gives_the_same_bits() {
-    let sites = points(&mut Uniform::new(13), 2000);
+    let sites = points(&mut Random::new(13), 2000);
     let with = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(threads)
@@ -318,7 +322,7 @@ fn any_number_of_threads_gives_the_same_bits() {
 
 #[test]
 fn a_periodic_diagram_does_not_see_where_its_box_begins() {
-    let sites = points(&mut Uniform::new(14), 200);
+    let sites = points(&mut Random::new(14), 200);
     let domain = periodic([true; 3]);
     let moved = sites
         .iter()
@@ -375,7 +379,7 @@ fn sites_without_a_diagram_are_named() {
 #[test]
 fn a_crowd_in_one_place_is_named() {
     let domain = Cuboid::unit();
-    let mut sites = points(&mut Uniform::new(4), 2000);
+    let mut sites = points(&mut Random::new(4), 2000);
     for number in 1000..1600 {
         sites[number] = sites[7];
     }
@@ -428,9 +432,9 @@ fn the_octahedron_given_by_half_spaces_has_its_volume() {
 #[test]
 fn answers_are_told_in_site_order_however_many_there_are() {
     let domain = Cuboid::unit();
-    let sites = points(&mut Uniform::new(11), 5000);
+    let sites = points(&mut Random::new(11), 5000);
     let diagram = Diagram::new(&domain, &sites).expect("sites in the cube");
-    let volume = |(): &mut (), cell: Cell<'_>| Moments::of(cell.polyhedron()).volume;
+    let volume = |(): &mut (), cell: Cell<'_>| cell.polyhedron().moments().mass;
     let expected = diagram.map(volume).expect("distinct sites");
     let mut told = Vec::new();
     let tell = |site: usize, volume: f64| {

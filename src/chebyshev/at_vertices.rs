@@ -2,9 +2,9 @@
 
 use std::fmt;
 
-use crate::geometry::compact::{Compact, SLOTS};
-use crate::geometry::compact_lists::Lists;
 use crate::geometry::polyhedron::Polyhedron;
+use crate::geometry::small_polyhedron::Lists;
+use crate::geometry::small_polyhedron::{SLOTS, SmallPolyhedron};
 
 /// The three facets at each vertex of a convex piece, as they are found in its slots: what is rarely
 /// looked up is not worth being renamed.
@@ -24,7 +24,7 @@ impl AtVertices {
     }
 
     /// Becomes those of a piece in which slots are vertices and planes are facets.
-    pub(crate) fn assign_dense(&mut self, piece: &Compact, count: usize) {
+    pub(crate) fn assign_dense(&mut self, piece: &SmallPolyhedron, count: usize) {
         self.clear();
         // To copy all of them takes no branch.
         self.planes.extend_from_slice(piece.facets.as_chunks().0);
@@ -32,7 +32,7 @@ impl AtVertices {
     }
 
     /// Becomes those of a piece in which `lists` tell what is in use.
-    pub(crate) fn assign_sparse(&mut self, piece: &Compact, lists: &Lists) {
+    pub(crate) fn assign_sparse(&mut self, piece: &SmallPolyhedron, lists: &Lists) {
         self.clear();
         let planes = piece.facets.as_chunks().0;
         let slots = lists.slots.listed().iter();

@@ -179,8 +179,8 @@ mod tests {
     use crate::chebyshev::four::FourEdges;
     use crate::chebyshev::integrand::Integrand;
     use crate::chebyshev::seen::Seen;
-    use crate::geometry::compact::BLOCK;
-    use crate::geometry::faceted::Edge;
+    use crate::geometry::brep::Edge;
+    use crate::geometry::small_polyhedron::BLOCK;
 
     /// What a walk step by step finds, and what is told, agree.
     fn compare(ends: &[Vector3<f64>; 2], told: &[Passage]) {

@@ -2,8 +2,8 @@
 
 use std::fmt;
 
-use crate::geometry::compact::BLOCK;
-use crate::geometry::faceted::Edge;
+use crate::geometry::brep::Edge;
+use crate::geometry::small_polyhedron::BLOCK;
 
 /// Fills the last block. Between a vertex and itself there is no area.
 pub(crate) const NONE: Edge = Edge {

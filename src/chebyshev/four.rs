@@ -20,9 +20,9 @@ use crate::chebyshev::endpoint::Endpoint;
 use crate::chebyshev::endpoints::Found;
 use crate::chebyshev::sector::FourSectors;
 use crate::chebyshev::seen::Seen;
-use crate::geometry::compact::BLOCK;
-use crate::geometry::faceted::Edge;
-use crate::geometry::lanes::{cross, dot};
+use crate::geometry::brep::Edge;
+use crate::geometry::simd::{cross, dot};
+use crate::geometry::small_polyhedron::BLOCK;
 
 /// Four edges.
 #[derive(Debug)]

@@ -11,12 +11,12 @@ use crate::chebyshev::planes::Planes;
 use crate::chebyshev::points::Points;
 use crate::chebyshev::seen::Seen;
 use crate::chebyshev::slots::Words;
-use crate::geometry::faceted::{Edge, Faceted, Piece};
+use crate::geometry::brep::{Brep, Edge, Piece};
 use crate::geometry::half_space::HalfSpace;
 use crate::geometry::label::Label;
-use crate::geometry::lanes::sum;
 use crate::geometry::moments::Moments;
 use crate::geometry::polyhedron::Polyhedron;
+use crate::geometry::simd::sum;
 use crate::integrals::polynomial::Polynomial;
 
 /// Vertices whose edges are chosen together.
@@ -50,7 +50,7 @@ impl Integrand {
         self.density = None;
         match piece {
             Piece::Convex(piece) => self.assign_convex(piece),
-            Piece::Faceted(piece) => self.assign_faceted(piece),
+            Piece::Brep(piece) => self.assign_brep(piece),
         }
     }
 
@@ -77,17 +77,17 @@ impl Integrand {
         let mut moments = Moments::default();
         for edge in self.edges.blocks().as_flattened() {
             let [a, b] = [edge.from, edge.to].map(|vertex| self.vertices.get(vertex as usize));
-            let (sum, squares) = (a + b, a.norm_squared() + b.norm_squared());
+            let (sum, squares) = (a + b, a * a.transpose() + b * b.transpose());
             for (facet, fan) in [(edge.left, a.cross(&b)), (edge.right, b.cross(&a))] {
                 let facet = self.facets.get(facet as usize);
                 // The foot of the perpendicular from the origin.
                 let foot = facet.normal * facet.offset;
                 let volume = facet.normal.dot(&fan) * facet.offset / 6.0;
                 let all = sum + foot;
-                moments.volume += volume;
+                moments.mass += volume;
                 moments.first += all * (volume / 4.0);
-                let squares = squares + foot.norm_squared() + all.norm_squared();
-                moments.second += volume / 20.0 * squares;
+                let squares = squares + foot * foot.transpose() + all * all.transpose();
+                moments.second += squares * (volume / 20.0);
             }
         }
         moments
@@ -130,7 +130,7 @@ impl Integrand {
 
     /// A facet that is not convex or not connected is the signed sum of the triangles on its edges
     /// no less than a convex one, and the walk takes it for what it is.
-    fn assign_faceted(&mut self, piece: &Faceted) {
+    fn assign_brep(&mut self, piece: &Brep) {
         self.vertices
             .assign(piece.vertices.iter().map(|&vertex| vertex.into()));
         self.at_vertices.clear();

@@ -12,8 +12,8 @@ use crate::chebyshev::interface::{Interface, PAIRS};
 use crate::chebyshev::sector::{FourSectors, Sector};
 use crate::chebyshev::seen::Seen;
 use crate::chebyshev::visit::{Corner, FacetView, Side, Visit};
-use crate::geometry::compact::BLOCK;
-use crate::geometry::lanes::sum;
+use crate::geometry::simd::sum;
+use crate::geometry::small_polyhedron::BLOCK;
 use crate::minimize::problem::{Evaluation, Jet};
 
 /// The sums, kept apart by lane or by interface, so that additions need not wait for each other.

@@ -15,7 +15,7 @@ use crate::chebyshev::mark::Mark;
 use crate::chebyshev::sector::{FourSectors, Sector};
 use crate::chebyshev::seen::Seen;
 use crate::chebyshev::visit::{Corner, FacetView, Side, Visit};
-use crate::geometry::lanes::sum;
+use crate::geometry::simd::sum;
 
 /// The sums of a walk about the origin.
 pub(crate) struct LinearSums<'a> {

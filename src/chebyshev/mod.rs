@@ -12,7 +12,6 @@ pub mod fragments;
 pub mod integrand;
 pub(crate) mod interface;
 pub(crate) mod mark;
-pub mod mass_moments;
 pub mod plane;
 pub mod sector;
 pub mod walk;

@@ -10,7 +10,7 @@ use crate::chebyshev::passing::{Passing, Sum};
 use crate::chebyshev::pierced::{add_diagonal, nearer_facets};
 use crate::chebyshev::seen::Seen;
 use crate::chebyshev::sight::VertexSight;
-use crate::geometry::compact::BLOCK;
+use crate::geometry::small_polyhedron::BLOCK;
 use crate::minimize::problem::Evaluation;
 
 /// Blocks of vertices the passages of which are told by one set of bits.

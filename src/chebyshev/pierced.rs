@@ -10,8 +10,8 @@ use crate::chebyshev::integrand::Integrand;
 use crate::chebyshev::interface::diagonal_ray;
 use crate::chebyshev::passing::Passing;
 use crate::chebyshev::planes::Planes;
-use crate::geometry::compact::BLOCK;
 use crate::geometry::half_space::HalfSpace;
+use crate::geometry::small_polyhedron::BLOCK;
 
 /// For each diagonal the facets, as a set of bits, the planes of which it pierces before that of its
 /// tip as seen from `center`, if that is inside the piece.

@@ -3,8 +3,8 @@
 use nalgebra::{Rotation3, Vector3};
 use wide::f64x4;
 
-use crate::geometry::compact::BLOCK;
 use crate::geometry::half_space::HalfSpace;
+use crate::geometry::small_polyhedron::BLOCK;
 
 /// A list of half-spaces.
 #[derive(Clone, Debug, Default)]

@@ -3,7 +3,7 @@
 use nalgebra::{Rotation3, Vector3};
 use wide::f64x4;
 
-use crate::geometry::compact::BLOCK;
+use crate::geometry::small_polyhedron::BLOCK;
 
 /// A list of points.
 #[derive(Clone, Debug, Default)]

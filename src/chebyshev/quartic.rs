@@ -4,7 +4,7 @@
 //! all corners of the subdivision move along lines and in proportion to the center's motion δ. So
 //! volumes of fragments are polynomials of degree three in δ, areas of interfaces of degree two, and
 //! the energy is one of degree four: value, gradient, Hessian, third and fourth derivative tell
-//! it all. Beyond, what passes is added (`passings`).
+//! it all. FacetKind, what passes is added (`passings`).
 //!
 //! The area of an interface is a sum of determinants of two marks, the ends of segments, and the
 //! determinants of the marks' losses are all of second degree in δ that there is. With the words of

@@ -9,8 +9,8 @@ use crate::chebyshev::pierced::height_below;
 use crate::chebyshev::sector::Sector;
 use crate::chebyshev::sight::VertexSight;
 use crate::chebyshev::visit::{Corner, FacetView, Side, Visit};
-use crate::geometry::compact::BLOCK;
-use crate::geometry::faceted::Edge;
+use crate::geometry::brep::Edge;
+use crate::geometry::small_polyhedron::BLOCK;
 
 /// A piece, and the center from which it is seen.
 #[derive(Clone, Copy, Debug)]

@@ -5,13 +5,13 @@
 use std::fmt;
 
 use crate::chebyshev::integrand::Integrand;
-use crate::geometry::compact::{Compact, EDGES, ROW, SLOTS};
-use crate::geometry::compact_lists::Lists;
-use crate::geometry::faceted::Edge;
+use crate::geometry::brep::Edge;
+use crate::geometry::small_polyhedron::Lists;
+use crate::geometry::small_polyhedron::{EDGES, ROW, SLOTS, SmallPolyhedron};
 
 impl Integrand {
     /// Prepares a convex piece of density 1, keeping the memory of the piece before.
-    pub fn assign_compact(&mut self, piece: &Compact) {
+    pub fn assign_compact(&mut self, piece: &SmallPolyhedron) {
         self.density = None;
         if piece.is_dense() {
             self.assign_dense(piece);
@@ -20,7 +20,7 @@ impl Integrand {
         }
     }
 
-    fn assign_sparse(&mut self, piece: &Compact) {
+    fn assign_sparse(&mut self, piece: &SmallPolyhedron) {
         let lists = Lists::of(piece);
         let axes = [&piece.x, &piece.y, &piece.z];
         self.vertices.gather(axes, lists.slots.listed());
@@ -40,7 +40,7 @@ impl Integrand {
     }
 
     /// Slots are vertices, and planes are facets.
-    fn assign_dense(&mut self, piece: &Compact) {
+    fn assign_dense(&mut self, piece: &SmallPolyhedron) {
         let count = piece.alive.count_ones() as usize;
         let axes = [&piece.x, &piece.y, &piece.z];
         self.vertices.assign_axes(axes, count);
@@ -52,7 +52,11 @@ impl Integrand {
 
     /// Takes up the edges of `piece`; `numbered` gives the vertices and facets for slots and planes.
     #[inline(always)]
-    fn assign_edges(&mut self, piece: &Compact, numbered: impl Fn([[u8; 2]; 2]) -> [[u32; 2]; 2]) {
+    fn assign_edges(
+        &mut self,
+        piece: &SmallPolyhedron,
+        numbered: impl Fn([[u8; 2]; 2]) -> [[u32; 2]; 2],
+    ) {
         let Words(words) = &mut self.words;
         fill_words(words, piece);
         let edges = piece.upward().map(|edge| {
@@ -87,7 +91,7 @@ impl fmt::Debug for Words {
 
 /// Makes words, per edge, of the slots at its ends and the planes left and right of it.
 #[inline(always)]
-fn fill_words(words: &mut [u32; EDGES], piece: &Compact) {
+fn fill_words(words: &mut [u32; EDGES], piece: &SmallPolyhedron) {
     let used = 4 * (SLOTS - piece.alive.leading_zeros() as usize).next_multiple_of(ROW);
     let edges = piece
         .twins
@@ -103,9 +107,9 @@ fn fill_words(words: &mut [u32; EDGES], piece: &Compact) {
 mod tests {
     use super::*;
     use crate::geometry::bounds::Bounds;
-    use crate::geometry::compact_clip::CompactScratch;
     use crate::geometry::half_space::HalfSpace;
     use crate::geometry::polyhedron::Polyhedron;
+    use crate::geometry::small_polyhedron_clip::SmallClipScratch;
     use nalgebra::{Point3, Vector3};
 
     #[test]
@@ -115,14 +119,14 @@ mod tests {
             min: -corner,
             max: corner,
         };
-        let mut compact = Compact::default();
+        let mut compact = SmallPolyhedron::default();
         assert!(compact.assign(&Polyhedron::cuboid(&bounds, [1, 2, 3, 4, 5, 6])));
         let (mut straight, mut polyhedron) = (Integrand::default(), Polyhedron::default());
         for number in 0..40 {
             let turn = f64::from(number);
             let away = Vector3::new((2.3 * turn).sin(), (3.7 * turn).cos(), (1.9 * turn).sin());
             let bisector = HalfSpace::bisector(away.normalize() * (1.8 - 0.02 * turn));
-            let scratch = &mut CompactScratch::default();
+            let scratch = &mut SmallClipScratch::default();
             compact
                 .clip(&bisector, || 7 + number as u64, scratch)
                 .unwrap();

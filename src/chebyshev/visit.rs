@@ -10,7 +10,7 @@ use crate::chebyshev::interface::Interface;
 use crate::chebyshev::sector::Sector;
 use crate::chebyshev::seen::Seen;
 use crate::chebyshev::sight::Sight;
-use crate::geometry::compact::BLOCK;
+use crate::geometry::small_polyhedron::BLOCK;
 
 /// An end of a share.
 #[derive(Clone, Copy, Debug)]

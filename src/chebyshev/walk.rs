@@ -29,8 +29,8 @@ use crate::chebyshev::seen::Seen;
 use crate::chebyshev::segments::{Segments, report_segments};
 use crate::chebyshev::visit::Visit;
 use crate::chebyshev::weighted::Places;
-use crate::geometry::compact::BLOCK;
-use crate::geometry::faceted::Edge;
+use crate::geometry::brep::Edge;
+use crate::geometry::small_polyhedron::BLOCK;
 
 /// The memory of a walk, to be reused from one center to the next.
 #[derive(Clone, Debug, Default)]

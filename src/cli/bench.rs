@@ -7,7 +7,7 @@ use clap::{Args, ValueEnum};
 use nalgebra::{Point3, Vector3};
 use rayon::ThreadPoolBuilder;
 
-use chebloyd::domain::space::Domain;
+use chebloyd::domain::domain::Domain;
 use chebloyd::relax::cell_memory::CellMemory;
 use chebloyd::relax::space::Space;
 use chebloyd::relax::tessellation::{Minimizer, Norm, Question, Tessellation};

@@ -6,13 +6,13 @@ use clap::ValueEnum;
 use nalgebra::Point3;
 
 use chebloyd::domain::cuboid::Cuboid;
-use chebloyd::domain::space::Domain;
+use chebloyd::domain::shape::DomainShape;
 use chebloyd::export::sites::write_csv;
 use chebloyd::export::whole_file;
 use chebloyd::geometry::bounds::Bounds;
+use chebloyd::geometry::random::Random;
 use chebloyd::relax::space::Space;
 use chebloyd::relax::tessellation::Tessellation;
-use chebloyd::scene::random::Uniform;
 use chebloyd::scene::site_file::read;
 
 use crate::cli::bench::QUESTION;
@@ -53,7 +53,7 @@ pub(crate) struct Crowd {
 impl Crowd {
     /// Sites of a kind, about `count`, relaxed ones by so many moves.
     pub(crate) fn new(kind: Kind, count: usize, moves: usize) -> Result<Self, Failure> {
-        let mut random = Uniform::new(1);
+        let mut random = Random::new(1);
         let mut domain = Cuboid::unit();
         let mut sites: Vec<_> = match kind {
             Kind::Lattice => lattice(count),
@@ -120,20 +120,20 @@ fn lattice(count: usize) -> Vec<Point3<f64>> {
 }
 
 /// Sites in parts of the cube drawn by weight.
-fn lognormal(count: usize, random: &mut Uniform) -> Vec<Point3<f64>> {
+fn lognormal(count: usize, random: &mut Random) -> Vec<Point3<f64>> {
     let unit = Cuboid::unit().bounds();
     let mut sum = 0.0;
     let sums: Vec<f64> = (0..PARTS.pow(3))
         .map(|_| {
             // Box and Muller; 1 − u is never 0.
-            let (u, v) = (1.0 - random.number(), random.number());
+            let (u, v) = (1.0 - random.uniform(), random.uniform());
             let normal = (-2.0 * u.ln()).sqrt() * (std::f64::consts::TAU * v).cos();
             sum += (LOG_DEVIATION * normal).exp();
             sum
         })
         .collect();
     let one = |_| {
-        let drawn = random.number() * sum;
+        let drawn = random.uniform() * sum;
         let part = sums
             .partition_point(|&sum| sum <= drawn)
             .min(sums.len() - 1);

@@ -11,8 +11,9 @@ use chebloyd::chebyshev::fragments::fragments_in_frame;
 use chebloyd::chebyshev::integrand::Integrand;
 use chebloyd::chebyshev::sector::Sector;
 use chebloyd::chebyshev::walk::WalkScratch;
-use chebloyd::domain::beyond::Beyond;
-use chebloyd::domain::space::{Domain, PieceScratch};
+use chebloyd::domain::domain::Domain;
+use chebloyd::domain::facet_kind::FacetKind;
+use chebloyd::domain::shape::PieceScratch;
 use chebloyd::export::vtu::{CellGeometry, write_cells};
 use chebloyd::export::whole_file;
 use chebloyd::geometry::polyhedron::Polyhedron;
@@ -109,7 +110,7 @@ fn parts(space: &Space, sites: &[Point3<f64>], site: usize) -> Result<Vec<Part>,
         let wanted = cell.site as usize == site;
         wanted.then(|| {
             let frame = frame(space, site);
-            let (origin, label) = (Point3::origin(), Beyond::Inner.label());
+            let (origin, label) = (Point3::origin(), FacetKind::Inner.label());
             let wedges = fragments_in_frame(cell.polyhedron(), &origin, &frame, label);
             wedges.map(|wedge| part(space.domain(), &cell.position, &frame, &wedge, scratch))
         })
@@ -136,7 +137,7 @@ fn part(
     if wedge.is_empty() {
         return part;
     }
-    domain.shape(site, wedge, scratch, &mut |piece| {
+    domain.outline(site, wedge, scratch, &mut |piece| {
         part.shell = Shell::from(piece).translated(&site.coords);
     });
     let mut walk = WalkScratch::default();

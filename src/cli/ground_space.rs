@@ -4,7 +4,7 @@ use std::error::Error;
 
 use nalgebra::Point3;
 
-use chebloyd::domain::space::PieceScratch;
+use chebloyd::domain::shape::PieceScratch;
 use chebloyd::export::run::directory::RunDirectory;
 use chebloyd::export::vtu::VtuWriter;
 use chebloyd::geometry::bounds::Bounds;

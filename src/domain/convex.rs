@@ -2,13 +2,12 @@
 
 use nalgebra::Point3;
 
-use crate::domain::beyond::Beyond;
 use crate::domain::error::DomainError;
-use crate::domain::space::Domain;
+use crate::domain::facet_kind::FacetKind;
+use crate::domain::shape::DomainShape;
 use crate::geometry::bounds::Bounds;
 use crate::geometry::clip::{Clip, ClipScratch, clip};
 use crate::geometry::half_space::HalfSpace;
-use crate::geometry::moments::Moments;
 use crate::geometry::polyhedron::Polyhedron;
 
 /// How far out an unbounded set is looked for, relative to the farthest plane's distance from the
@@ -59,7 +58,7 @@ impl ConvexPolyhedron {
             around.max = fit.max + margin;
             solid = intersection(&walls, &around)?;
         }
-        let volume = Moments::of(&solid).volume;
+        let volume = solid.moments().mass;
         let bounds = solid.bounds();
         if volume.is_nan() || volume <= bounds.volume() * f64::EPSILON {
             return Err(DomainError::NoVolume { volume });
@@ -81,17 +80,17 @@ impl ConvexPolyhedron {
 
 /// The walls' intersection within a box, which must not show in it.
 fn intersection(walls: &[HalfSpace], around: &Bounds<3>) -> Result<Polyhedron, DomainError> {
-    let mut solid = Polyhedron::cuboid(around, [Beyond::Inner.label(); 6]);
+    let mut solid = Polyhedron::cuboid(around, [FacetKind::Inner.label(); 6]);
     let mut scratch = ClipScratch::default();
     for (number, wall) in walls.iter().enumerate() {
-        let label = Beyond::Wall(number as u32).label();
+        let label = FacetKind::Wall(number as u32).label();
         if clip(&mut solid, wall, label, &mut scratch) == Clip::Emptied {
             return Err(DomainError::NoInterior { number });
         }
     }
     let open = solid
         .facets()
-        .find(|facet| Beyond::of(facet.label()) == Beyond::Inner);
+        .find(|facet| FacetKind::of(facet.label()) == FacetKind::Inner);
     if let Some(open) = open {
         let direction = open.half_space().normal.into();
         let count = walls.len();
@@ -114,7 +113,7 @@ fn normalized(half_spaces: &[HalfSpace]) -> Result<Vec<HalfSpace>, DomainError> 
     half_spaces.iter().enumerate().map(check).collect()
 }
 
-impl Domain for ConvexPolyhedron {
+impl DomainShape for ConvexPolyhedron {
     fn bounds(&self) -> Bounds<3> {
         self.bounds
     }

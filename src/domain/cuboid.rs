@@ -2,9 +2,9 @@
 
 use nalgebra::Point3;
 
-use crate::domain::beyond::Beyond;
 use crate::domain::error::DomainError;
-use crate::domain::space::Domain;
+use crate::domain::facet_kind::FacetKind;
+use crate::domain::shape::DomainShape;
 use crate::geometry::bounds::Bounds;
 use crate::geometry::polyhedron::Polyhedron;
 
@@ -52,7 +52,7 @@ impl Cuboid {
     }
 }
 
-impl Domain for Cuboid {
+impl DomainShape for Cuboid {
     fn bounds(&self) -> Bounds<3> {
         self.bounds
     }
@@ -82,13 +82,13 @@ impl Domain for Cuboid {
                 for (side, copies) in [(below, -1), (above, 1)] {
                     let mut image = [0; 3];
                     image[axis] = copies;
-                    labels[side] = Beyond::Neighbor { site: index, image }.label();
+                    labels[side] = FacetKind::Neighbor { site: index, image }.label();
                 }
             } else {
                 around.min[axis] = self.bounds.min[axis] - site[axis];
                 around.max[axis] = self.bounds.max[axis] - site[axis];
-                labels[below] = Beyond::Wall(below as u32).label();
-                labels[above] = Beyond::Wall(above as u32).label();
+                labels[below] = FacetKind::Wall(below as u32).label();
+                labels[above] = FacetKind::Wall(above as u32).label();
             }
         }
         cell.assign_cuboid(&around, labels);

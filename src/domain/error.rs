@@ -1,4 +1,4 @@
-//! Why a description is no domain.
+//! Errors of descriptions that are no domains.
 
 use thiserror::Error;
 

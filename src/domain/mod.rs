@@ -1,20 +1,22 @@
-//! Where sites may live: domains as signed sums of convex pieces.
+//! Domains: where sites may live, as signed sums of convex pieces.
 //!
-//! [`space`] is the door that the floors above knock at; [`cuboid`] and [`convex`] are convex
-//! solids, [`surface`] those bounded by triangles, [`tets`] those filled with tetrahedra, [`plane`]
-//! the domains of the plane. [`beyond`] gives facet labels their meaning, [`weighted`] domains a
-//! density, also one that follows from a wanted size of cells.
+//! A [`domain`] is a [`shape`], perhaps with a [`density`] beside it, also one that follows from a
+//! wanted size of cells. [`cuboid`] and [`convex`] are convex shapes, [`tri_surface`] those bounded
+//! by triangles, [`tet_mesh`] those filled with tetrahedra, [`planar`] the domains of the plane.
+//! [`facet_kind`] gives facet labels their meaning.
 
-pub mod beyond;
+pub(crate) mod candidates;
 pub mod convex;
 pub mod cuboid;
+pub mod density;
+#[allow(
+    clippy::module_inception,
+    reason = "it defines what the folder is named for"
+)]
+pub mod domain;
 pub mod error;
-pub(crate) mod graded;
-pub(crate) mod near;
-pub mod plane;
-pub(crate) mod positive;
-pub mod space;
-pub mod surface;
-pub mod tets;
-pub mod weighted;
-pub(crate) mod within;
+pub mod facet_kind;
+pub mod planar;
+pub mod shape;
+pub mod tet_mesh;
+pub mod tri_surface;

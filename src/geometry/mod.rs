@@ -1,21 +1,24 @@
 //! Half-spaces, convex polyhedra and the clipping of one by the other; half-planes and polygons.
+//!
+//! A convex cell has two forms, each with its own clipper of the same tolerance policy:
+//! [`small_polyhedron`] in fixed slots, for the many cuts that make a cell, and [`polyhedron`] of
+//! any size ([`clip`]). Solids of any shape have two more: [`brep`], which integrals take, and
+//! [`shell`], welded loops of corners, the form in which cells leave the program.
 
 pub mod bounds;
-pub mod box_tree;
+pub mod brep;
+pub mod bvh;
 pub mod clip;
-pub mod compact;
-pub mod compact_clip;
-mod compact_edges;
-pub(crate) mod compact_lists;
-pub mod faceted;
+pub mod facet_polygons;
 pub mod half_plane;
 pub mod half_space;
 pub mod label;
-pub(crate) mod lanes;
 pub mod moments;
-pub mod outline;
 pub mod polygon;
 pub mod polyhedron;
-pub mod primitives;
+pub mod random;
 pub mod section;
 pub mod shell;
+pub(crate) mod simd;
+pub mod small_polyhedron;
+pub mod small_polyhedron_clip;

@@ -17,6 +17,7 @@ use nalgebra::{Point3, Vector3};
 use crate::geometry::bounds::Bounds;
 use crate::geometry::half_space::HalfSpace;
 use crate::geometry::label::Label;
+use crate::geometry::moments::Moments;
 
 /// A bounded convex polyhedron with labelled facets, or the empty set.
 #[derive(Clone, Debug, Default)]
@@ -30,44 +31,36 @@ pub struct Polyhedron {
     pub(crate) labels: Vec<Label>,
 }
 
-/// The least and the greatest of some numbers, in lanes that need not wait for each other.
-fn ends(numbers: &[f64]) -> (f64, f64) {
-    const LANES: usize = 4;
-    let (mut min, mut max) = ([f64::INFINITY; LANES], [f64::NEG_INFINITY; LANES]);
-    let (blocks, rest) = numbers.as_chunks::<LANES>();
-    // Not f64::min and max, whose care for NaN costs more than the rest.
-    let mut include = |lane: usize, number: f64| {
-        min[lane] = if number < min[lane] {
-            number
-        } else {
-            min[lane]
-        };
-        max[lane] = if number > max[lane] {
-            number
-        } else {
-            max[lane]
-        };
-    };
-    for block in blocks {
-        for (lane, &number) in block.iter().enumerate() {
-            include(lane, number);
+/// Corner bits of a cuboid (x = 1, y = 2, z = 4) → facets, counter-clockwise from outside. Facets
+/// 0…5 are −x, +x, −y, +y, −z, +z.
+const CUBOID_FACETS: [[u32; 3]; 8] = [
+    [0, 4, 2],
+    [1, 2, 4],
+    [0, 3, 4],
+    [1, 4, 3],
+    [0, 2, 5],
+    [1, 5, 2],
+    [0, 5, 3],
+    [1, 3, 5],
+];
+
+/// Corner of a cuboid → the corners at the ends of its edges.
+const CUBOID_NEXT: [[u32; 3]; 8] = cuboid_next();
+
+const fn cuboid_next() -> [[u32; 3]; 8] {
+    let mut next = [[0; 3]; 8];
+    let mut corner = 0;
+    while corner < 8 {
+        let mut slot = 0;
+        while slot < 3 {
+            // Edge k lies on facets k and k + 2, so it runs along the axis of facet k + 1.
+            let axis = CUBOID_FACETS[corner][(slot + 1) % 3] / 2;
+            next[corner][slot] = corner as u32 ^ (1 << axis);
+            slot += 1;
         }
+        corner += 1;
     }
-    // The last block, once more where it begins: that is sooner done than a loop of a length that a
-    // processor cannot foresee.
-    if let Some(block) = numbers.last_chunk::<LANES>() {
-        for (lane, &number) in block.iter().enumerate() {
-            include(lane, number);
-        }
-    } else {
-        rest.iter().for_each(|&number| include(0, number));
-    }
-    let least = |a: f64, b: f64| if b < a { b } else { a };
-    let greatest = |a: f64, b: f64| if b > a { b } else { a };
-    (
-        min.into_iter().fold(f64::INFINITY, least),
-        max.into_iter().fold(f64::NEG_INFINITY, greatest),
-    )
+    next
 }
 
 /// One facet of a [`Polyhedron`].
@@ -80,6 +73,42 @@ pub struct Facet<'a> {
 }
 
 impl Polyhedron {
+    /// The axis-aligned box with labels for the walls −x, +x, −y, +y, −z, +z.
+    #[must_use]
+    pub fn cuboid(bounds: &Bounds<3>, labels: [Label; 6]) -> Self {
+        let mut cuboid = Self::default();
+        cuboid.assign_cuboid(bounds, labels);
+        cuboid
+    }
+
+    /// Becomes the axis-aligned box, as [`Polyhedron::cuboid`], keeping its memory.
+    pub fn assign_cuboid(&mut self, bounds: &Bounds<3>, labels: [Label; 6]) {
+        self.clear();
+        let ends = |axis: usize| [bounds.min[axis], bounds.max[axis]];
+        let along = |axis: usize| -> [f64; 8] {
+            let ends = ends(axis);
+            std::array::from_fn(|corner| ends[corner >> axis & 1])
+        };
+        self.x.extend(along(0));
+        self.y.extend(along(1));
+        self.z.extend(along(2));
+        self.facets.extend_from_slice(&CUBOID_FACETS);
+        self.next.extend_from_slice(&CUBOID_NEXT);
+        for axis in 0..3 {
+            let mut normal = Vector3::zeros();
+            normal[axis] = 1.0;
+            self.planes.push(HalfSpace {
+                normal: -normal,
+                offset: -bounds.min[axis],
+            });
+            self.planes.push(HalfSpace {
+                normal,
+                offset: bounds.max[axis],
+            });
+        }
+        self.labels.extend(labels);
+    }
+
     /// Becomes a copy of `other` moved by `displacement`, keeping its memory.
     pub fn assign_translated(&mut self, other: &Self, displacement: &Vector3<f64>) {
         self.clear();
@@ -134,11 +163,11 @@ impl Polyhedron {
     /// The least axis-aligned box around the polyhedron.
     #[must_use]
     pub fn bounds(&self) -> Bounds<3> {
-        let [x, y, z] = [&self.x, &self.y, &self.z].map(|all| ends(all));
-        Bounds {
-            min: Point3::new(x.0, y.0, z.0),
-            max: Point3::new(x.1, y.1, z.1),
+        let mut bounds = Bounds::empty();
+        for vertex in self.vertices() {
+            bounds.include(&vertex);
         }
+        bounds
     }
 
     /// The greatest squared distance of a vertex from the origin (L²); 0 for the empty set.
@@ -153,6 +182,15 @@ impl Polyhedron {
             }
         }
         far
+    }
+
+    /// Volume and moments about the origin; zero for the empty set.
+    #[must_use]
+    pub fn moments(&self) -> Moments {
+        let mut moments = Moments::default();
+        let triangles = self.facets().flat_map(|facet| facet.triangles());
+        triangles.for_each(|triangle| moments.add_cone(triangle));
+        moments
     }
 
     /// The facets that have vertices, in the order in which their planes were added.
@@ -225,20 +263,18 @@ impl<'a> Facet<'a> {
         self.vertex_numbers().map(move |v| polyhedron.vertex(v))
     }
 
+    /// The triangles of the facet's fan from its first corner.
+    pub fn triangles(&self) -> impl Iterator<Item = [Vector3<f64>; 3]> + use<'a> {
+        let mut corners = self.corners().map(|corner| corner.coords);
+        let anchor = corners.next().unwrap_or_default();
+        let mut last = corners.next().unwrap_or_default();
+        corners.map(move |corner| [anchor, std::mem::replace(&mut last, corner), corner])
+    }
+
     /// The facet's area times its unit normal (L²), from the corners alone.
     #[must_use]
     pub fn area_vector(&self) -> Vector3<f64> {
-        let mut corners = self.corners();
-        let Some(anchor) = corners.next() else {
-            return Vector3::zeros();
-        };
-        let mut sum = Vector3::zeros();
-        let mut last = Vector3::zeros();
-        for corner in corners {
-            let arm = corner - anchor;
-            sum += last.cross(&arm);
-            last = arm;
-        }
-        0.5 * sum
+        let doubled = self.triangles().map(|[a, b, c]| (b - a).cross(&(c - a)));
+        0.5 * doubled.sum::<Vector3<f64>>()
     }
 }

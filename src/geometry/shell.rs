@@ -1,6 +1,6 @@
 //! A cell's surface as loops of shared corners, the form in which cells leave the program.
 //!
-//! A [`Polyhedron`] stores a corner where more than three planes meet as several vertices at one
+//! A [`Polyhedron`](crate::geometry::polyhedron::Polyhedron) stores a corner where more than three planes meet as several vertices at one
 //! place, and keeps facets without area. Files and pictures want neither: a shell welds such
 //! vertices and drops what collapses. Unlike a polyhedron it need not be convex, so cells clipped
 //! to solids have shells too.
@@ -13,9 +13,8 @@
 use nalgebra::{Point2, Point3, Vector3};
 
 use crate::geometry::bounds::Bounds;
-use crate::geometry::faceted::{Faceted, Piece};
-use crate::geometry::outline::polygons;
-use crate::geometry::polyhedron::Polyhedron;
+use crate::geometry::brep::Piece;
+use crate::geometry::facet_polygons::polygons;
 
 /// A closed surface of polygons, or one polygon.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -125,19 +124,13 @@ impl Shell {
         let Some(apex) = self.vertices.first() else {
             return 0.0;
         };
-        let mut six_volumes = 0.0;
-        for mut corners in self.loops() {
-            let Some(first) = corners.next() else {
-                continue;
-            };
-            let mut last = first - apex;
-            for corner in corners {
-                let arm = corner - apex;
-                six_volumes += (first - apex).dot(&last.cross(&arm));
-                last = arm;
-            }
-        }
-        six_volumes / 6.0
+        let six_volumes = self.facets().map(|facet| {
+            let arm = |corner: u32| self.vertices[corner as usize] - apex;
+            let fans = facet.windows(2).skip(1);
+            fans.map(|pair| arm(facet[0]).dot(&arm(pair[0]).cross(&arm(pair[1]))))
+                .sum::<f64>()
+        });
+        six_volumes.sum::<f64>() / 6.0
     }
 
     /// The shell moved by `displacement`.
@@ -163,40 +156,33 @@ impl Shell {
     }
 }
 
-impl From<&Polyhedron> for Shell {
-    fn from(polyhedron: &Polyhedron) -> Self {
-        let vertices: Vec<Point3<f64>> = polyhedron.vertices().collect();
-        let facets = polyhedron
-            .facets()
-            .map(|facet| facet.vertex_numbers().map(|vertex| vertex as u32));
-        // A polyhedron's facets name its own vertices only.
-        Self::new(&vertices, facets).unwrap_or_default()
-    }
-}
-
-impl From<&Faceted> for Shell {
-    fn from(solid: &Faceted) -> Self {
-        let vertices: Vec<Point3<f64>> = solid.vertices().collect();
-        let mut sides: Vec<(u32, [u32; 2])> = solid.sides().collect();
-        sides.sort_unstable();
-        let facets = sides
-            .chunk_by(|one, other| one.0 == other.0)
-            .flat_map(|group| {
-                let edges: Vec<[u32; 2]> = group.iter().map(|side| side.1).collect();
-                let normal = &solid.facets[group[0].0 as usize].0.normal;
-                polygons(&edges, &solid.vertices, normal)
-            });
-        // A solid's edges name its own vertices only.
-        Self::new(&vertices, facets).unwrap_or_default()
-    }
-}
-
 impl From<Piece<'_>> for Shell {
     fn from(piece: Piece<'_>) -> Self {
-        match piece {
-            Piece::Convex(piece) => Self::from(piece),
-            Piece::Faceted(piece) => Self::from(piece),
-        }
+        let shell = match piece {
+            Piece::Convex(polyhedron) => {
+                let vertices: Vec<Point3<f64>> = polyhedron.vertices().collect();
+                let facets = polyhedron.facets();
+                Self::new(
+                    &vertices,
+                    facets.map(|facet| facet.vertex_numbers().map(|vertex| vertex as u32)),
+                )
+            }
+            Piece::Brep(solid) => {
+                let vertices: Vec<Point3<f64>> =
+                    solid.vertices.iter().map(|&vertex| vertex.into()).collect();
+                let mut sides: Vec<(u32, [u32; 2])> = solid.sides().collect();
+                sides.sort_unstable();
+                let facets = sides.chunk_by(|one, other| one.0 == other.0);
+                let facets = facets.flat_map(|group| {
+                    let edges: Vec<[u32; 2]> = group.iter().map(|side| side.1).collect();
+                    let normal = &solid.facets[group[0].0 as usize].0.normal;
+                    polygons(&edges, &solid.vertices, normal)
+                });
+                Self::new(&vertices, facets)
+            }
+        };
+        // A piece's facets name its own vertices only.
+        shell.unwrap_or_default()
     }
 }
 
@@ -226,6 +212,7 @@ fn weld(vertices: &[Point3<f64>]) -> Vec<u32> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::polyhedron::Polyhedron;
 
     fn unit_cube() -> Polyhedron {
         let bounds = Bounds {
@@ -237,7 +224,7 @@ mod tests {
 
     #[test]
     fn a_cube_is_a_cube() {
-        let shell = Shell::from(&unit_cube());
+        let shell = Shell::from(Piece::Convex(&unit_cube()));
         assert_eq!((shell.vertices().len(), shell.facet_count()), (8, 6));
         assert!((shell.volume() - 1.0).abs() < 1e-15);
     }

@@ -1,4 +1,4 @@
-//! Four simplices at a time.
+//! The ten moments of four simplices at a time.
 //!
 //! The ten moments of a simplex are some hundred multiplications without a branch, so they run as
 //! wide as the machine if the data lie by component: a [`Lanes`] holds one number of four
@@ -8,9 +8,11 @@
 //! buffer first took as long as all the arithmetic. A block that is not full is filled up with
 //! simplices shrunk to a point, whose volume is exactly 0.
 
-use crate::integrals::moments::Moments;
 use nalgebra::Point3;
 use wide::f64x4;
+
+use crate::geometry::moments::Moments;
+use crate::geometry::simd::{cross, dot, sum};
 
 /// One number of [`WIDTH`] simplices.
 pub type Lanes = f64x4;
@@ -99,7 +101,7 @@ impl Sums {
     /// The moments, given the factors that the additions left out.
     #[must_use]
     pub fn moments(&self, [mass, first, second]: [f64; 3]) -> Moments {
-        let mut ten = self.ten.map(sum_of_lanes);
+        let mut ten = self.ten.map(sum);
         ten[0] *= mass;
         for sum in &mut ten[1..4] {
             *sum *= first;
@@ -109,13 +111,6 @@ impl Sums {
         }
         Moments::from_ten(ten)
     }
-}
-
-/// The lanes added in their order.
-#[must_use]
-pub fn sum_of_lanes(lanes: Lanes) -> f64 {
-    let [a, b, c, d] = lanes.to_array();
-    (a + b) + (c + d)
 }
 
 /// Corner by corner the vertices that up to [`WIDTH`] simplices name; the missing ones shrink to
@@ -145,22 +140,20 @@ pub fn splat(point: &Point3<f64>) -> LanePoint {
     [point.x, point.y, point.z].map(Lanes::splat)
 }
 
-/// Six times the signed volumes of tetrahedra with one corner at 0: a · (b × c).
+/// Six times the signed volumes of tetrahedra: a · (b × c) with the fourth corner at 0 for `K` = 3;
+/// from the edges at the first corner for `K` = 4, so that a small one far from the origin keeps its
+/// digits.
 #[inline(always)]
 #[must_use]
-pub fn six_volumes([a, b, c]: &[LanePoint; 3]) -> Lanes {
-    a[0] * (b[1] * c[2] - b[2] * c[1])
-        + a[1] * (b[2] * c[0] - b[0] * c[2])
-        + a[2] * (b[0] * c[1] - b[1] * c[0])
-}
-
-/// Six times the signed volumes of tetrahedra, from the edges at the first corner: a small one
-/// far from the origin keeps its digits.
-#[inline(always)]
-#[must_use]
-pub fn six_volumes_by_edges([a, others @ ..]: &[LanePoint; 4]) -> Lanes {
-    let edge = |to: &LanePoint| [to[0] - a[0], to[1] - a[1], to[2] - a[2]];
-    six_volumes(&others.each_ref().map(edge))
+pub fn six_volumes<const K: usize>(corners: &[LanePoint; K]) -> Lanes {
+    match corners.as_slice() {
+        [a, b, c] => dot(a, &cross(b, c)),
+        [a, others @ ..] if others.len() == 3 => {
+            let edge = |k: usize| [0, 1, 2].map(|axis| others[k][axis] - a[axis]);
+            dot(&edge(0), &cross(&edge(1), &edge(2)))
+        }
+        _ => Lanes::ZERO,
+    }
 }
 
 fn zeros() -> ([Lanes; 3], [Lanes; 3], [Lanes; 6]) {

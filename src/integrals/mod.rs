@@ -7,34 +7,28 @@
 //! \[BL\] Bukenberger & Lensch, *Tetrahedra of Varying Density and their Applications*.
 //!
 //! ```text
-//!                    simplex                 powers of one linear function
-//!                    series                  all monomials up to a degree, on any simplex
-//!        ┌──────────────┼──────────────┐
-//!    structure       polygon       polynomial ← polynomial_text
-//!    [CP]            loops, holes      │      └─── bernstein     bounds in a box
-//!                                 polynomial_density
-//!    mirtich [M]     tetrahedra [BL]   surface           the ten moments of a body
-//!        └──────────────┴──────┬───────┴── moments
-//!                             lanes                  four simplices at a time
-//!                            pairwise                sums by halves, in a fixed order
+//!     simplex                    powers of one linear function
+//!     series                     all monomials up to a degree, on any simplex
+//!        │      polynomial ← polynomial_text
+//!        │          │ └─────── bernstein     bounds in a box
+//!     mesh_moments  ┘          the ten moments of a surface, of tetrahedra, of a piece
+//!        │
+//!      lanes                   four simplices at a time
+//!     pairwise                 sums by halves, in a fixed order
+//!     reference                the papers' own formulas: [M], [CP], [BL]
 //! ```
 //!
 //! Surfaces are slices of vertices and of triangles that name them, counter-clockwise seen from
 //! outside. A routine that takes an `origin` measures from it: the caller picks one near the
 //! body, so that coordinates far from zero cost no digits, and transfers the result with
-//! [`moments::Moments::moved`].
+//! [`Moments::moved`](crate::geometry::moments::Moments::moved).
 
 pub mod bernstein;
 pub mod lanes;
-pub mod mirtich;
-pub mod moments;
+pub mod mesh_moments;
 pub mod pairwise;
-pub mod polygon;
 pub mod polynomial;
-pub mod polynomial_density;
 pub mod polynomial_text;
+pub mod reference;
 pub mod series;
 pub mod simplex;
-pub mod structure;
-pub mod surface;
-pub mod tetrahedra;

@@ -1,6 +1,6 @@
-//! A weighed body: mass, center of mass, inertia.
+//! The mass properties of a body: mass, center of mass, inertia.
 
-use crate::integrals::moments::Moments;
+use crate::geometry::moments::Moments;
 use crate::mass::principal::Principal;
 use nalgebra::{Matrix3, Point3, Vector3};
 

@@ -27,7 +27,6 @@
 pub mod body;
 pub mod cut;
 pub mod density;
-pub mod density_text;
 pub mod principal;
 pub mod profile;
 pub mod split;

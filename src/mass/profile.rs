@@ -5,9 +5,9 @@
 //! density in every part and integrates exactly. Closed surfaces are cut through their signed
 //! cones, of which the sum is the solid, whatever the planes.
 
-use crate::integrals::moments::Moments;
+use crate::geometry::moments::Moments;
+use crate::integrals::mesh_moments::at_vertices;
 use crate::integrals::pairwise::sum_by_halves;
-use crate::integrals::tetrahedra;
 use crate::mass::split::{Node, Side, split};
 use nalgebra::{Point3, Vector3};
 
@@ -99,63 +99,38 @@ impl Profile {
         self.at(self.direction.dot(&point.coords))
     }
 
-    /// The ten moments of the solid inside a closed surface, measured from `origin`.
+    /// The ten moments of the solid within a closed surface (`K` = 3) or of tetrahedra (`K` = 4),
+    /// measured from `origin`.
     ///
     /// # Panics
     ///
-    /// If a triangle names a vertex that is not there.
+    /// If a simplex names a vertex that is not there.
     #[must_use]
-    pub fn surface_moments(
+    pub fn moments<const K: usize>(
         &self,
         vertices: &[Point3<f64>],
-        triangles: &[[u32; 3]],
+        simplices: &[[u32; K]],
         origin: &Point3<f64>,
     ) -> Moments {
-        let apex = self.corner(origin, origin);
-        self.moments(triangles.len(), |triangle| {
-            let [a, b, c] = triangles[triangle].map(|v| self.corner(&vertices[v as usize], origin));
-            [apex, a, b, c]
-        })
-    }
-
-    /// The ten moments of tetrahedra, measured from `origin`.
-    ///
-    /// # Panics
-    ///
-    /// If a tetrahedron names a vertex that is not there.
-    #[must_use]
-    pub fn tet_moments(
-        &self,
-        vertices: &[Point3<f64>],
-        tets: &[[u32; 4]],
-        origin: &Point3<f64>,
-    ) -> Moments {
-        self.moments(tets.len(), |tet| {
-            tets[tet].map(|v| self.corner(&vertices[v as usize], origin))
-        })
-    }
-
-    fn corner(&self, point: &Point3<f64>, origin: &Point3<f64>) -> Corner {
-        Corner {
+        let corner = |point: &Point3<f64>| Corner {
             place: Point3::from(point - origin),
             s: self.direction.dot(&point.coords),
-        }
-    }
-
-    fn moments(&self, count: usize, corners: impl Fn(usize) -> [Corner; 4] + Sync) -> Moments {
-        sum_by_halves(count, &|range| {
-            let (mut places, mut densities) = (Vec::new(), Vec::new());
-            for tet in range {
-                for corner in self.pieces(corners(tet)).into_iter().flatten() {
-                    places.push(corner.place);
-                    densities.push(self.at(corner.s));
+        };
+        sum_by_halves(simplices.len(), &|range| {
+            let (mut places, mut densities, mut tets) = (Vec::new(), Vec::new(), Vec::new());
+            for simplex in &simplices[range] {
+                // A triangle stands for its cone from the origin.
+                let mut tet = [corner(origin); 4];
+                for (place, &vertex) in tet[4 - K..].iter_mut().zip(simplex) {
+                    *place = corner(&vertices[vertex as usize]);
+                }
+                for piece in self.pieces(tet) {
+                    tets.push([0, 1, 2, 3].map(|k| places.len() as u32 + k));
+                    places.extend(piece.map(|corner| corner.place));
+                    densities.extend(piece.map(|corner| self.at(corner.s)));
                 }
             }
-            let count = u32::try_from(places.len() / 4).unwrap_or(u32::MAX);
-            let tets: Vec<_> = (0..count)
-                .map(|tet| [0, 1, 2, 3].map(|k| 4 * tet + k))
-                .collect();
-            tetrahedra::moments(&places, &tets, &densities, &Point3::origin())
+            at_vertices(&places, &tets, &densities, &Point3::origin())
         })
     }
 

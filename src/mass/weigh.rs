@@ -1,13 +1,14 @@
-//! From a solid and a density to its mass properties.
+//! The mass properties of a solid of given density.
 
 use crate::geometry::bounds::Bounds;
-use crate::integrals::moments::Moments;
-use crate::integrals::{polynomial_density, surface, tetrahedra};
+use crate::geometry::moments::Moments;
+use crate::integrals::mesh_moments::{area, at_vertices, constant, linear, polynomial, volume};
 use crate::mass::body::Body;
 use crate::mass::density::Density;
 use crate::mesh::load::Solid;
 use crate::mesh::surface::SurfaceMesh;
 use crate::mesh::tets::{TetMesh, VertexData};
+use nalgebra::Point3;
 
 /// Why a solid cannot be weighed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -69,23 +70,11 @@ pub fn weigh_surface(
     density: &Density,
     extent: &Bounds<3>,
 ) -> Result<Body, WeighError> {
-    let near = Bounds::of(&mesh.vertices).center();
     let (vertices, triangles) = (&mesh.vertices[..], &mesh.triangles[..]);
-    let moments = match density {
-        Density::Constant(value) => surface::constant(vertices, triangles, &near) * *value,
-        Density::Ramp(ramp) => {
-            surface::linear(vertices, triangles, &ramp.over(extent, &near), &near)
-        }
-        Density::Profile(profile) => profile.surface_moments(vertices, triangles, &near),
-        Density::Polynomial(polynomial) => {
-            polynomial_density::solid(vertices, triangles, polynomial, &near)
-        }
-        Density::Vertex(_) => return Err(WeighError::VertexOfSurface),
-    };
-    let volume = surface::volume(vertices, triangles, &near);
-    let area = surface::area(vertices, triangles);
-    check(&moments)?;
-    Ok(Body::from_moments(volume, area, &moments, &near))
+    let area = area(vertices, triangles);
+    weigh_simplices(vertices, triangles, area, density, extent, |_, _| {
+        Err(WeighError::VertexOfSurface)
+    })
 }
 
 /// [`weigh`] for tetrahedra of positive volume.
@@ -98,32 +87,39 @@ pub fn weigh_tets(
     density: &Density,
     extent: &Bounds<3>,
 ) -> Result<Body, WeighError> {
-    let near = Bounds::of(&mesh.vertices).center();
     let (vertices, tets) = (&mesh.vertices[..], &mesh.tets[..]);
+    let boundary = mesh.boundary();
+    let area = area(&boundary.vertices, &boundary.triangles);
+    weigh_simplices(vertices, tets, area, density, extent, |name, near| {
+        Ok(at_vertices(vertices, tets, field(mesh, name)?, near))
+    })
+}
+
+/// [`weigh`] for triangles or tetrahedra; `by_data` gives the moments by vertex data of some name.
+fn weigh_simplices<const K: usize>(
+    vertices: &[Point3<f64>],
+    simplices: &[[u32; K]],
+    area: f64,
+    density: &Density,
+    extent: &Bounds<3>,
+    by_data: impl Fn(Option<&str>, &Point3<f64>) -> Result<Moments, WeighError>,
+) -> Result<Body, WeighError> {
+    let near = Bounds::of(vertices).center();
     let moments = match density {
-        Density::Constant(value) => tetrahedra::constant(vertices, tets, &near) * *value,
-        Density::Ramp(ramp) => {
-            let linear = ramp.over(extent, &near);
-            let at = |vertex| linear.value + linear.gradient.dot(&(vertex - near));
-            let densities: Vec<f64> = vertices.iter().map(at).collect();
-            tetrahedra::moments(vertices, tets, &densities, &near)
-        }
-        Density::Profile(profile) => profile.tet_moments(vertices, tets, &near),
-        Density::Polynomial(polynomial) => {
-            polynomial_density::tetrahedra(vertices, tets, polynomial, &near)
-        }
-        Density::Vertex(name) => {
-            let densities = field(mesh, name.as_deref())?;
-            tetrahedra::moments(vertices, tets, densities, &near)
-        }
+        Density::Constant(value) => constant(vertices, simplices, &near) * *value,
+        Density::Ramp(ramp) => linear(vertices, simplices, &ramp.over(extent, &near), &near),
+        Density::Profile(profile) => profile.moments(vertices, simplices, &near),
+        Density::Polynomial(density) => polynomial(vertices, simplices, density, &near),
+        Density::Vertex(name) => by_data(name.as_deref(), &near)?,
     };
-    let volume = tetrahedra::constant(vertices, tets, &near).mass;
-    let area = {
-        let boundary = mesh.boundary();
-        surface::area(&boundary.vertices, &boundary.triangles)
-    };
-    check(&moments)?;
-    Ok(Body::from_moments(volume, area, &moments, &near))
+    let volume = volume(vertices, simplices, &near);
+    let mass = moments.mass;
+    let is_sound = mass > 0.0 && moments.ten().iter().all(|value| value.is_finite());
+    if is_sound {
+        Ok(Body::from_moments(volume, area, &moments, &near))
+    } else {
+        Err(WeighError::Massless { mass })
+    }
 }
 
 /// The vertex data of this name, or the only ones.
@@ -145,15 +141,5 @@ fn field<'a>(mesh: &'a TetMesh, name: Option<&str>) -> Result<&'a [f64], WeighEr
         }),
         (None, [VertexData { values, .. }]) => Ok(values),
         (None, _) => Err(WeighError::WhichField { there }),
-    }
-}
-
-fn check(moments: &Moments) -> Result<(), WeighError> {
-    let mass = moments.mass;
-    let sound = mass > 0.0 && moments.ten().iter().all(|value| value.is_finite());
-    if sound {
-        Ok(())
-    } else {
-        Err(WeighError::Massless { mass })
     }
 }

@@ -19,8 +19,9 @@ use std::collections::BTreeMap;
 use nalgebra::{Matrix3, Point3, Rotation3, Vector3};
 use rayon::prelude::*;
 
-use crate::domain::beyond::Beyond;
-use crate::domain::space::{Domain, PieceScratch};
+use crate::domain::domain::Domain;
+use crate::domain::facet_kind::FacetKind;
+use crate::domain::shape::PieceScratch;
 use crate::voronoi::cell::Cell;
 use crate::voronoi::diagram::{Diagram, DiagramError};
 
@@ -75,15 +76,15 @@ fn around(domain: &dyn Domain, cell: &Cell<'_>, scratch: &mut PieceScratch) -> A
         cell.polyhedron(),
         scratch,
         &mut |sign, part| {
-            part.visit_areas(|label, area| *areas.entry(label).or_default() += area * sign);
+            part.visit_facets(|label, _, area| *areas.entry(label).or_default() += area * sign);
         },
     );
     let mut around = Around::default();
     for (label, area) in areas {
-        match Beyond::of(label) {
-            Beyond::Neighbor { site, .. } => around.neighbors.push((site, area.norm())),
-            Beyond::Wall(_) => around.walls.push(area),
-            Beyond::Inner => {}
+        match FacetKind::of(label) {
+            FacetKind::Neighbor { site, .. } => around.neighbors.push((site, area.norm())),
+            FacetKind::Wall(_) => around.walls.push(area),
+            FacetKind::Inner => {}
         }
     }
     around

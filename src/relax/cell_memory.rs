@@ -6,13 +6,14 @@ use nalgebra::{Point3, Rotation3, Vector3};
 
 use crate::chebyshev::center::{Search, center};
 use crate::chebyshev::energy::{SignedPiece, energy, energy_jet};
-use crate::chebyshev::mass_moments::mass_moments;
 use crate::chebyshev::walk::WalkScratch;
-use crate::domain::space::{Domain, PieceScratch};
+use crate::domain::domain::Domain;
+use crate::domain::shape::PieceScratch;
+use crate::geometry::brep::Piece;
 use crate::geometry::clip::ClipScratch;
-use crate::geometry::compact::Compact;
-use crate::geometry::faceted::Piece;
 use crate::geometry::moments::Moments;
+use crate::geometry::small_polyhedron::SmallPolyhedron;
+use crate::integrals::mesh_moments::of_piece;
 use crate::integrals::polynomial::Polynomial;
 use crate::minimize::problem::Evaluation;
 use crate::relax::figures::CellFigures;
@@ -78,9 +79,9 @@ impl CellMemory {
             let part_volume = integrand.volume();
             volume += sign * part_volume;
             let part_mass = density.map_or(part_volume, |density| {
-                let moments = mass_moments(part, density);
-                weighted.add_signed(sign, &moments);
-                moments.volume
+                let moments = of_piece(part, density);
+                *weighted += moments * sign;
+                moments.mass
             });
             mass += sign * part_mass;
             if let Some(frame) = frame {
@@ -93,7 +94,7 @@ impl CellMemory {
     }
 
     /// Prepares a cell that is its own only piece.
-    fn load_whole(&mut self, cell: &Compact) {
+    fn load_whole(&mut self, cell: &SmallPolyhedron) {
         let integrand = SignedPiece::place(&mut self.pieces, 0, 1.0);
         integrand.assign_compact(cell);
         self.measured = None;
@@ -129,8 +130,10 @@ impl CellMemory {
         for SignedPiece { sign, integrand } in &self.pieces[..self.used] {
             if integrand.density.is_none() {
                 let mut moments = integrand.moments();
-                moments.first = self.in_space(moments.first);
-                masses.add_signed(*sign, &moments);
+                if let Some(frame) = &self.frame {
+                    moments = moments.turned(frame);
+                }
+                masses += moments * *sign;
             }
         }
         masses
@@ -156,7 +159,7 @@ impl CellMemory {
     pub(crate) fn energy_at_site(&mut self, asked: Question) -> f64 {
         match asked.norm {
             Norm::Linf => self.evaluate(&Vector3::zeros(), asked.order).value,
-            Norm::L2 => self.masses().second,
+            Norm::L2 => self.masses().second.trace(),
         }
     }
 
@@ -193,7 +196,7 @@ impl CellMemory {
         let common = within_cube(cell.polyhedron(), volume, frame.as_ref(), clip);
         if !common.is_empty() {
             domain.pieces(&cell.position, &common, piece, &mut |sign, part| {
-                shape.add_overlap(sign * part.moments().volume);
+                shape.add_overlap(sign * part.extent().volume);
             });
         }
         let found = self.find(domain, cell, asked);
@@ -276,7 +279,7 @@ impl CellMemory {
         let pieces = &self.pieces[..self.used];
         let chebyshev = energy(pieces, &Vector3::zeros(), 1, &mut self.walk).value;
         Found {
-            energy: masses.second,
+            energy: masses.second.trace(),
             gradient: -2.0 * masses.first,
             chebyshev: chebyshev / domain.mean_density(),
             way: reach(domain, cell).clamp(&masses.centroid()).coords,

@@ -9,8 +9,8 @@
 
 use nalgebra::{Point3, Vector3};
 
+use crate::geometry::random::Random;
 use crate::relax::cell_memory::CellMemory;
-use crate::relax::noise::Random;
 use crate::relax::record::optimal_side;
 use crate::relax::space::Space;
 use crate::relax::tessellation::Tessellation;

@@ -2,8 +2,9 @@
 
 use nalgebra::Point3;
 
+use crate::geometry::random::Random;
 use crate::relax::exchange::{Room, exchange, rooms};
-use crate::relax::noise::{Random, shake};
+use crate::relax::noise::shake;
 use crate::relax::plan::{KickStyle, Kicks, Plan};
 use crate::relax::record::{optimal_energy, optimal_side};
 use crate::relax::space::Space;
@@ -52,7 +53,7 @@ pub(crate) fn kick(
     let left = 1.0 - stand.round as f64 / kicks.rounds as f64;
     stand.round += 1;
     stand.kicked += 1;
-    let mut random = Random::new(kicks.seed, stand.kicked);
+    let mut random = Random::stream(kicks.seed, stand.kicked);
     let side = optimal_side::<3>(space.volume(), sites.len());
     match kicks.style {
         KickStyle::Anneal => {

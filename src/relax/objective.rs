@@ -14,7 +14,7 @@ use nalgebra::{Point3, Vector3};
 
 use crate::chebyshev::borders::{BorderScratch, borders};
 use crate::chebyshev::energy::energy;
-use crate::domain::beyond::Beyond;
+use crate::domain::facet_kind::FacetKind;
 use crate::relax::cell_memory::CellMemory;
 use crate::relax::space::Space;
 use crate::voronoi::cell::Cell;
@@ -86,9 +86,9 @@ impl Space {
             pieces,
             order,
             (&mut *walk, &mut memory.borders),
-            |label| matches!(Beyond::of(label), Beyond::Neighbor { .. }),
+            |label| matches!(FacetKind::of(label), FacetKind::Neighbor { .. }),
             |push| {
-                if let Beyond::Neighbor { site, .. } = Beyond::of(push.label) {
+                if let FacetKind::Neighbor { site, .. } = FacetKind::of(push.label) {
                     own += push.own;
                     pushes.push((site, push.across));
                 }

@@ -1,6 +1,7 @@
 //! The outline of a cell in space, for files and pictures.
 
-use crate::domain::space::{Domain, PieceScratch};
+use crate::domain::domain::Domain;
+use crate::domain::shape::PieceScratch;
 use crate::geometry::shell::Shell;
 use crate::voronoi::cell::Cell;
 
@@ -8,7 +9,7 @@ use crate::voronoi::cell::Cell;
 /// show.
 pub fn shell(domain: &dyn Domain, cell: &Cell<'_>, scratch: &mut PieceScratch) -> Shell {
     let mut shell = Shell::default();
-    domain.shape(&cell.position, cell.polyhedron(), scratch, &mut |piece| {
+    domain.outline(&cell.position, cell.polyhedron(), scratch, &mut |piece| {
         shell = Shell::from(piece).translated(&cell.position.coords);
     });
     shell

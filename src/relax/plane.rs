@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use crate::chebyshev::center::{Center, SHY_OF_BORDER, Search};
 use crate::chebyshev::plane::{energy, energy_with_derivatives};
-use crate::domain::plane::PlaneDomain;
+use crate::domain::planar::PlaneDomain;
 use crate::geometry::bounds::Bounds;
 use crate::geometry::polygon::ConvexPolygon;
 use crate::relax::tessellation::{Assessment, Norm, Question, Tessellation};

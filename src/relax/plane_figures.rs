@@ -4,7 +4,7 @@ use nalgebra::{Point2, Vector2};
 use rayon::prelude::*;
 
 use crate::chebyshev::plane::{energy, energy_with_derivatives};
-use crate::domain::beyond::Beyond;
+use crate::domain::facet_kind::FacetKind;
 use crate::geometry::half_plane::HalfPlane;
 use crate::geometry::polygon::ConvexPolygon;
 use crate::minimize::problem::Evaluation;
@@ -88,7 +88,7 @@ fn cubeness(polygon: &ConvexPolygon) -> f64 {
     let offset = 0.5 * area.sqrt();
     let mut common = polygon.clone();
     for normal in [Vector2::x(), Vector2::y(), -Vector2::x(), -Vector2::y()] {
-        common.clip(&HalfPlane { normal, offset }, Beyond::Inner.label());
+        common.clip(&HalfPlane { normal, offset }, FacetKind::Inner.label());
     }
     let overlap = common.area();
     overlap / (2.0 * area - overlap)

@@ -4,7 +4,7 @@ use nalgebra::{Point3, Vector3};
 
 use crate::chebyshev::center::SHY_OF_BORDER;
 use crate::chebyshev::energy::SignedPiece;
-use crate::domain::space::Domain;
+use crate::domain::domain::Domain;
 use crate::geometry::bounds::Bounds;
 use crate::geometry::half_space::HalfSpace;
 use crate::voronoi::cell::Cell;

@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 
 use nalgebra::{Rotation3, Vector3};
 
-use crate::domain::beyond::Beyond;
+use crate::domain::facet_kind::FacetKind;
+use crate::geometry::brep::Piece;
 use crate::geometry::clip::{Clip, ClipScratch, clip};
-use crate::geometry::faceted::Piece;
 use crate::geometry::half_space::HalfSpace;
 use crate::geometry::label::Label;
 use crate::geometry::polyhedron::Polyhedron;
@@ -24,8 +24,8 @@ pub(crate) struct Shape {
 impl Shape {
     /// Adds the facets of `sign` times the piece.
     pub(crate) fn add(&mut self, sign: f64, piece: Piece<'_>) {
-        piece.visit_areas(|label, area| {
-            if Beyond::of(label) != Beyond::Inner {
+        piece.visit_facets(|label, _, area| {
+            if FacetKind::of(label) != FacetKind::Inner {
                 *self.areas.entry(label).or_default() += area * sign;
             }
         });
@@ -86,7 +86,7 @@ pub(crate) fn within_cube(
             normal[axis] = sign;
             let normal = frame.map_or(normal, |frame| frame * normal);
             let side = HalfSpace { normal, offset };
-            if clip(&mut common, &side, Beyond::Inner.label(), scratch) == Clip::Emptied {
+            if clip(&mut common, &side, FacetKind::Inner.label(), scratch) == Clip::Emptied {
                 return common;
             }
         }

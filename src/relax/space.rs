@@ -2,7 +2,8 @@
 
 use nalgebra::{Point3, Vector3};
 
-use crate::domain::space::{Domain, displacement};
+use crate::domain::domain::Domain;
+use crate::domain::shape::displacement;
 use crate::geometry::bounds::Bounds;
 use crate::relax::cell_memory::CellMemory;
 use crate::relax::figures::CellFigures;

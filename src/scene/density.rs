@@ -6,9 +6,9 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::domain::space;
-use crate::domain::tets::TetSolid;
-use crate::domain::weighted::WeightedDomain;
+use crate::domain::domain as space;
+use crate::domain::domain::WeightedDomain;
+use crate::domain::tet_mesh::TetSolid;
 use crate::integrals::polynomial::Polynomial;
 use crate::scene::domain::Domain;
 use crate::scene::error::Error;
@@ -97,7 +97,11 @@ fn sized(domain: Box<dyn space::Domain>, text: &str, order: u32) -> Result<Weigh
 }
 
 /// The tetrahedra with a function of their data as density.
-fn by_data(tets: TetSolid, name: &str, density: impl Fn(f64) -> f64) -> Result<TetSolid, Error> {
+fn by_data(
+    tets: TetSolid,
+    name: &str,
+    density: impl Fn(f64) -> f64,
+) -> Result<WeightedDomain, Error> {
     let mesh = tets.mesh();
     let Some(values) = mesh.data(name) else {
         let known: Vec<&str> = mesh

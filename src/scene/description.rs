@@ -5,7 +5,7 @@ use std::path::Path;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::domain::space;
+use crate::domain::domain as space;
 use crate::scene::density::Density;
 use crate::scene::domain::Domain;
 use crate::scene::error::Error;

@@ -11,8 +11,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::domain::convex::ConvexPolyhedron;
 use crate::domain::cuboid::Cuboid;
-use crate::domain::plane::PlaneDomain;
-use crate::domain::space;
+use crate::domain::domain as space;
+use crate::domain::planar::PlaneDomain;
 use crate::geometry::bounds::Bounds;
 use crate::geometry::half_plane::HalfPlane;
 use crate::geometry::half_space::HalfSpace;

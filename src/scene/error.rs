@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use crate::domain::error::DomainError;
-use crate::domain::plane::PlaneDomainError;
+use crate::domain::planar::PlaneDomainError;
 use crate::mesh::load::LoadError;
 
 /// Why a scene or its sites cannot be used. Site indices count from zero, lines from one.

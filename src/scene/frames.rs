@@ -6,7 +6,7 @@ use nalgebra::{Point3, Rotation3, Unit, Vector3};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::domain::space::Domain;
+use crate::domain::domain::Domain;
 use crate::relax::boundary_frames::boundary_frames;
 use crate::relax::frames::Frames;
 use crate::scene::error::Error;

@@ -7,8 +7,8 @@
 
 use nalgebra::Point;
 
+use crate::geometry::random::Random;
 use crate::scene::error::Error;
-use crate::scene::random::Uniform;
 use crate::scene::region::Region;
 use crate::scene::sites::Grid;
 
@@ -20,7 +20,7 @@ pub fn sites<const D: usize>(
     grid: &Grid,
     region: &Region<'_, D>,
 ) -> Result<Vec<Point<f64, D>>, Error> {
-    let mut uniform = Uniform::new(grid.seed);
+    let mut uniform = Random::new(grid.seed);
     let mut sites = Vec::new();
     let mut at = [0; D];
     loop {
@@ -42,12 +42,12 @@ fn jittered<const D: usize>(
     at: &[usize; D],
     grid: &Grid,
     region: &Region<'_, D>,
-    uniform: &mut Uniform,
+    uniform: &mut Random,
 ) -> Point<f64, D> {
     let extent = region.bounds.extent();
     let mut site = region.bounds.min;
     for axis in 0..D {
-        let shift = grid.jitter * (uniform.number() - 0.5);
+        let shift = grid.jitter * (uniform.uniform() - 0.5);
         let steps = at[axis] as f64 + 0.5 + shift;
         site[axis] += steps * extent[axis] / grid.counts[axis] as f64;
     }

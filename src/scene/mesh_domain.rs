@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::domain::space;
-use crate::domain::surface::solid::SurfaceSolid;
-use crate::domain::tets::TetSolid;
+use crate::domain::domain as space;
+use crate::domain::tet_mesh::TetSolid;
+use crate::domain::tri_surface::solid::SurfaceSolid;
 use crate::geometry::bounds::Bounds;
 use crate::mesh::load::{Solid, load};
 use crate::mesh::report::SurfaceReport;

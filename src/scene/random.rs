@@ -1,48 +1,14 @@
 //! Uniform random sites, the same on every machine.
-//!
-//! ChaCha8 seeded by its `seed_from_u64` gives the bits; the upper 53 of every 64 become a
-//! number in [0, 1) here and not in a distribution crate, so that a seed keeps its sites when
-//! such a crate changes.
 
 use nalgebra::Point;
-use rand_chacha::ChaCha8Rng;
-use rand_core::{Rng, SeedableRng};
 
-use crate::geometry::bounds::Bounds;
+use crate::geometry::random::Random;
 use crate::scene::error::Error;
 use crate::scene::region::Region;
 
 /// So many draws in a row may miss the domain: it then fills less than a millionth of its
 /// bounding box.
 const MISSES_ALLOWED: u64 = 10_000_000;
-
-/// A stream of numbers uniform in [0, 1), fixed by its seed.
-#[derive(Clone, Debug)]
-pub struct Uniform(ChaCha8Rng);
-
-impl Uniform {
-    /// The stream of `seed`.
-    #[must_use]
-    pub fn new(seed: u64) -> Self {
-        Self(ChaCha8Rng::seed_from_u64(seed))
-    }
-
-    /// The next number: a multiple of 2⁻⁵³ in [0, 1).
-    pub fn number(&mut self) -> f64 {
-        const STEP: f64 = 1.0 / (1_u64 << 53) as f64;
-        (self.0.next_u64() >> 11) as f64 * STEP
-    }
-
-    /// The next point of a box, axis by axis.
-    pub fn point<const D: usize>(&mut self, bounds: &Bounds<D>) -> Point<f64, D> {
-        let extent = bounds.extent();
-        let mut point = bounds.min;
-        for axis in 0..D {
-            point[axis] += self.number() * extent[axis];
-        }
-        bounds.clamp(&point)
-    }
-}
 
 /// `count` sites uniform over the region, by rejection from its bounding box.
 ///
@@ -53,11 +19,11 @@ pub fn sites<const D: usize>(
     seed: u64,
     region: &Region<'_, D>,
 ) -> Result<Vec<Point<f64, D>>, Error> {
-    let mut uniform = Uniform::new(seed);
+    let mut random = Random::new(seed);
     let mut sites = Vec::new();
     let mut misses = 0;
     while sites.len() < count {
-        let point = uniform.point(&region.bounds);
+        let point = random.point(&region.bounds);
         if region.holds(&point) {
             sites.push(point);
             misses = 0;
@@ -73,6 +39,7 @@ pub fn sites<const D: usize>(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::bounds::Bounds;
     use nalgebra::{Point2, Point3};
 
     fn cube() -> Bounds<3> {
@@ -96,17 +63,6 @@ mod tests {
     }
 
     const PINNED: &str = "[0.40248566366484806, 0.08038370892978197, 0.5965601809348549]";
-
-    #[test]
-    fn numbers_fill_the_unit_interval_evenly() {
-        let mut uniform = Uniform::new(3);
-        let mut bins = [0_u32; 10];
-        for _ in 0..10_000 {
-            bins[(uniform.number() * 10.0) as usize] += 1;
-        }
-        // The standard deviation of a bin is 30.
-        assert!(bins.iter().all(|&bin| bin.abs_diff(1000) < 150), "{bins:?}");
-    }
 
     #[test]
     fn rejection_keeps_to_the_region() {

@@ -4,8 +4,8 @@ use std::fmt;
 
 use nalgebra::Point;
 
-use crate::domain::plane::PlaneDomain;
-use crate::domain::space::Domain;
+use crate::domain::domain::Domain;
+use crate::domain::planar::PlaneDomain;
 use crate::geometry::bounds::Bounds;
 
 /// Says whether a point lies in a closed domain.

@@ -7,13 +7,13 @@ use std::cell::{OnceCell, RefCell};
 
 use nalgebra::Point3;
 
-use crate::domain::space::Domain;
+use crate::domain::domain::Domain;
 use crate::geometry::bounds::Bounds;
 use crate::geometry::clip::ClipScratch;
-use crate::geometry::compact::Compact;
-use crate::geometry::compact_clip::CompactScratch;
 use crate::geometry::half_space::HalfSpace;
 use crate::geometry::polyhedron::Polyhedron;
+use crate::geometry::small_polyhedron::SmallPolyhedron;
+use crate::geometry::small_polyhedron_clip::SmallClipScratch;
 use crate::voronoi::kd_tree::tree::KdTree;
 use crate::voronoi::search::{BisectorSearch, BuildError, Duplicate};
 
@@ -49,7 +49,7 @@ impl<'a> Cell<'a> {
 
     /// The body in fixed slots, if it fits there.
     #[must_use]
-    pub fn compact(&self) -> Option<&'a Compact> {
+    pub fn compact(&self) -> Option<&'a SmallPolyhedron> {
         self.body.compact()
     }
 }
@@ -60,7 +60,7 @@ pub(crate) struct CellBuilder {
     start: Polyhedron,
     clip: ClipScratch,
     body: CellStorage,
-    compact_scratch: Box<CompactScratch>,
+    compact_scratch: Box<SmallClipScratch>,
     search: BisectorSearch,
 }
 
@@ -116,7 +116,7 @@ impl CellBuilder {
 /// on the first request.
 #[derive(Debug, Default)]
 pub(crate) struct CellStorage {
-    compact: Compact,
+    compact: SmallPolyhedron,
     /// Whether the body is in the fixed slots.
     is_compact: bool,
     polyhedron: OnceCell<Polyhedron>,
@@ -127,7 +127,7 @@ pub(crate) struct CellStorage {
 impl CellStorage {
     /// The body in fixed slots, if it fits.
     #[inline]
-    pub(crate) fn compact(&self) -> Option<&Compact> {
+    pub(crate) fn compact(&self) -> Option<&SmallPolyhedron> {
         self.is_compact.then_some(&self.compact)
     }
 
@@ -142,7 +142,7 @@ impl CellStorage {
 
     /// The slots, for a new body to be written there.
     #[inline]
-    pub(crate) fn slots(&mut self) -> &mut Compact {
+    pub(crate) fn slots(&mut self) -> &mut SmallPolyhedron {
         self.clear();
         self.is_compact = true;
         &mut self.compact

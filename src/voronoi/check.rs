@@ -9,8 +9,9 @@ use std::ops::Range;
 use nalgebra::Vector3;
 use thiserror::Error;
 
-use crate::domain::beyond::Beyond;
-use crate::domain::space::{Domain, PieceScratch};
+use crate::domain::domain::Domain;
+use crate::domain::facet_kind::FacetKind;
+use crate::domain::shape::PieceScratch;
 use crate::integrals::pairwise::sum_by_halves;
 use crate::voronoi::cell::Cell;
 use crate::voronoi::diagram::{Diagram, DiagramError};
@@ -132,12 +133,12 @@ fn summarize(domain: &dyn Domain, cell: &Cell<'_>, scratch: &mut PieceScratch) -
     let mut volume = 0.0;
     let mut areas: BTreeMap<u64, Vector3<f64>> = BTreeMap::new();
     domain.pieces(&cell.position, polyhedron, scratch, &mut |sign, part| {
-        volume += sign * part.moments().volume;
-        part.visit_areas(|label, area| *areas.entry(label).or_default() += area * sign);
+        volume += sign * part.extent().volume;
+        part.visit_facets(|label, _, area| *areas.entry(label).or_default() += area * sign);
     });
-    let neighbor = |(label, area): (u64, Vector3<f64>)| match Beyond::of(label) {
-        Beyond::Neighbor { site, image } => Some((site, image, area.norm())),
-        Beyond::Wall(_) | Beyond::Inner => None,
+    let neighbor = |(label, area): (u64, Vector3<f64>)| match FacetKind::of(label) {
+        FacetKind::Neighbor { site, image } => Some((site, image, area.norm())),
+        FacetKind::Wall(_) | FacetKind::Inner => None,
     };
     CellSummary {
         volume,

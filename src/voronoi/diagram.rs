@@ -6,7 +6,7 @@ use nalgebra::Point3;
 use rayon::prelude::*;
 use thiserror::Error;
 
-use crate::domain::space::Domain;
+use crate::domain::domain::Domain;
 use crate::voronoi::cell::{Cell, CellBuilder};
 use crate::voronoi::kd_tree::tree::KdTree;
 use crate::voronoi::search::Duplicate;

@@ -12,11 +12,11 @@ use wide::f64x4;
 
 use crate::geometry::bounds::Bounds;
 use crate::geometry::clip::{Clip, ClipScratch, clip};
-use crate::geometry::compact::Compact;
-use crate::geometry::compact_clip::{CompactScratch, Full};
 use crate::geometry::half_space::HalfSpace;
 use crate::geometry::label::Label;
 use crate::geometry::polyhedron::Polyhedron;
+use crate::geometry::small_polyhedron::SmallPolyhedron;
+use crate::geometry::small_polyhedron_clip::{Full, SmallClipScratch};
 use crate::voronoi::kd_tree::candidates::{Candidate, Subtree};
 use crate::voronoi::kd_tree::neighborhood::{DISORDER, NeighborQuery};
 use crate::voronoi::kd_tree::tree::KdTree;
@@ -224,7 +224,7 @@ pub(crate) trait ClipTarget {
     fn list_beyond(&self, square: f64, balls: &mut VertexBalls);
 }
 
-impl ClipTarget for (&mut Compact, &mut CompactScratch) {
+impl ClipTarget for (&mut SmallPolyhedron, &mut SmallClipScratch) {
     #[inline]
     fn cut(&mut self, half_space: &HalfSpace, label: impl FnOnce() -> Label) -> Result<Clip, Full> {
         self.0.clip(half_space, label, self.1)

@@ -5,13 +5,12 @@ use chebloyd::geometry::bounds::Bounds;
 use chebloyd::geometry::clip::{ClipScratch, clip};
 use chebloyd::geometry::half_space::HalfSpace;
 use chebloyd::geometry::polyhedron::Polyhedron;
+use chebloyd::geometry::random::Random;
 use nalgebra::Point3;
-use rand_chacha::ChaCha8Rng;
-use rand_core::{Rng, SeedableRng};
 
 pub(crate) fn random_sites(count: usize, seed: u64) -> Vec<Point3<f64>> {
-    let mut random = ChaCha8Rng::seed_from_u64(seed);
-    let mut uniform = || (random.next_u64() >> 11) as f64 / (1_u64 << 53) as f64;
+    let mut random = Random::new(seed);
+    let mut uniform = || random.uniform();
     (0..count)
         .map(|_| Point3::new(uniform(), uniform(), uniform()))
         .collect()

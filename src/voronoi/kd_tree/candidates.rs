@@ -6,7 +6,7 @@
 use nalgebra::{Point3, Vector3};
 use wide::{f32x8, u16x8};
 
-use crate::domain::beyond::Beyond;
+use crate::domain::facet_kind::FacetKind;
 use crate::geometry::label::Label;
 use crate::voronoi::kd_tree::tree::KdTree;
 
@@ -80,7 +80,7 @@ impl Candidate {
 
     /// The label of a facet towards it.
     pub(crate) fn label(&self, tree: &KdTree) -> Label {
-        let beyond = Beyond::Neighbor {
+        let beyond = FacetKind::Neighbor {
             site: tree.site(self.place as usize),
             image: tree.images()[self.shift as usize].image,
         };

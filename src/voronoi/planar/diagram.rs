@@ -20,8 +20,8 @@ use voronator::VoronoiDiagram;
 use voronator::delaunator::Point;
 use voronator::polygon::Polygon;
 
-use crate::domain::beyond::Beyond;
-use crate::domain::plane::PlaneDomain;
+use crate::domain::facet_kind::FacetKind;
+use crate::domain::planar::PlaneDomain;
 use crate::geometry::half_plane::HalfPlane;
 use crate::geometry::polygon::ConvexPolygon;
 use crate::voronoi::planar::grid::PlaneGrid;
@@ -75,7 +75,7 @@ pub enum PlaneDiagramError {
 pub struct PlaneCell {
     /// The site.
     pub site: Point2<f64>,
-    /// The cell with the site as origin. [`Beyond`] reads the labels of its edges.
+    /// The cell with the site as origin. [`FacetKind`] reads the labels of its edges.
     pub polygon: ConvexPolygon,
 }
 
@@ -186,7 +186,7 @@ fn uncut(domain: &PlaneDomain, site: &Point2<f64>) -> PlaneCell {
 
 fn cut(cell: &mut PlaneCell, sites: &[Point2<f64>], other: usize) {
     let bisector = HalfPlane::nearer_to_origin(&(sites[other] - cell.site));
-    let neighbor = Beyond::Neighbor {
+    let neighbor = FacetKind::Neighbor {
         site: other as u32,
         image: [0; 3],
     };

@@ -1,0 +1,143 @@
+//! A domain as the rest of the program sees it: a shape, and perhaps a density beside it.
+
+use std::fmt::Debug;
+use std::ops::Deref;
+
+use nalgebra::Point3;
+
+use crate::domain::density::{Density, Region, check_positive, regions};
+use crate::domain::error::DomainError;
+use crate::domain::shape::{DomainShape, PieceScratch};
+use crate::domain::tet_mesh::TetSolid;
+use crate::geometry::brep::Piece;
+use crate::geometry::polyhedron::Polyhedron;
+use crate::integrals::polynomial::Polynomial;
+
+/// A shape and a density over it. Every shape is a domain of density 1; `dyn Domain` has all
+/// methods of its [`DomainShape`].
+pub trait Domain: Debug + Send + Sync {
+    /// The shape.
+    fn shape(&self) -> &(dyn DomainShape + 'static);
+
+    /// The density; none is 1 everywhere.
+    fn density(&self) -> Option<&Density> {
+        None
+    }
+
+    /// Whether some places weigh more than others.
+    fn has_density(&self) -> bool {
+        self.density().is_some()
+    }
+
+    /// The mean of the density over Ω; 1 without one.
+    fn mean_density(&self) -> f64 {
+        self.density().map_or(1.0, Density::mean)
+    }
+
+    /// As [`DomainShape::pieces`], each piece with its density as a polynomial in the same
+    /// coordinates; none is density 1.
+    fn weighted_pieces(
+        &self,
+        site: &Point3<f64>,
+        cell: &Polyhedron,
+        scratch: &mut PieceScratch,
+        visit: &mut dyn FnMut(f64, Piece<'_>, Option<&Polynomial>),
+    ) {
+        let shape = self.shape();
+        match self.density() {
+            Some(density) => density.pieces(shape, site, cell, scratch, visit),
+            None => shape.pieces(site, cell, scratch, &mut |sign, piece| {
+                visit(sign, piece, None)
+            }),
+        }
+    }
+}
+
+impl<Shape: DomainShape> Domain for Shape {
+    fn shape(&self) -> &(dyn DomainShape + 'static) {
+        self
+    }
+}
+
+impl<'a> Deref for dyn Domain + 'a {
+    type Target = dyn DomainShape;
+
+    fn deref(&self) -> &Self::Target {
+        self.shape()
+    }
+}
+
+/// A domain with a density that is a polynomial everywhere, in each of many boxes, or in every
+/// tetrahedron. Its cells are the shape's.
+#[derive(Debug)]
+pub struct WeightedDomain {
+    domain: Box<dyn Domain>,
+    density: Density,
+}
+
+impl WeightedDomain {
+    /// `domain` with `density`, a polynomial in its coordinates.
+    ///
+    /// # Errors
+    /// When the density is not positive somewhere, or changes along a periodic axis.
+    pub fn new(domain: Box<dyn Domain>, density: Polynomial) -> Result<Self, DomainError> {
+        refuse_periodic(domain.shape(), &density)?;
+        check_positive(domain.shape(), &density)?;
+        let density = Density::by_regions(domain.shape(), vec![Region::everywhere(density)])?;
+        Ok(Self { domain, density })
+    }
+
+    /// `domain` with the density h^−(3+p) that cells of the edge h = `size` want for energies of
+    /// order p = `order`, within half a percent.
+    ///
+    /// # Errors
+    /// When the size is not positive somewhere, changes along a periodic axis or too fast.
+    pub fn sized(
+        domain: Box<dyn Domain>,
+        size: &Polynomial,
+        order: u32,
+    ) -> Result<Self, DomainError> {
+        refuse_periodic(domain.shape(), size)?;
+        let regions = regions(domain.shape(), size, order)?;
+        let density = Density::by_regions(domain.shape(), regions)?;
+        Ok(Self { domain, density })
+    }
+}
+
+impl TetSolid {
+    /// The same solid with a density given at the vertices and linear on every tetrahedron.
+    ///
+    /// # Errors
+    /// When a value is not positive.
+    ///
+    /// # Panics
+    /// If there are fewer values than vertices.
+    pub fn with_density(self, values: &[f64]) -> Result<WeightedDomain, DomainError> {
+        let density = Density::on_tets(&self, values)?;
+        let domain = Box::new(self);
+        Ok(WeightedDomain { domain, density })
+    }
+}
+
+impl Domain for WeightedDomain {
+    fn shape(&self) -> &(dyn DomainShape + 'static) {
+        self.domain.shape()
+    }
+
+    fn density(&self) -> Option<&Density> {
+        Some(&self.density)
+    }
+}
+
+/// Refuses a polynomial that does not repeat itself where the domain does.
+fn refuse_periodic(shape: &dyn DomainShape, polynomial: &Polynomial) -> Result<(), DomainError> {
+    let periods = shape.periods();
+    let changes = |axis: &usize| {
+        let mut terms = polynomial.terms();
+        terms.any(|(powers, value)| powers[*axis] > 0 && value.abs() > 0.0)
+    };
+    match (0..3).filter(|&axis| periods[axis].is_some()).find(changes) {
+        Some(axis) => Err(DomainError::DensityAlongPeriod { axis }),
+        None => Ok(()),
+    }
+}

@@ -1,0 +1,214 @@
+//! The solid filled with tetrahedra, as a domain.
+//!
+//! A cell that no boundary triangle touches is its own only piece. Any other is cut tetrahedron by
+//! tetrahedron: the cell is clipped by the four planes of every near one. Two tetrahedra at a facet
+//! are cut by the same plane from either side, so that nothing is lost or counted twice. Inside and
+//! outside, and the way out, are the boundary's affair.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use nalgebra::{Point3, Vector3};
+
+use crate::domain::candidates::visit_candidates;
+use crate::domain::error::DomainError;
+use crate::domain::facet_kind::FacetKind;
+use crate::domain::shape::{DomainShape, PieceScratch};
+use crate::domain::tri_surface::clip_cell::ClipStatus;
+use crate::domain::tri_surface::solid::SurfaceSolid;
+use crate::geometry::bounds::Bounds;
+use crate::geometry::brep::Piece;
+use crate::geometry::bvh::Bvh;
+use crate::geometry::clip::{Clip, clip};
+use crate::geometry::half_space::HalfSpace;
+use crate::geometry::label::Label;
+use crate::geometry::polyhedron::Polyhedron;
+use crate::mesh::sound::SoundTets;
+use crate::mesh::tets::{FACETS, TetMesh};
+use crate::mesh::validate::validate;
+
+/// A solid given by tetrahedra that fill it.
+#[derive(Clone, Debug)]
+pub struct TetSolid {
+    tets: Arc<IndexedTets>,
+    boundary: SurfaceSolid,
+    volume: f64,
+}
+
+/// Tetrahedra, and what finds those near a cell.
+#[derive(Debug)]
+pub(crate) struct IndexedTets {
+    pub(crate) mesh: TetMesh,
+    /// Per tetrahedron the labels of the facets opposite its corners.
+    labels: Vec<[Label; 4]>,
+    bvh: Bvh,
+}
+
+impl TetSolid {
+    /// The solid that `tets` fill. Walls are numbered as those of its boundary
+    /// ([`SurfaceSolid::new`]).
+    ///
+    /// # Errors
+    /// When the boundary bounds no solid, as where tetrahedra overlap.
+    pub fn new(tets: &SoundTets) -> Result<Self, DomainError> {
+        let mesh = tets.mesh().clone();
+        let refused = |reason: String| DomainError::Boundary { reason };
+        let validated = validate(&mesh.boundary());
+        let (surface, report) = validated.map_err(|refusal| refused(refusal.to_string()))?;
+        let crossings = report.crossings.map_or(0, |tally| tally.count);
+        if crossings > 0 {
+            let mend = "tetrahedra overlap there, remove the overlapping ones";
+            return Err(refused(format!(
+                "crosses itself in {crossings} pairs of triangles: {mend}"
+            )));
+        }
+        let boundary = SurfaceSolid::new(&surface)?;
+        Ok(Self {
+            volume: mesh.volume(),
+            tets: Arc::new(IndexedTets {
+                labels: labels(&mesh, &boundary),
+                bvh: Bvh::new(mesh.all_corners().map(|corners| Bounds::of(&corners))),
+                mesh,
+            }),
+            boundary,
+        })
+    }
+
+    /// The tetrahedra.
+    #[must_use]
+    pub fn mesh(&self) -> &TetMesh {
+        &self.tets.mesh
+    }
+
+    /// The solid by its boundary.
+    #[must_use]
+    pub fn boundary(&self) -> &SurfaceSolid {
+        &self.boundary
+    }
+
+    /// The tetrahedra, to be held on to.
+    pub(crate) fn indexed(&self) -> &Arc<IndexedTets> {
+        &self.tets
+    }
+}
+
+impl IndexedTets {
+    /// Visits the parts of all tetrahedra in `cell`, each with its tetrahedron's number.
+    pub(crate) fn visit_parts(
+        &self,
+        site: &Point3<f64>,
+        cell: &Polyhedron,
+        scratch: &mut PieceScratch,
+        mut visit: impl FnMut(u32, &Polyhedron),
+    ) {
+        let mut near = std::mem::take(&mut scratch.candidates);
+        near.clear();
+        visit_candidates(&self.bvh, site, cell, |tet| near.push(tet));
+        for &tet in &near {
+            scratch.piece.assign_translated(cell, &Vector3::zeros());
+            if self.clip_to(tet, site, scratch) {
+                visit(tet, &scratch.piece);
+            }
+        }
+        scratch.candidates = near;
+    }
+
+    /// Clips the piece to a tetrahedron and says whether anything is left.
+    fn clip_to(&self, tet: u32, site: &Point3<f64>, scratch: &mut PieceScratch) -> bool {
+        let vertices = self.mesh.tets[tet as usize];
+        for (opposite, corners) in FACETS.iter().enumerate() {
+            let mut facet = corners.map(|corner| vertices[corner]);
+            // By ascending vertex, so that both tetrahedra at the facet use the same plane.
+            let is_odd = (facet[0] > facet[1]) ^ (facet[1] > facet[2]) ^ (facet[0] > facet[2]);
+            facet.sort_unstable();
+            let [a, b, c] = facet.map(|vertex| self.mesh.vertices[vertex as usize] - site);
+            let normal = (b - a).cross(&(c - a));
+            let outward = if is_odd { -1.0 } else { 1.0 };
+            let plane = HalfSpace {
+                normal: normal * outward,
+                offset: normal.dot(&a) * outward,
+            };
+            let label = self.labels[tet as usize][opposite];
+            if clip(&mut scratch.piece, &plane, label, &mut scratch.clip) == Clip::Emptied {
+                return false;
+            }
+        }
+        true
+    }
+}
+
+/// Labels facets on the boundary by their walls, the others as inner ones. Boundary triangles are
+/// known by their places.
+fn labels(mesh: &TetMesh, boundary: &SurfaceSolid) -> Vec<[Label; 4]> {
+    let key = |corners: [Point3<f64>; 3]| {
+        let mut key = corners.map(|corner| <[f64; 3]>::from(corner).map(f64::to_bits));
+        key.sort_unstable();
+        key
+    };
+    let triangles = boundary.surface().all_corners().map(key).zip(0..);
+    let walls: HashMap<_, u32> = triangles.collect();
+    let label = |tet: usize, corners: [usize; 3]| {
+        let all = mesh.corners(tet);
+        let wall = walls.get(&key(corners.map(|corner| all[corner])));
+        wall.map_or(FacetKind::Inner.label(), |&triangle| {
+            boundary.indexed().label(triangle)
+        })
+    };
+    (0..mesh.tets.len())
+        .map(|tet| FACETS.map(|corners| label(tet, corners)))
+        .collect()
+}
+
+impl DomainShape for TetSolid {
+    fn bounds(&self) -> Bounds<3> {
+        self.boundary.bounds()
+    }
+
+    fn volume(&self) -> f64 {
+        self.volume
+    }
+
+    fn contains(&self, point: &Point3<f64>) -> bool {
+        self.boundary.contains(point)
+    }
+
+    fn start(&self, site: &Point3<f64>, index: u32, cell: &mut Polyhedron) {
+        self.boundary.start(site, index, cell);
+    }
+
+    fn is_convex(&self) -> bool {
+        false
+    }
+
+    fn signed_pieces(
+        &self,
+        site: &Point3<f64>,
+        part: &Polyhedron,
+        holds_site: bool,
+        scratch: &mut PieceScratch,
+        visit: &mut dyn FnMut(f64, Piece<'_>),
+    ) {
+        let surface = self.boundary.indexed();
+        if holds_site && scratch.clipped.clip(surface, site, part) == ClipStatus::Disjoint {
+            visit(1.0, Piece::Convex(part));
+        } else {
+            self.tets.visit_parts(site, part, scratch, |_, part| {
+                visit(1.0, Piece::Convex(part));
+            });
+        }
+    }
+
+    fn outline(
+        &self,
+        site: &Point3<f64>,
+        cell: &Polyhedron,
+        scratch: &mut PieceScratch,
+        visit: &mut dyn FnMut(Piece<'_>),
+    ) {
+        self.boundary.outline(site, cell, scratch, visit);
+    }
+
+    fn first_exit(&self, site: &Point3<f64>, step: &Vector3<f64>) -> f64 {
+        self.boundary.first_exit(site, step)
+    }
+}

@@ -1,0 +1,215 @@
+//! The inner parts of a cell's edges, from where the surface crosses them.
+//!
+//! The crossings on an edge must alternate between ends and beginnings of inner parts. They tell on
+//! which side of the surface the edge's vertices are; edges that are not crossed carry that on, and
+//! since the edges of a convex polyhedron hang together, to all vertices. Every step returns whether
+//! the crossings are consistent so far.
+
+use nalgebra::Vector3;
+
+use crate::geometry::brep::{Brep, Edge};
+use crate::geometry::polyhedron::Polyhedron;
+
+/// Where a triangle meets two facets of the cell, in the order of the triangle's walk.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Crossing {
+    pub(crate) before: u32,
+    pub(crate) after: u32,
+    pub(crate) vertex: u32,
+}
+
+/// A crossing on an edge of the cell.
+#[derive(Clone, Copy, Debug)]
+struct Cut {
+    /// The edge's number in the order of [`edges`].
+    edge: u32,
+    /// Where along the edge.
+    along: f64,
+    /// Whether an inner part ends here.
+    ends: bool,
+    vertex: u32,
+}
+
+/// What is known of a cell's edges and vertices.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct CellEdges {
+    cuts: Vec<Cut>,
+    inside: Vec<Option<bool>>,
+    crossed: Vec<[bool; 3]>,
+    /// The numbers in the part of the cell's vertices.
+    numbers: Vec<u32>,
+    stack: Vec<u32>,
+}
+
+const UNSEEN: u32 = u32::MAX;
+
+impl CellEdges {
+    /// Finds every crossing's place on an edge of the cell, and what the crossings say of the
+    /// edges' ends.
+    pub(crate) fn cut(
+        &mut self,
+        crossings: &[Crossing],
+        vertices: &[Vector3<f64>],
+        cell: &Polyhedron,
+    ) -> bool {
+        let (cuts, inside, crossed) = (&mut self.cuts, &mut self.inside, &mut self.crossed);
+        cuts.clear();
+        inside.clear();
+        inside.resize(cell.vertex_count(), None);
+        crossed.clear();
+        crossed.resize(cell.vertex_count(), [false; 3]);
+        if crossings.is_empty() {
+            return true;
+        }
+        for (number, edge) in edges(cell).enumerate() {
+            let CellEdge { from, slot, to, .. } = edge;
+            let start = cell.vertex(from as usize).coords;
+            let along = cell.vertex(to as usize).coords - start;
+            let first = cuts.len();
+            for crossing in crossings.iter() {
+                let ends = (crossing.before, crossing.after) == (edge.left, edge.right);
+                if ends || (crossing.after, crossing.before) == (edge.left, edge.right) {
+                    let position = vertices[crossing.vertex as usize];
+                    cuts.push(Cut {
+                        edge: number as u32,
+                        along: along.dot(&(position - start)),
+                        ends,
+                        vertex: crossing.vertex,
+                    });
+                }
+            }
+            let on_edge = &mut cuts[first..];
+            on_edge.sort_by(|one, other| one.along.total_cmp(&other.along));
+            let (Some(first), Some(last)) = (on_edge.first(), on_edge.last()) else {
+                continue;
+            };
+            let alternate = on_edge.windows(2).all(|pair| pair[0].ends != pair[1].ends);
+            if !(alternate
+                && agree(&mut inside[from as usize], first.ends)
+                && agree(&mut inside[to as usize], !last.ends))
+            {
+                return false;
+            }
+            crossed[from as usize][slot] = true;
+            crossed[to as usize][cell.slot(to as usize, edge.right)] = true;
+        }
+        cuts.len() == crossings.len()
+    }
+
+    /// Carries the sides of the vertices along the edges that are not crossed. Where none is
+    /// crossed, `winding` tells of vertex 0.
+    pub(crate) fn spread(&mut self, cell: &Polyhedron, winding: impl Fn() -> Option<i32>) -> bool {
+        if self.cuts.is_empty() {
+            match winding() {
+                Some(winding @ 0..=1) => self.inside[0] = Some(winding == 1),
+                _ => return false,
+            }
+        }
+        let (stack, inside, crossed) = (&mut self.stack, &mut self.inside, &self.crossed);
+        stack.clear();
+        stack.extend((0..inside.len() as u32).filter(|&v| inside[v as usize].is_some()));
+        while let Some(vertex) = stack.pop() {
+            let Some(side) = inside[vertex as usize] else {
+                continue;
+            };
+            for slot in 0..3 {
+                if crossed[vertex as usize][slot] {
+                    continue;
+                }
+                let neighbor = cell.next[vertex as usize][slot];
+                let known = &mut inside[neighbor as usize];
+                if known.is_none() {
+                    stack.push(neighbor);
+                }
+                if !agree(known, side) {
+                    return false;
+                }
+            }
+        }
+        true
+    }
+
+    /// Adds the inner parts of the cell's edges.
+    pub(crate) fn push_inner(&mut self, cell: &Polyhedron, part: &mut Brep) -> bool {
+        self.numbers.clear();
+        self.numbers.resize(cell.vertex_count(), UNSEEN);
+        let mut cut = 0;
+        for (number, edge) in edges(cell).enumerate() {
+            let is_inside = |vertex: u32| self.inside[vertex as usize] == Some(true);
+            let [from_inside, to_inside] = [edge.from, edge.to].map(is_inside);
+            let mut begun = from_inside.then(|| self.number(cell, edge.from, part));
+            while let Some(&Cut { ends, vertex, .. }) =
+                self.cuts.get(cut).filter(|cut| cut.edge == number as u32)
+            {
+                cut += 1;
+                if !ends {
+                    begun = Some(vertex);
+                } else if !push(part, begun.take(), vertex, &edge) {
+                    return false;
+                }
+            }
+            if to_inside {
+                let to = self.number(cell, edge.to, part);
+                if !push(part, begun, to, &edge) {
+                    return false;
+                }
+            }
+        }
+        true
+    }
+
+    /// The number in the part of a vertex of the cell.
+    fn number(&mut self, cell: &Polyhedron, vertex: u32, part: &mut Brep) -> u32 {
+        let number = &mut self.numbers[vertex as usize];
+        if *number == UNSEEN {
+            *number = part.vertices.len() as u32;
+            part.vertices.push(cell.vertex(vertex as usize).coords);
+        }
+        *number
+    }
+}
+
+/// Adds the part of the edge from where it has begun, if it has, and says so.
+fn push(part: &mut Brep, begun: Option<u32>, to: u32, edge: &CellEdge) -> bool {
+    let (left, right) = (edge.left, edge.right);
+    part.edges.extend(begun.map(|from| Edge {
+        from,
+        to,
+        left,
+        right,
+    }));
+    begun.is_some()
+}
+
+/// An edge of the cell: it leaves vertex `from` in `slot`.
+#[derive(Clone, Copy, Debug)]
+struct CellEdge {
+    from: u32,
+    slot: usize,
+    to: u32,
+    left: u32,
+    right: u32,
+}
+
+/// Every edge of the cell once.
+fn edges(cell: &Polyhedron) -> impl Iterator<Item = CellEdge> + '_ {
+    let ends = cell.next.iter().zip(&cell.facets).zip(0..);
+    ends.flat_map(|((next, facets), from)| {
+        let edge = move |slot: usize| CellEdge {
+            from,
+            slot,
+            to: next[slot],
+            left: facets[slot],
+            right: facets[(slot + 2) % 3],
+        };
+        [0, 1, 2]
+            .map(edge)
+            .into_iter()
+            .filter(|edge| edge.from < edge.to)
+    })
+}
+
+/// Learns `side`, or says whether what was known agrees with it.
+fn agree(known: &mut Option<bool>, side: bool) -> bool {
+    *known.get_or_insert(side) == side
+}

@@ -1,0 +1,19 @@
+//! Solids bounded by triangles: the common part of a cell and such a solid.
+//!
+//! [`solid`] is the domain, [`indexed`] its surface. A cell that no triangle touches, which
+//! `distance` often says at once, lies wholly inside and is its own only piece. Of any other,
+//! [`triangle`] clips the near triangles to the cell and [`clip_cell`] closes them with the inner
+//! parts of the cell's facets, found edge by edge (`edges`), to one solid, whatever its shape. Where
+//! rounding or a coincidence spoils that, [`signed_prisms`] gives the same set as a signed sum of
+//! convex pieces that needs no case analysis, and `outline` undoes the coincidence for files and
+//! pictures. [`winding`] tells inside from outside, exactly, and where a ray leaves.
+
+pub mod clip_cell;
+pub(crate) mod distance;
+pub(crate) mod edges;
+pub mod indexed;
+pub(crate) mod outline;
+pub mod signed_prisms;
+pub mod solid;
+pub mod triangle;
+pub mod winding;

@@ -1,0 +1,130 @@
+//! The solid within a closed surface, as a domain.
+
+use nalgebra::{Point3, Vector3};
+
+use crate::domain::error::DomainError;
+use crate::domain::facet_kind::FacetKind;
+use crate::domain::shape::{DomainShape, PieceScratch};
+use crate::domain::tri_surface::clip_cell::ClipStatus;
+use crate::domain::tri_surface::indexed::IndexedSurface;
+use crate::domain::tri_surface::outline::outline;
+use crate::domain::tri_surface::signed_prisms::signed_prisms;
+use crate::geometry::bounds::Bounds;
+use crate::geometry::brep::Piece;
+use crate::geometry::polyhedron::Polyhedron;
+use crate::mesh::surface::SurfaceMesh;
+use crate::mesh::validate::ClosedSurface;
+
+/// By which share of its longest extent the box from which cells are cut stands off the solid, so
+/// that no side of it lies on a wall.
+const MARGIN: f64 = 1.0 / 16.0;
+
+/// The solid within a closed surface: of any shape and genus, of one or more parts, with or without
+/// cavities.
+#[derive(Clone, Debug)]
+pub struct SurfaceSolid {
+    surface: IndexedSurface,
+    start: Bounds<3>,
+    volume: f64,
+}
+
+impl SurfaceSolid {
+    /// The solid within `surface`. A wall's number is that of its first triangle; triangles in one
+    /// plane that hang together are one wall.
+    ///
+    /// # Errors
+    /// When the volume is not a positive number.
+    pub fn new(surface: &ClosedSurface) -> Result<Self, DomainError> {
+        let mesh = surface.surface().clone();
+        let volume = mesh.volume();
+        if !volume.is_normal() || volume < 0.0 {
+            return Err(DomainError::NoVolume { volume });
+        }
+        let surface = IndexedSurface::new(mesh);
+        let mut start = surface.bounds;
+        let margin = Vector3::repeat(MARGIN * start.extent().max());
+        start.min -= margin;
+        start.max += margin;
+        Ok(Self {
+            surface,
+            start,
+            volume,
+        })
+    }
+
+    /// The surface.
+    #[must_use]
+    pub fn surface(&self) -> &SurfaceMesh {
+        &self.surface.mesh
+    }
+
+    /// The surface, ready for many questions.
+    #[must_use]
+    pub fn indexed(&self) -> &IndexedSurface {
+        &self.surface
+    }
+
+    /// Whether a convex part of space that no triangle touches lies in the solid.
+    fn holds(&self, site: &Point3<f64>, part: &Polyhedron) -> bool {
+        let sum: Vector3<f64> = part.vertices().map(|vertex| vertex.coords).sum();
+        !part.is_empty() && self.contains(&(site + sum / part.vertex_count() as f64))
+    }
+}
+
+impl DomainShape for SurfaceSolid {
+    fn bounds(&self) -> Bounds<3> {
+        self.surface.bounds
+    }
+
+    fn volume(&self) -> f64 {
+        self.volume
+    }
+
+    fn contains(&self, point: &Point3<f64>) -> bool {
+        self.surface.contains(point)
+    }
+
+    fn start(&self, site: &Point3<f64>, _index: u32, cell: &mut Polyhedron) {
+        let around = Bounds {
+            min: self.start.min - site.coords,
+            max: self.start.max - site.coords,
+        };
+        cell.assign_cuboid(&around, [FacetKind::Inner.label(); 6]);
+    }
+
+    fn is_convex(&self) -> bool {
+        false
+    }
+
+    fn signed_pieces(
+        &self,
+        site: &Point3<f64>,
+        part: &Polyhedron,
+        holds_site: bool,
+        scratch: &mut PieceScratch,
+        visit: &mut dyn FnMut(f64, Piece<'_>),
+    ) {
+        match scratch.clipped.clip(&self.surface, site, part) {
+            ClipStatus::Disjoint if holds_site || self.holds(site, part) => {
+                visit(1.0, Piece::Convex(part));
+            }
+            ClipStatus::Disjoint => {}
+            ClipStatus::Clipped => visit(1.0, Piece::Brep(&scratch.clipped.part)),
+            ClipStatus::Inconsistent => signed_prisms(&self.surface, site, part, scratch, visit),
+        }
+    }
+
+    fn outline(
+        &self,
+        site: &Point3<f64>,
+        cell: &Polyhedron,
+        scratch: &mut PieceScratch,
+        visit: &mut dyn FnMut(Piece<'_>),
+    ) {
+        outline(&self.surface, site, cell, scratch, visit);
+    }
+
+    fn first_exit(&self, site: &Point3<f64>, step: &Vector3<f64>) -> f64 {
+        self.surface.ray_exit(site, step)
+    }
+}

@@ -1,0 +1,120 @@
+//! A bounding volume hierarchy: a tree of axis-aligned boxes.
+//!
+//! The tree halves its boxes along the longest axis of their middles until few
+//! are left. Nodes lie in the order of a depth-first walk, each with the place
+//! where the walk goes on once the node is left out, so that a query needs no stack.
+
+use crate::geometry::bounds::Bounds;
+
+/// Boxes per leaf: testing four boxes costs about what two more levels would.
+const LEAF: usize = 4;
+
+/// Boxes, numbered in the order in which they were given.
+#[derive(Clone, Debug, Default)]
+pub struct Bvh {
+    nodes: Vec<Node>,
+    items: Vec<(Bounds<3>, u32)>,
+}
+
+#[derive(Clone, Debug)]
+struct Node {
+    bounds: Bounds<3>,
+    /// The node at which the walk goes on past this one's descendants.
+    past: u32,
+    /// A leaf's boxes in `items`; none for an inner node.
+    items: std::ops::Range<u32>,
+}
+
+impl Bvh {
+    /// The tree over `boxes`.
+    #[must_use]
+    pub fn new(boxes: impl IntoIterator<Item = Bounds<3>>) -> Self {
+        let mut items: Vec<_> = boxes.into_iter().zip(0..).collect();
+        let mut nodes = Vec::with_capacity(2 * items.len() / LEAF + 1);
+        if !items.is_empty() {
+            build(&mut items, 0, &mut nodes);
+        }
+        Self { nodes, items }
+    }
+
+    /// The number of every box that `meets` and all of whose ancestors do, in an order that
+    /// depends on the boxes only.
+    pub fn visit(&self, meets: impl Fn(&Bounds<3>) -> bool, mut found: impl FnMut(u32)) {
+        let mut place = 0;
+        while let Some(node) = self.nodes.get(place) {
+            if !meets(&node.bounds) {
+                place = node.past as usize;
+                continue;
+            }
+            let items = node.items.start as usize..node.items.end as usize;
+            for (bounds, number) in &self.items[items] {
+                if meets(bounds) {
+                    found(*number);
+                }
+            }
+            place += 1;
+        }
+    }
+}
+
+/// Appends the nodes over `items`, which begin at place `first` of all.
+fn build(items: &mut [(Bounds<3>, u32)], first: u32, nodes: &mut Vec<Node>) {
+    let mut bounds = Bounds::empty();
+    let mut middles = Bounds::empty();
+    for (item, _) in items.iter() {
+        bounds.include(&item.min);
+        bounds.include(&item.max);
+        middles.include(&item.center());
+    }
+    let here = nodes.len();
+    let is_leaf = items.len() <= LEAF;
+    let last = if is_leaf { items.len() as u32 } else { 0 };
+    nodes.push(Node {
+        bounds,
+        past: 0,
+        items: first..first + last,
+    });
+    if !is_leaf {
+        let axis = middles.extent().imax();
+        let half = items.len() / 2;
+        items.select_nth_unstable_by(half, |(a, i), (b, j)| {
+            let by_middle = a.center()[axis].total_cmp(&b.center()[axis]);
+            by_middle.then(i.cmp(j))
+        });
+        let (low, high) = items.split_at_mut(half);
+        build(low, first, nodes);
+        build(high, first + half as u32, nodes);
+    }
+    nodes[here].past = nodes.len() as u32;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::{Point3, Vector3};
+
+    #[test]
+    fn a_query_finds_what_a_scan_finds() {
+        let boxes: Vec<Bounds<3>> = (0..100)
+            .map(|k| {
+                let turn = f64::from(k);
+                let min = Point3::new(turn.sin(), (1.3 * turn).cos(), (2.1 * turn).sin());
+                let max = min + Vector3::new(0.1, 0.2, 0.05) * (1.0 + turn.cos().abs());
+                Bounds { min, max }
+            })
+            .collect();
+        let tree = Bvh::new(boxes.iter().copied());
+        for probe in &boxes {
+            let mut found = Vec::new();
+            tree.visit(|bounds| bounds.overlaps(probe), |number| found.push(number));
+            found.sort_unstable();
+            let scan = (0..100u32).filter(|&k| boxes[k as usize].overlaps(probe));
+            assert_eq!(found, scan.collect::<Vec<_>>());
+        }
+    }
+
+    #[test]
+    fn a_tree_of_nothing_finds_nothing() {
+        Bvh::new([]).visit(|_| true, |_| panic!("there is nothing"));
+    }
+}

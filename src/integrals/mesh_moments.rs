@@ -1,0 +1,223 @@
+//! Volume, area and the ten moments of solids given by simplices.
+//!
+//! A solid is the space within a closed triangulated surface (`K` = 3) or a set of tetrahedra
+//! (`K` = 4). A triangle and the origin o span a tetrahedron, counted with the sign the triangle
+//! shows to o; the signed sum of these cones is the solid, wherever o lies. That is the divergence
+//! theorem with the field y f(y) / (3 + n) for every homogeneous part f of degree n, so no cone is
+//! ever built and none need lie inside. Tetrahedra carry the sign of det(B − A, C − A, D − A). So
+//! surfaces may be turned inside out and bodies be signed sums; an open surface has no meaning.
+//!
+//! Densities are constant, linear in space, linear in every tetrahedron (\[BL\] eq. 1-4; the
+//! second moments follow from the same Dirichlet weights, and are for constant density those of
+//! Tonon, *Explicit exact formulas for the 3-D tetrahedron inertia tensor*, 2004), or polynomials.
+//! Time is linear in the simplices, times (n + 5 choose 3) for a polynomial of degree n.
+//!
+//! All routines panic if a simplex names a vertex, or a density, that is not there.
+
+use nalgebra::{Point3, Vector3};
+use std::ops::Add;
+
+use crate::geometry::brep::Piece;
+use crate::geometry::moments::Moments;
+use crate::geometry::simd::sum as sum_of_lanes;
+use crate::integrals::lanes::{
+    CONSTANT, LINEAR, LanePoint, Lanes, Sums, WIDTH, gathered, named, six_volumes, splat,
+};
+use crate::integrals::pairwise::sum_by_halves;
+use crate::integrals::polynomial::Polynomial;
+use crate::integrals::series::{Exponents, Monomials, weight};
+
+/// A density that is linear in space: `value` at the origin of the routine that takes it, growing
+/// by `gradient` per length.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LinearDensity {
+    /// The density at the origin (mass / L³).
+    pub value: f64,
+    /// The density's gradient (mass / L⁴).
+    pub gradient: Vector3<f64>,
+}
+
+/// The area (L²) of a surface, open or closed: \[CP\] eq. 11-12.
+#[must_use]
+pub fn area(vertices: &[Point3<f64>], triangles: &[[u32; 3]]) -> f64 {
+    0.5 * sum_by_halves(triangles.len(), &|range| {
+        triangles[range].iter().fold(0.0, |sum, triangle| {
+            let [a, b, c] = triangle.map(|vertex| vertices[vertex as usize]);
+            sum + (b - a).cross(&(c - a)).norm()
+        })
+    })
+}
+
+/// The volume (L³) alone, measured from `origin`: \[M\] eq. 18.
+#[must_use]
+pub fn volume<const K: usize>(
+    vertices: &[Point3<f64>],
+    simplices: &[[u32; K]],
+    origin: &Point3<f64>,
+) -> f64 {
+    let origin = splat(origin);
+    let six = sum_by_halves(simplices.len(), &|range| {
+        let volumes = simplices[range].chunks(WIDTH).map(|block| {
+            six_volumes(&named(block).map(|named| gathered(vertices, named, &origin)))
+        });
+        sum_of_lanes(volumes.fold(Lanes::ZERO, |sum, volume| sum + volume))
+    });
+    six / 6.0
+}
+
+/// The ten moments at density 1, measured from `origin`: \[M\] eq. 18-27.
+#[must_use]
+pub fn constant<const K: usize>(
+    vertices: &[Point3<f64>],
+    simplices: &[[u32; K]],
+    origin: &Point3<f64>,
+) -> Moments {
+    summed(vertices, simplices, origin, CONSTANT, |sums, corners, _| {
+        sums.add_constant(six_volumes(corners), corners)
+    })
+}
+
+/// The ten moments at a density linear in space, measured from `origin`: \[BL\] eq. 1-4.
+#[must_use]
+pub fn linear<const K: usize>(
+    vertices: &[Point3<f64>],
+    simplices: &[[u32; K]],
+    density: &LinearDensity,
+    origin: &Point3<f64>,
+) -> Moments {
+    let gradient = splat(&density.gradient.into());
+    let value = Lanes::splat(density.value);
+    let apex = if K == 3 { value } else { Lanes::ZERO };
+    let density_at =
+        |y: &LanePoint| value + (gradient[0] * y[0] + gradient[1] * y[1] + gradient[2] * y[2]);
+    summed(vertices, simplices, origin, LINEAR, |sums, corners, _| {
+        let densities = corners.each_ref().map(density_at);
+        sums.add_linear(six_volumes(corners), corners, &densities, apex);
+    })
+}
+
+/// The ten moments of tetrahedra in which the density is linear, measured from `origin`;
+/// `densities` has one value per vertex. \[BL\] eq. 1-3, with moments about one origin in place of
+/// the parallel-axis sum of eq. 4.
+#[must_use]
+pub fn at_vertices(
+    vertices: &[Point3<f64>],
+    tets: &[[u32; 4]],
+    densities: &[f64],
+    origin: &Point3<f64>,
+) -> Moments {
+    let density_at = |named: [usize; WIDTH]| Lanes::from(named.map(|vertex| densities[vertex]));
+    summed(vertices, tets, origin, LINEAR, |sums, corners, named| {
+        let values = named.map(density_at);
+        sums.add_linear(six_volumes(corners), corners, &values, Lanes::ZERO);
+    })
+}
+
+/// The ten moments at a polynomial density, measured from `origin`; `density` is a polynomial in
+/// the coordinates of the vertices (not relative to `origin`).
+#[must_use]
+pub fn polynomial<const K: usize>(
+    vertices: &[Point3<f64>],
+    simplices: &[[u32; K]],
+    density: &Polynomial,
+    origin: &Point3<f64>,
+) -> Moments {
+    by_monomials(vertices, simplices, &density.seen_from(origin), origin)
+}
+
+/// The ten moments of a piece at a polynomial density, both about the origin of its coordinates.
+#[must_use]
+pub fn of_piece(piece: Piece<'_>, density: &Polynomial) -> Moments {
+    let (mut corners, mut triangles) = (Vec::new(), Vec::new());
+    piece.visit_triangles(|triangle| {
+        let first = corners.len() as u32;
+        corners.extend(triangle.map(Point3::from));
+        triangles.push([first, first + 1, first + 2]);
+    });
+    by_monomials(&corners, &triangles, density, &Point3::origin())
+}
+
+/// Sums what `add` adds for every block of simplices: their corners, and the vertices they are.
+fn summed<const K: usize>(
+    vertices: &[Point3<f64>],
+    simplices: &[[u32; K]],
+    origin: &Point3<f64>,
+    factors: [f64; 3],
+    add: impl Fn(&mut Sums, &[LanePoint; K], &[[usize; WIDTH]; K]) + Sync,
+) -> Moments {
+    let origin = splat(origin);
+    sum_by_halves(simplices.len(), &|range| {
+        let mut sums = Sums::default();
+        for block in simplices[range].chunks(WIDTH) {
+            let named = named(block);
+            let corners = named.map(|named| gathered(vertices, named, &origin));
+            add(&mut sums, &corners, &named);
+        }
+        sums.moments(factors)
+    })
+}
+
+/// {1, x, y, z, x², y², z², xy, yz, zx} as exponents, in the order of [`Moments::from_ten`].
+const TEN: [Exponents; 10] = [
+    [0, 0, 0],
+    [1, 0, 0],
+    [0, 1, 0],
+    [0, 0, 1],
+    [2, 0, 0],
+    [0, 2, 0],
+    [0, 0, 2],
+    [1, 1, 0],
+    [0, 1, 1],
+    [1, 0, 1],
+];
+
+/// The ten moments at a polynomial `density` in coordinates relative to `origin`: every simplex
+/// contributes the table of its monomials (the [`series`](crate::integrals::series) file: a
+/// corner at the origin costs nothing), and density times {1, y, y yᵀ} is read off the sum once.
+fn by_monomials<const K: usize>(
+    vertices: &[Point3<f64>],
+    simplices: &[[u32; K]],
+    density: &Polynomial,
+    origin: &Point3<f64>,
+) -> Moments {
+    let monomials = Monomials::up_to(density.degree() + 2);
+    let origin = splat(origin);
+    let sums = sum_by_halves(simplices.len(), &|range| {
+        let mut sums = vec![Lanes::ZERO; monomials.exponents().len()];
+        let mut table = Vec::new();
+        for block in simplices[range].chunks(WIDTH) {
+            let corners = named(block).map(|named| gathered(vertices, named, &origin));
+            let six_volumes = six_volumes(&corners);
+            monomials.coefficients(&corners, &mut table);
+            for (sum, coefficient) in sums.iter_mut().zip(&table) {
+                *sum += six_volumes * *coefficient;
+            }
+        }
+        Table(sums.into_iter().map(sum_of_lanes).collect())
+    });
+    let integral = |exponents: Exponents| {
+        let place = monomials.place(exponents);
+        place.map_or(0.0, |place| weight(3, exponents) / 6.0 * sums.0[place])
+    };
+    Moments::from_ten(TEN.map(|ten| {
+        let terms = density.terms();
+        terms
+            .map(|(term, value)| value * integral([0, 1, 2].map(|axis| term[axis] + ten[axis])))
+            .sum()
+    }))
+}
+
+/// Σ 6·volume · coefficient per monomial.
+#[derive(Debug)]
+struct Table(Vec<f64>);
+
+impl Add for Table {
+    type Output = Self;
+
+    fn add(mut self, other: Self) -> Self {
+        for (sum, term) in self.0.iter_mut().zip(other.0) {
+            *sum += term;
+        }
+        self
+    }
+}
