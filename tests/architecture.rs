@@ -34,7 +34,7 @@ const MAY_IMPORT: [(&str, &[&str]); 13] = [
 ];
 
 /// Lines of a file before its tests.
-const LONGEST_FILE: usize = 300;
+const LONGEST_FILE: usize = 500;
 
 fn sources(folder: &Path) -> Vec<PathBuf> {
     let entries = fs::read_dir(folder)

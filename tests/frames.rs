@@ -12,8 +12,8 @@ use chebloyd::domain::cuboid::Cuboid;
 use chebloyd::domain::space::Domain;
 use chebloyd::domain::surface::solid::SurfaceSolid;
 use chebloyd::geometry::half_space::HalfSpace;
-use chebloyd::mesh::shapes::tubes::torus;
-use chebloyd::mesh::validate::validate;
+use chebloyd::mesh::shapes::torus;
+use chebloyd::mesh::validate::validate_surface;
 use chebloyd::relax::boundary_frames::boundary_frames;
 use chebloyd::relax::frames::Frames;
 use chebloyd::relax::plan::Plan;
@@ -48,7 +48,7 @@ fn turned_box(half: [f64; 3], rotation: &Rotation3<f64>) -> Box<dyn Domain> {
 }
 
 fn ring() -> Box<dyn Domain> {
-    let surface = validate(&torus(1.0, 0.4, 36, 18)).unwrap().0;
+    let surface = validate_surface(&torus(1.0, 0.4, 36, 18)).unwrap().0;
     Box::new(SurfaceSolid::new(&surface).unwrap())
 }
 

@@ -21,7 +21,7 @@ use crate::geometry::label::Label;
 use crate::geometry::polyhedron::Polyhedron;
 use crate::mesh::edges::EdgeTable;
 use crate::mesh::surface::SurfaceMesh;
-use crate::mesh::validate::ClosedSurface;
+use crate::mesh::validate::ValidSurface;
 
 /// By which share of its longest extent the box from which cells are cut stands off the solid, so
 /// that no side of it lies on a wall.
@@ -48,8 +48,8 @@ impl SurfaceSolid {
     ///
     /// # Errors
     /// When the volume is not a positive number.
-    pub fn new(surface: &ClosedSurface) -> Result<Self, DomainError> {
-        let surface = surface.surface().clone();
+    pub fn new(surface: &ValidSurface) -> Result<Self, DomainError> {
+        let surface = surface.mesh().clone();
         let volume = surface.volume();
         if !volume.is_normal() || volume < 0.0 {
             return Err(DomainError::NoVolume { volume });
