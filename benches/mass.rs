@@ -10,8 +10,8 @@ use chebloyd::integrals::mesh_moments;
 use chebloyd::integrals::mesh_moments::LinearDensity;
 use chebloyd::mass::density::{Density, Ramp};
 use chebloyd::mass::weigh::weigh_surface;
-use chebloyd::mesh::read::read_surface;
-use chebloyd::mesh::validate::validate;
+use chebloyd::mesh::formats::read::read_surface;
+use chebloyd::mesh::validate::validate_surface;
 use nalgebra::{Point3, Vector3};
 use std::f64::consts::TAU;
 use std::hint::black_box;
@@ -138,16 +138,16 @@ fn file_rows(name: &str, side: u32) {
     let (from, to) = (0.0, 1.0);
     let ramp = Density::Ramp(Ramp { axis: 2, from, to });
     let mesh = read_surface(&path).expect("an OFF file");
-    let (closed, _) = validate(&mesh).expect("a closed surface");
+    let (closed, _) = validate_surface(&mesh).expect("a closed surface");
     let (extent, count) = (mesh.bounds(), triangles.len());
     row(&format!("{name}: read the OFF file"), count, &|| {
         read_surface(&path).map_or(0.0, |mesh| mesh.vertices[0].x)
     });
     row(&format!("{name}: check it"), count, &|| {
-        validate(&mesh).map_or(0.0, |(closed, _)| closed.surface().vertices[0].x)
+        validate_surface(&mesh).map_or(0.0, |(closed, _)| closed.mesh().vertices[0].x)
     });
     row(&format!("{name}: weigh it, linear density"), count, &|| {
-        weigh_surface(closed.surface(), &ramp, &extent).map_or(0.0, |body| body.mass)
+        weigh_surface(closed.mesh(), &ramp, &extent).map_or(0.0, |body| body.mass)
     });
     // A file that stays behind harms nobody.
     let _ = std::fs::remove_file(&path);

@@ -13,11 +13,11 @@ use chebloyd::geometry::moments::Moments;
 use chebloyd::mass::body::Body;
 use chebloyd::mass::density::{Density, Ramp};
 use chebloyd::mass::weigh::weigh_surface;
-use chebloyd::mesh::load::{Solid, load};
-use chebloyd::mesh::shapes::bracket::bracket;
-use chebloyd::mesh::shapes::sphere::icosphere;
-use chebloyd::mesh::shapes::tubes::trefoil;
+use chebloyd::mesh::formats::read::load;
+use chebloyd::mesh::shapes::{bracket, icosphere, trefoil};
+use chebloyd::mesh::similarity::Similarity;
 use chebloyd::mesh::surface::SurfaceMesh;
+use chebloyd::mesh::validate::Solid;
 use nalgebra::{Matrix3, Point3, Vector3};
 use std::path::Path;
 use std::time::Instant;
@@ -51,14 +51,14 @@ fn main() -> Result<(), String> {
 
 fn read(path: &str) -> Result<SurfaceMesh, String> {
     match load(Path::new(path)).map_err(|error| error.to_string())? {
-        Solid::Surface(closed, _) => Ok(closed.into_surface()),
+        Solid::Surface(closed, _) => Ok(closed.into_mesh()),
         Solid::Tets(sound, _) => Ok(sound.mesh().boundary()),
     }
 }
 
 fn compare(name: &str, mesh: &SurfaceMesh, axis: usize, deepest: u32) {
     let mut mesh = mesh.clone();
-    mesh.fit_unit_height(axis);
+    Similarity::to_unit_height(&mesh.bounds(), axis).move_all(&mut mesh.vertices);
     let (from, to) = (0.0, 1.0);
     let density = Density::Ramp(Ramp { axis, from, to });
     let start = Instant::now();

@@ -5,21 +5,21 @@
 use std::{fs, io, path::Path};
 
 use chebloyd::mesh::formats::{medit, off};
-use chebloyd::mesh::shapes::{boxes, bracket, tubes};
+use chebloyd::mesh::shapes;
 
 fn main() -> io::Result<()> {
     let scenes = Path::new("scenes");
     fs::write(
         scenes.join("torus.off"),
-        off::write(&tubes::torus(1.0, 0.4, 36, 18)),
+        off::write(&shapes::torus(1.0, 0.4, 36, 18)),
     )?;
     fs::write(
         scenes.join("trefoil.off"),
-        off::write(&tubes::trefoil(0.45, 96, 12)),
+        off::write(&shapes::trefoil(0.45, 96, 12)),
     )?;
-    fs::write(scenes.join("bracket.off"), off::write(&bracket::bracket(8)))?;
+    fs::write(scenes.join("bracket.off"), off::write(&shapes::bracket(8)))?;
     fs::write(
         scenes.join("cube.mesh"),
-        medit::write(&boxes::unit_cube_tets(2)),
+        medit::write(&shapes::unit_cube_tets(2)),
     )
 }

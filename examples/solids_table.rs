@@ -18,8 +18,9 @@ use chebloyd::domain::domain::Domain;
 use chebloyd::domain::tet_mesh::TetSolid;
 use chebloyd::domain::tri_surface::solid::SurfaceSolid;
 use chebloyd::geometry::random::Random;
-use chebloyd::mesh::load::{Solid, load};
+use chebloyd::mesh::formats::read::load;
 use chebloyd::mesh::similarity::Similarity;
+use chebloyd::mesh::validate::Solid;
 use chebloyd::relax::lloyd::{LloydOptions, lloyd};
 use chebloyd::relax::space::Space;
 use chebloyd::relax::tessellation::{Minimizer, Norm, Question, Tessellation};
@@ -64,13 +65,13 @@ fn models() -> Vec<PathBuf> {
 fn domain(path: &Path) -> Result<(Box<dyn Domain>, usize), String> {
     let mut solid = load(path).map_err(|error| error.to_string())?;
     let bounds = match &solid {
-        Solid::Surface(surface, _) => surface.surface().bounds(),
+        Solid::Surface(surface, _) => surface.mesh().bounds(),
         Solid::Tets(tets, _) => tets.mesh().bounds(),
     };
     solid.transform(&Similarity::into_unit_cube(&bounds));
     Ok(match solid {
         Solid::Surface(surface, _) => {
-            let count = surface.surface().triangles.len();
+            let count = surface.mesh().triangles.len();
             let domain = SurfaceSolid::new(&surface).map_err(|error| error.to_string())?;
             (Box::new(domain), count)
         }

@@ -11,8 +11,8 @@ use chebloyd::domain::tri_surface::solid::SurfaceSolid;
 use chebloyd::geometry::bounds::Bounds;
 use chebloyd::geometry::half_space::HalfSpace;
 use chebloyd::geometry::random::Random;
-use chebloyd::mesh::shapes::tubes::torus;
-use chebloyd::mesh::validate::validate;
+use chebloyd::mesh::shapes::torus;
+use chebloyd::mesh::validate::validate_surface;
 use chebloyd::relax::lloyd::{LloydOptions, lloyd};
 use chebloyd::relax::plane::Plane;
 use chebloyd::relax::record::Record;
@@ -94,7 +94,7 @@ fn no_move_ends_above_lloyds_own() {
         normal: -Vector3::ith(axis, 1.0),
         offset: 0.0,
     }));
-    let ring = validate(&torus(1.0, 0.4, 24, 12)).unwrap().0;
+    let ring = validate_surface(&torus(1.0, 0.4, 24, 12)).unwrap().0;
     let density = "1 + 7*x^2".parse().unwrap();
     let spaces = [
         Space::new(Box::new(Cuboid::unit())),

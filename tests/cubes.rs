@@ -10,8 +10,8 @@ use chebloyd::domain::tri_surface::solid::SurfaceSolid;
 use chebloyd::geometry::bounds::Bounds;
 use chebloyd::geometry::half_space::HalfSpace;
 use chebloyd::geometry::random::Random;
-use chebloyd::mesh::shapes::tubes::torus;
-use chebloyd::mesh::validate::validate;
+use chebloyd::mesh::shapes::torus;
+use chebloyd::mesh::validate::validate_surface;
 use chebloyd::relax::figures::Figures;
 use chebloyd::relax::levels::{coarsened, levels_for_cubes, refined, sites_of_level};
 use chebloyd::relax::lloyd::Ended;
@@ -56,7 +56,7 @@ fn graded() -> Space {
 }
 
 fn ring() -> Space {
-    let surface = validate(&torus(1.0, 0.4, 24, 12)).unwrap().0;
+    let surface = validate_surface(&torus(1.0, 0.4, 24, 12)).unwrap().0;
     Space::new(Box::new(SurfaceSolid::new(&surface).unwrap()))
 }
 

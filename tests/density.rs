@@ -22,11 +22,8 @@ use chebloyd::geometry::polyhedron::Polyhedron;
 use chebloyd::geometry::random::Random;
 use chebloyd::integrals::mesh_moments::of_piece;
 use chebloyd::integrals::polynomial::Polynomial;
-use chebloyd::mesh::shapes::boxes::{unit_cube, unit_cube_tets};
-use chebloyd::mesh::shapes::sphere::icosphere;
-use chebloyd::mesh::shapes::tubes::torus;
-use chebloyd::mesh::sound::validate_tets;
-use chebloyd::mesh::validate::validate;
+use chebloyd::mesh::shapes::{icosphere, torus, unit_cube, unit_cube_tets};
+use chebloyd::mesh::validate::{validate_surface, validate_tets};
 use chebloyd::minimize::problem::Evaluation;
 use chebloyd::relax::lloyd::{LloydOptions, lloyd};
 use chebloyd::relax::space::Space;
@@ -158,7 +155,8 @@ fn mass_moments_of_a_block_are_those_of_its_product_integrals() {
 #[test]
 fn a_linear_density_is_the_same_as_polynomial_and_as_vertex_values() {
     let text = "1 + 2*x + 0.5*z";
-    let surface = SurfaceSolid::new(&validate(&unit_cube()).expect("closed").0).expect("a volume");
+    let surface =
+        SurfaceSolid::new(&validate_surface(&unit_cube()).expect("closed").0).expect("a volume");
     let surface = WeightedDomain::new(Box::new(surface), polynomial(text)).expect("positive");
     let domains: [Box<dyn Domain>; 3] = [
         cube(text),
@@ -247,7 +245,8 @@ fn a_density_that_is_not_positive_is_refused_with_its_place() {
 fn the_scale_of_energies_is_the_exact_mean_density() {
     // Over the cube means are products of 1/(n + 1), over a shifted cube by the binomials.
     let text = "1 + 3*x^2 - x*y + z^3";
-    let surface = SurfaceSolid::new(&validate(&unit_cube()).expect("closed").0).expect("a volume");
+    let surface =
+        SurfaceSolid::new(&validate_surface(&unit_cube()).expect("closed").0).expect("a volume");
     let sound = validate_tets(&unit_cube_tets(2)).expect("sound").0;
     let solid = TetSolid::new(&sound).expect("it bounds a solid");
     let domains: [Box<dyn Domain>; 3] =
@@ -257,7 +256,9 @@ fn the_scale_of_energies_is_the_exact_mean_density() {
         let expected = 1.0 + 1.0 - 0.25 + 0.25;
         assert!((weighted.mean_density() - expected).abs() < 1e-13);
     }
-    let torus = validate(&torus(1.0, 0.4, 24, 12)).expect("closed").0;
+    let torus = validate_surface(&torus(1.0, 0.4, 24, 12))
+        .expect("closed")
+        .0;
     let torus = SurfaceSolid::new(&torus).expect("a volume");
     // It is symmetric about its middle.
     let weighted = WeightedDomain::new(Box::new(torus), polynomial("5 + x - 2*y + z"));
@@ -267,7 +268,8 @@ fn the_scale_of_energies_is_the_exact_mean_density() {
 #[test]
 fn a_wanted_size_weighs_the_same_in_every_form_of_the_domain() {
     let size = polynomial("0.1 + 0.2*x - 0.05*y*z");
-    let surface = SurfaceSolid::new(&validate(&unit_cube()).expect("closed").0).expect("a volume");
+    let surface =
+        SurfaceSolid::new(&validate_surface(&unit_cube()).expect("closed").0).expect("a volume");
     let sound = validate_tets(&unit_cube_tets(2)).expect("sound").0;
     let solid = TetSolid::new(&sound).expect("it bounds a solid");
     let domains: [Box<dyn Domain>; 3] =
@@ -297,7 +299,7 @@ fn a_wanted_size_weighs_the_same_in_every_form_of_the_domain() {
 
 #[test]
 fn cells_follow_a_wanted_size_within_a_surface() {
-    let ball = validate(&icosphere(1)).expect("closed").0;
+    let ball = validate_surface(&icosphere(1)).expect("closed").0;
     let ball = SurfaceSolid::new(&ball).expect("a volume");
     let wanted = polynomial("0.2 + 0.08*x");
     let space = WeightedDomain::sized(Box::new(ball), &wanted, 1).expect("positive");

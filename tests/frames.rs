@@ -14,8 +14,8 @@ use chebloyd::domain::shape::DomainShape;
 use chebloyd::domain::tri_surface::solid::SurfaceSolid;
 use chebloyd::geometry::half_space::HalfSpace;
 use chebloyd::geometry::random::Random;
-use chebloyd::mesh::shapes::tubes::torus;
-use chebloyd::mesh::validate::validate;
+use chebloyd::mesh::shapes::torus;
+use chebloyd::mesh::validate::validate_surface;
 use chebloyd::relax::boundary_frames::boundary_frames;
 use chebloyd::relax::frames::Frames;
 use chebloyd::relax::plan::Plan;
@@ -49,7 +49,7 @@ fn turned_box(half: [f64; 3], rotation: &Rotation3<f64>) -> Box<dyn Domain> {
 }
 
 fn ring() -> Box<dyn Domain> {
-    let surface = validate(&torus(1.0, 0.4, 36, 18)).unwrap().0;
+    let surface = validate_surface(&torus(1.0, 0.4, 36, 18)).unwrap().0;
     Box::new(SurfaceSolid::new(&surface).unwrap())
 }
 

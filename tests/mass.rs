@@ -11,15 +11,12 @@ use chebloyd::mass::density::{Density, Ramp};
 use chebloyd::mass::profile::{Profile, ProfileError};
 use chebloyd::mass::split::{Side, split};
 use chebloyd::mass::weigh::{WeighError, weigh_surface, weigh_tets};
-use chebloyd::mesh::load::{Solid, load};
-use chebloyd::mesh::shapes::boxes::{cuboid, unit_cube, unit_cube_tets};
-use chebloyd::mesh::shapes::bracket::bracket;
-use chebloyd::mesh::shapes::sphere::icosphere;
-use chebloyd::mesh::shapes::tubes::torus;
-use chebloyd::mesh::sound::validate_tets;
+use chebloyd::mesh::formats::read::load;
+use chebloyd::mesh::shapes::{bracket, cuboid, icosphere, torus, unit_cube, unit_cube_tets};
+use chebloyd::mesh::similarity::Similarity;
 use chebloyd::mesh::surface::SurfaceMesh;
 use chebloyd::mesh::tets::{TetMesh, VertexData};
-use chebloyd::mesh::validate::validate;
+use chebloyd::mesh::validate::{Solid, validate_surface, validate_tets};
 use nalgebra::{Matrix3, Point3, Rotation3, Vector3};
 use proptest::prelude::*;
 use std::path::Path;
@@ -432,7 +429,7 @@ fn by_cones(mesh: &SurfaceMesh, density: &Polynomial, near: &Point3<f64>) -> Mom
 fn three_ways(mesh: &SurfaceMesh, what: &str) {
     for axis in 0..3 {
         let mut mesh = mesh.clone();
-        mesh.fit_unit_height(axis);
+        Similarity::to_unit_height(&mesh.bounds(), axis).move_all(&mut mesh.vertices);
         let mut exponents = [0; 3];
         exponents[axis] = 1;
         let density = Polynomial::monomial(1.0, exponents);
@@ -473,7 +470,7 @@ fn model(name: &str) -> Option<Solid> {
 fn casting_and_rocker_arm_weigh_the_same_three_ways() {
     for name in ["casting.off", "rocker-arm.obj"] {
         if let Some(Solid::Surface(closed, _)) = model(name) {
-            three_ways(closed.surface(), name);
+            three_ways(closed.mesh(), name);
         }
     }
 }
@@ -485,7 +482,7 @@ fn the_bunny_in_tetrahedra_weighs_what_its_surface_encloses() {
     };
     let mut mesh = sound.mesh().clone();
     for axis in 0..3 {
-        mesh.fit_unit_height(axis);
+        Similarity::to_unit_height(&mesh.bounds(), axis).move_all(&mut mesh.vertices);
         let extent = mesh.bounds();
         let boundary = mesh.boundary();
         for density in [
@@ -617,7 +614,7 @@ fn the_generated_shapes_are_sound() {
         bracket(4),
         icosphere(2),
     ] {
-        validate(&mesh).unwrap();
+        validate_surface(&mesh).unwrap();
     }
     validate_tets(&tets_with_density()).unwrap();
 }

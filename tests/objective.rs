@@ -10,12 +10,9 @@ use chebloyd::domain::tri_surface::solid::SurfaceSolid;
 use chebloyd::geometry::bounds::Bounds;
 use chebloyd::geometry::half_space::HalfSpace;
 use chebloyd::geometry::random::Random;
-use chebloyd::mesh::shapes::boxes::unit_cube_tets;
-use chebloyd::mesh::shapes::bracket::bracket;
-use chebloyd::mesh::shapes::tubes::torus;
-use chebloyd::mesh::sound::validate_tets;
+use chebloyd::mesh::shapes::{bracket, torus, unit_cube_tets};
 use chebloyd::mesh::surface::SurfaceMesh;
-use chebloyd::mesh::validate::validate;
+use chebloyd::mesh::validate::{validate_surface, validate_tets};
 use chebloyd::relax::frames::Frames;
 use chebloyd::relax::record::optimal_energy;
 use chebloyd::relax::space::Space;
@@ -240,7 +237,7 @@ fn the_gradient_is_that_of_central_differences_with_a_frame_for_every_site() {
 }
 
 fn solid(mesh: &SurfaceMesh) -> Box<dyn Domain> {
-    Box::new(SurfaceSolid::new(&validate(mesh).unwrap().0).unwrap())
+    Box::new(SurfaceSolid::new(&validate_surface(mesh).unwrap().0).unwrap())
 }
 
 fn weighted(domain: Box<dyn Domain>) -> Box<dyn Domain> {

@@ -22,15 +22,14 @@ use chebloyd::geometry::brep::Piece;
 use chebloyd::geometry::half_space::HalfSpace;
 use chebloyd::geometry::random::Random;
 use chebloyd::geometry::shell::Shell;
-use chebloyd::mesh::load::{Solid, load};
-use chebloyd::mesh::shapes::boxes::{cuboid, unit_cube, unit_cube_five_tets, unit_cube_tets};
-use chebloyd::mesh::shapes::bracket::bracket;
-use chebloyd::mesh::shapes::sphere::icosphere;
-use chebloyd::mesh::shapes::tubes::{torus, trefoil};
-use chebloyd::mesh::sound::validate_tets;
+use chebloyd::mesh::formats::read::load;
+use chebloyd::mesh::shapes::{
+    bracket, cuboid, icosphere, torus, trefoil, unit_cube, unit_cube_five_tets, unit_cube_tets,
+};
+use chebloyd::mesh::similarity::Similarity;
 use chebloyd::mesh::surface::SurfaceMesh;
 use chebloyd::mesh::tets::TetMesh;
-use chebloyd::mesh::validate::validate;
+use chebloyd::mesh::validate::{Solid, validate_surface, validate_tets};
 use chebloyd::minimize::problem::Evaluation;
 use chebloyd::relax::lloyd::{LloydOptions, lloyd};
 use chebloyd::relax::outline::shell;
@@ -84,7 +83,8 @@ fn grid_sites(domain: &dyn Domain, n: u32) -> Vec<Point3<f64>> {
 }
 
 fn solid(mesh: &SurfaceMesh) -> SurfaceSolid {
-    SurfaceSolid::new(&validate(mesh).expect("the mesh is closed").0).expect("it has a volume")
+    SurfaceSolid::new(&validate_surface(mesh).expect("the mesh is closed").0)
+        .expect("it has a volume")
 }
 
 fn tets(mesh: &TetMesh) -> TetSolid {
@@ -100,17 +100,11 @@ fn model(name: &str) -> Option<Solid> {
         return None;
     };
     let mut solid = load(&folder.join(name)).expect("the model is sound");
-    match &mut solid {
-        Solid::Surface(surface, _) => {
-            surface.fit_unit_cube();
-        }
-        Solid::Tets(tets, _) => {
-            let bounds = tets.mesh().bounds();
-            tets.transform(&chebloyd::mesh::similarity::Similarity::into_unit_cube(
-                &bounds,
-            ));
-        }
-    }
+    let bounds = match &solid {
+        Solid::Surface(surface, _) => surface.mesh().bounds(),
+        Solid::Tets(tets, _) => tets.mesh().bounds(),
+    };
+    solid.transform(&Similarity::into_unit_cube(&bounds));
     Some(solid)
 }
 

@@ -10,7 +10,8 @@ use chebloyd::geometry::bounds::Bounds;
 use chebloyd::mass::body::Body;
 use chebloyd::mass::density::Density;
 use chebloyd::mass::weigh::{bounds, weigh};
-use chebloyd::mesh::load::{Solid, load};
+use chebloyd::mesh::formats::read::load;
+use chebloyd::mesh::validate::Solid;
 
 use crate::cli::failure::Failure;
 use crate::cli::stdout;

@@ -23,9 +23,8 @@ use crate::geometry::clip::{Clip, clip};
 use crate::geometry::half_space::HalfSpace;
 use crate::geometry::label::Label;
 use crate::geometry::polyhedron::Polyhedron;
-use crate::mesh::sound::SoundTets;
 use crate::mesh::tets::{FACETS, TetMesh};
-use crate::mesh::validate::validate;
+use crate::mesh::validate::{ValidTetMesh, validate_surface};
 
 /// A solid given by tetrahedra that fill it.
 #[derive(Clone, Debug)]
@@ -50,10 +49,10 @@ impl TetSolid {
     ///
     /// # Errors
     /// When the boundary bounds no solid, as where tetrahedra overlap.
-    pub fn new(tets: &SoundTets) -> Result<Self, DomainError> {
+    pub fn new(tets: &ValidTetMesh) -> Result<Self, DomainError> {
         let mesh = tets.mesh().clone();
         let refused = |reason: String| DomainError::Boundary { reason };
-        let validated = validate(&mesh.boundary());
+        let validated = validate_surface(&mesh.boundary());
         let (surface, report) = validated.map_err(|refusal| refused(refusal.to_string()))?;
         let crossings = report.crossings.map_or(0, |tally| tally.count);
         if crossings > 0 {

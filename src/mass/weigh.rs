@@ -5,9 +5,9 @@ use crate::geometry::moments::Moments;
 use crate::integrals::mesh_moments::{area, at_vertices, constant, linear, polynomial, volume};
 use crate::mass::body::Body;
 use crate::mass::density::Density;
-use crate::mesh::load::Solid;
 use crate::mesh::surface::SurfaceMesh;
 use crate::mesh::tets::{TetMesh, VertexData};
+use crate::mesh::validate::Solid;
 use nalgebra::Point3;
 
 /// Why a solid cannot be weighed.
@@ -46,7 +46,7 @@ pub enum WeighError {
 /// If the mass is not positive, or if the density asks for vertex data that are not there.
 pub fn weigh(solid: &Solid, density: &Density, extent: &Bounds<3>) -> Result<Body, WeighError> {
     match solid {
-        Solid::Surface(closed, _) => weigh_surface(closed.surface(), density, extent),
+        Solid::Surface(closed, _) => weigh_surface(closed.mesh(), density, extent),
         Solid::Tets(sound, _) => weigh_tets(sound.mesh(), density, extent),
     }
 }
@@ -55,7 +55,7 @@ pub fn weigh(solid: &Solid, density: &Density, extent: &Bounds<3>) -> Result<Bod
 #[must_use]
 pub fn bounds(solid: &Solid) -> Bounds<3> {
     match solid {
-        Solid::Surface(closed, _) => closed.surface().bounds(),
+        Solid::Surface(closed, _) => closed.mesh().bounds(),
         Solid::Tets(sound, _) => sound.mesh().bounds(),
     }
 }

@@ -1,29 +1,22 @@
-//! Meshes: read from files, checked, oriented, measured, and a few made by hand.
+//! Triangulated surfaces and tetrahedral meshes: validated, repaired, measured, made by formula,
+//! read from files.
 //!
-//! A file becomes a [`surface::SurfaceMesh`] or a [`tets::TetMesh`] as it stands
-//! ([`read::read`]). What may bound a solid is decided by [`validate::validate`] and
-//! [`sound::validate_tets`], the only makers of [`validate::ClosedSurface`] and
-//! [`sound::SoundTets`]; [`load::load`] does both steps and puts the file's name into every
-//! message.
+//! A mesh from arrays is a [`surface::SurfaceMesh`] or a [`tets::TetMesh`] as it stands.
+//! [`validate::validate_surface`] and [`validate::validate_tets`] decide what bounds or fills a
+//! solid and are the only makers of [`validate::ValidSurface`] and [`validate::ValidTetMesh`].
+//! Nothing here but [`formats`] touches files: [`formats::read::load`] reads, validates and puts
+//! the file's name into every message.
 
-pub(crate) mod binary;
 pub mod crossings;
 pub mod edges;
-pub mod error;
 pub mod formats;
-pub mod kind;
-pub mod load;
 pub(crate) mod nesting;
 pub(crate) mod orient;
 pub mod polygon;
-pub mod read;
 pub(crate) mod repair;
 pub mod report;
 pub mod shapes;
 pub mod similarity;
-pub mod sound;
 pub mod surface;
 pub mod tets;
-pub(crate) mod text;
 pub mod validate;
-pub mod weld;

@@ -55,4 +55,11 @@ impl Similarity {
         let offset: Vector3<f64> = point - self.from;
         self.to + offset * self.scale
     }
+
+    /// Moves every one of `points` to its image.
+    pub fn move_all(&self, points: &mut [Point3<f64>]) {
+        for point in points {
+            *point = self.apply(point);
+        }
+    }
 }

@@ -3,10 +3,9 @@
 use nalgebra::Point3;
 
 use crate::geometry::bounds::Bounds;
-use crate::mesh::similarity::Similarity;
 
 /// A triangulated surface as it was read: perhaps open, perhaps badly oriented. What bounds a
-/// solid is a [`crate::mesh::validate::ClosedSurface`].
+/// solid is a [`crate::mesh::validate::ValidSurface`].
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SurfaceMesh {
     /// Vertex positions (L).
@@ -56,35 +55,6 @@ impl SurfaceMesh {
         self.all_corners()
             .map(|corners| triangle_area(&corners))
             .sum()
-    }
-
-    /// Moves every vertex by `map`.
-    pub fn transform(&mut self, map: &Similarity) {
-        for vertex in &mut self.vertices {
-            *vertex = map.apply(vertex);
-        }
-    }
-
-    /// Scales uniformly and centers in the unit cube; returns the map.
-    pub fn fit_unit_cube(&mut self) -> Similarity {
-        let map = Similarity::into_unit_cube(&self.bounds());
-        self.transform(&map);
-        map
-    }
-
-    /// Scales uniformly to the largest size that fits `target`, centered there; returns the map.
-    pub fn scale_to(&mut self, target: &Bounds<3>) -> Similarity {
-        let map = Similarity::into_box(&self.bounds(), target);
-        self.transform(&map);
-        map
-    }
-
-    /// Scales uniformly to extent 1 along `axis`, least coordinates at the origin; returns the
-    /// map.
-    pub fn fit_unit_height(&mut self, axis: usize) -> Similarity {
-        let map = Similarity::to_unit_height(&self.bounds(), axis);
-        self.transform(&map);
-        map
     }
 }
 

@@ -3,7 +3,6 @@
 use nalgebra::Point3;
 
 use crate::geometry::bounds::Bounds;
-use crate::mesh::similarity::Similarity;
 use crate::mesh::surface::SurfaceMesh;
 
 /// The corners of the four facets of a tetrahedron of positive volume, counter-clockwise seen
@@ -11,7 +10,7 @@ use crate::mesh::surface::SurfaceMesh;
 pub const FACETS: [[usize; 3]; 4] = [[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]];
 
 /// A tetrahedral mesh as it was read: perhaps with inverted or flat elements. One that fills a
-/// solid is a [`crate::mesh::sound::SoundTets`].
+/// solid is a [`crate::mesh::validate::ValidTetMesh`].
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TetMesh {
     /// Vertex positions (L).
@@ -66,35 +65,6 @@ impl TetMesh {
     #[must_use]
     pub fn volume(&self) -> f64 {
         self.all_corners().map(|corners| tet_volume(&corners)).sum()
-    }
-
-    /// Moves every vertex by `map`; vertex data stay as they are.
-    pub fn transform(&mut self, map: &Similarity) {
-        for vertex in &mut self.vertices {
-            *vertex = map.apply(vertex);
-        }
-    }
-
-    /// Scales uniformly and centers in the unit cube; returns the map.
-    pub fn fit_unit_cube(&mut self) -> Similarity {
-        let map = Similarity::into_unit_cube(&self.bounds());
-        self.transform(&map);
-        map
-    }
-
-    /// Scales uniformly to the largest size that fits `target`, centered there; returns the map.
-    pub fn scale_to(&mut self, target: &Bounds<3>) -> Similarity {
-        let map = Similarity::into_box(&self.bounds(), target);
-        self.transform(&map);
-        map
-    }
-
-    /// Scales uniformly to extent 1 along `axis`, least coordinates at the origin; returns the
-    /// map.
-    pub fn fit_unit_height(&mut self, axis: usize) -> Similarity {
-        let map = Similarity::to_unit_height(&self.bounds(), axis);
-        self.transform(&map);
-        map
     }
 
     /// The facets that belong to one tetrahedron only, oriented outward, over the vertices they

@@ -1,4 +1,4 @@
-//! Which surfaces bound a solid.
+//! Validated meshes: surfaces that bound a solid and tetrahedra that fill one.
 //!
 //! A surface is accepted if, after the repairs that need no guess, every edge is run along as
 //! often in one direction as in the other within each component: then the signed cones from
@@ -8,6 +8,10 @@
 //! dropped; coincident vertices are merged if the surface is open without; triangles are
 //! turned to agree with their neighbors; components are turned outward or, inside an odd
 //! number of others, inward. Holes are not closed and walls not removed: that is refused.
+//!
+//! Of tetrahedra, inverted ones are turned, flat and duplicate ones dropped, unused vertices
+//! removed with their data, each counted in the report. A facet of more than two tetrahedra is
+//! refused. Other overlaps are not looked for.
 
 use nalgebra::Point3;
 
@@ -16,43 +20,81 @@ use crate::mesh::edges::EdgeTable;
 use crate::mesh::nesting::turn_outward;
 use crate::mesh::orient::{Orientation, Places, check_balance, orient, turn_to_neighbors};
 use crate::mesh::repair::{Triangles, drop_collapsed, drop_duplicates, weld};
-use crate::mesh::report::{Refusal, SurfaceReport, Tally};
+use crate::mesh::report::{Refusal, SurfaceReport, Tally, TetReport};
 use crate::mesh::similarity::Similarity;
 use crate::mesh::surface::{SurfaceMesh, triangle_area};
-use crate::mesh::tets::compact;
+use crate::mesh::tets::{TetMesh, compact, tet_volume};
 
 /// A triangle whose area is below this share of its longest edge squared is called flat: the
 /// cross product's own rounding.
-const FLAT: f64 = 1e-14;
+const FLAT_TRIANGLE: f64 = 1e-14;
 
-/// A surface that bounds a solid: closed, consistently oriented outward (inward around
-/// cavities), of positive volume, without unused vertices. Only [`validate`] makes one.
+/// A tetrahedron whose volume is below this share of its longest edge cubed is flat: less than
+/// the determinant's own rounding.
+const FLAT_TET: f64 = 1e-15;
+
+/// A mesh that was checked. Only [`validate_surface`] and [`validate_tets`] make one.
 #[derive(Clone, Debug, PartialEq)]
-pub struct ClosedSurface {
-    surface: SurfaceMesh,
+pub struct Valid<M> {
+    mesh: M,
 }
 
-impl ClosedSurface {
-    /// The surface.
+/// A surface that bounds a solid: closed, consistently oriented outward (inward around
+/// cavities), of positive volume, without unused vertices.
+pub type ValidSurface = Valid<SurfaceMesh>;
+
+/// Tetrahedra that fill a solid: each of positive volume, every facet of at most two of them, no
+/// unused vertices.
+pub type ValidTetMesh = Valid<TetMesh>;
+
+impl<M> Valid<M> {
+    /// The mesh.
     #[must_use]
-    pub fn surface(&self) -> &SurfaceMesh {
-        &self.surface
+    pub fn mesh(&self) -> &M {
+        &self.mesh
     }
 
-    /// The surface, no longer vouched for.
+    /// The mesh to be changed at will.
     #[must_use]
-    pub fn into_surface(self) -> SurfaceMesh {
-        self.surface
+    pub fn into_mesh(self) -> M {
+        self.mesh
+    }
+}
+
+/// A solid given by its boundary or by tetrahedra that fill it, with what was repaired.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Solid {
+    /// The boundary.
+    Surface(ValidSurface, SurfaceReport),
+    /// The filling.
+    Tets(ValidTetMesh, TetReport),
+}
+
+impl Solid {
+    /// What was found and repaired, one sentence each.
+    #[must_use]
+    pub fn notes(&self) -> Vec<String> {
+        match self {
+            Self::Surface(_, report) => report.notes(),
+            Self::Tets(_, report) => report.notes(),
+        }
     }
 
-    /// Moves every vertex by `map`, which keeps the surface closed and oriented.
+    /// The solid's volume (L³).
+    #[must_use]
+    pub fn volume(&self) -> f64 {
+        match self {
+            Self::Surface(surface, _) => surface.mesh.volume(),
+            Self::Tets(tets, _) => tets.mesh.volume(),
+        }
+    }
+
+    /// Moves the solid by `map`, which keeps it valid.
     pub fn transform(&mut self, map: &Similarity) {
-        self.surface.transform(map);
-    }
-
-    /// Scales uniformly and centers in the unit cube; returns the map.
-    pub fn fit_unit_cube(&mut self) -> Similarity {
-        self.surface.fit_unit_cube()
+        match self {
+            Self::Surface(surface, _) => map.move_all(&mut surface.mesh.vertices),
+            Self::Tets(tets, _) => map.move_all(&mut tets.mesh.vertices),
+        }
     }
 }
 
@@ -61,7 +103,7 @@ impl ClosedSurface {
 /// # Errors
 ///
 /// What keeps the surface from bounding a solid, and what to do about it.
-pub fn validate(mesh: &SurfaceMesh) -> Result<(ClosedSurface, SurfaceReport), Refusal> {
+pub fn validate_surface(mesh: &SurfaceMesh) -> Result<(ValidSurface, SurfaceReport), Refusal> {
     check_elements(&mesh.vertices, &mesh.triangles, "triangles")?;
     let mut report = SurfaceReport::default();
     let (vertices, mut triangles, edges) = closed_triangles(mesh, &mut report)?;
@@ -88,11 +130,11 @@ pub fn validate(mesh: &SurfaceMesh) -> Result<(ClosedSurface, SurfaceReport), Re
     compact(&mut surface.vertices, &mut surface.triangles);
     check_volume(&surface)?;
     report.crossings = crossings(&surface).map(|tally| as_read(tally, &triangles.numbers));
-    Ok((ClosedSurface { surface }, report))
+    Ok((Valid { mesh: surface }, report))
 }
 
 /// Refuses elements without meaning: none, out of range, not finite.
-pub(crate) fn check_elements<const N: usize>(
+fn check_elements<const N: usize>(
     vertices: &[Point3<f64>],
     elements: &[[u32; N]],
     what: &'static str,
@@ -185,7 +227,7 @@ fn describe(
             .norm_squared()
             .max((c - b).norm_squared())
             .max((a - c).norm_squared());
-        triangle_area(corners) <= FLAT * longest_squared
+        triangle_area(corners) <= FLAT_TRIANGLE * longest_squared
     };
     let all = surface.all_corners().zip(numbers);
     report.flat = all
@@ -208,7 +250,7 @@ fn unused(mesh: &SurfaceMesh) -> Tally<u32> {
 
 /// Refuses a volume that rounding alone could produce.
 fn check_volume(surface: &SurfaceMesh) -> Result<(), Refusal> {
-    let noise = FLAT * surface.area() * surface.bounds().extent().norm();
+    let noise = FLAT_TRIANGLE * surface.area() * surface.bounds().extent().norm();
     if surface.volume() > noise {
         Ok(())
     } else {
@@ -221,4 +263,110 @@ fn as_read(tally: Tally<[u32; 2]>, numbers: &[u32]) -> Tally<[u32; 2]> {
         .first
         .map(|pair| pair.map(|triangle| numbers[triangle as usize]));
     Tally { first, ..tally }
+}
+
+/// Checks and, where no guess is needed, repairs `mesh`.
+///
+/// # Errors
+///
+/// What keeps the mesh from filling a solid, and what to do about it.
+pub fn validate_tets(mesh: &TetMesh) -> Result<(ValidTetMesh, TetReport), Refusal> {
+    check_elements(&mesh.vertices, &mesh.tets, "tetrahedra")?;
+    check_data(mesh)?;
+    let mut mesh = mesh.clone();
+    let mut report = TetReport::default();
+    let numbers = keep_positive(&mut mesh, &mut report);
+    if mesh.tets.is_empty() {
+        return Err(Refusal::Flat);
+    }
+    check_facets(&mesh, &numbers)?;
+    report.isolated = drop_unused(&mut mesh);
+    Ok((Valid { mesh }, report))
+}
+
+fn check_data(mesh: &TetMesh) -> Result<(), Refusal> {
+    for field in &mesh.vertex_data {
+        let bad = field.values.iter().position(|value| !value.is_finite());
+        let missing = (field.values.len() != mesh.vertices.len()).then_some(field.values.len());
+        bad.or(missing)
+            .map_or(Ok(()), |vertex| Err(Refusal::NotFinite(vertex)))?;
+    }
+    Ok(())
+}
+
+/// Turns inverted tetrahedra, drops flat and duplicate ones; returns the numbers as read of
+/// those kept.
+fn keep_positive(mesh: &mut TetMesh, report: &mut TetReport) -> Vec<u32> {
+    let duplicate = duplicates(&mesh.tets);
+    let mut numbers = Vec::with_capacity(mesh.tets.len());
+    let mut kept = Vec::with_capacity(mesh.tets.len());
+    for (number, (&tet, duplicate)) in (0..).zip(mesh.tets.iter().zip(duplicate)) {
+        let corners = tet.map(|vertex| mesh.vertices[vertex as usize]);
+        let volume = tet_volume(&corners);
+        if duplicate {
+            report.duplicates.add(number);
+        } else if volume.abs() <= FLAT_TET * longest_edge(&corners).powi(3) {
+            report.flat.add(number);
+        } else {
+            let [a, b, c, d] = tet;
+            kept.push(if volume > 0.0 { tet } else { [a, c, b, d] });
+            numbers.push(number);
+            if volume < 0.0 {
+                report.inverted.add(number);
+            }
+        }
+    }
+    mesh.tets = kept;
+    numbers
+}
+
+/// Which tetrahedra stand on the same four vertices as an earlier one.
+fn duplicates(tets: &[[u32; 4]]) -> Vec<bool> {
+    let sorted = |mut tet: [u32; 4]| {
+        tet.sort_unstable();
+        tet
+    };
+    let mut keys: Vec<([u32; 4], u32)> = tets.iter().map(|&tet| sorted(tet)).zip(0..).collect();
+    keys.sort_unstable();
+    let mut marked = vec![false; tets.len()];
+    for pair in keys.windows(2).filter(|pair| pair[0].0 == pair[1].0) {
+        marked[pair[1].1 as usize] = true;
+    }
+    marked
+}
+
+fn longest_edge(corners: &[Point3<f64>; 4]) -> f64 {
+    let pairs = [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)];
+    let lengths = pairs.map(|(from, to)| (corners[to] - corners[from]).norm());
+    lengths.into_iter().fold(0.0, f64::max)
+}
+
+fn check_facets(mesh: &TetMesh, numbers: &[u32]) -> Result<(), Refusal> {
+    let mut facets = mesh.facets();
+    facets.sort_unstable();
+    let groups = facets.chunk_by(|one, other| one.0 == other.0);
+    let crowded = groups.filter(|group| group.len() > 2);
+    let Tally { count, first } = crowded
+        .map(|group| numbers[group[0].1 as usize / 4])
+        .collect();
+    first.map_or(Ok(()), |first| Err(Refusal::Overlap { count, first }))
+}
+
+/// Drops unused vertices with their data.
+fn drop_unused(mesh: &mut TetMesh) -> Tally<u32> {
+    let before = mesh.vertices.len();
+    let kept = compact(&mut mesh.vertices, &mut mesh.tets);
+    for field in &mut mesh.vertex_data {
+        field.values = kept
+            .iter()
+            .map(|&vertex| field.values[vertex as usize])
+            .collect();
+    }
+    let first_gap = (0..)
+        .zip(&kept)
+        .find(|&(at, &vertex)| at != vertex)
+        .map(|(at, _)| at);
+    let count = before - kept.len();
+    let first = first_gap.or((count > 0).then_some(kept.len() as u32));
+    Tally { count, first }
 }

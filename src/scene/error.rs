@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use crate::domain::error::DomainError;
 use crate::domain::planar::PlaneDomainError;
-use crate::mesh::load::LoadError;
+use crate::mesh::formats::read::LoadError;
 
 /// Why a scene or its sites cannot be used. Site indices count from zero, lines from one.
 #[derive(Debug, thiserror::Error)]

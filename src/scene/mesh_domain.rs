@@ -9,10 +9,10 @@ use crate::domain::domain as space;
 use crate::domain::tet_mesh::TetSolid;
 use crate::domain::tri_surface::solid::SurfaceSolid;
 use crate::geometry::bounds::Bounds;
-use crate::mesh::load::{Solid, load};
+use crate::mesh::formats::read::load;
 use crate::mesh::report::SurfaceReport;
 use crate::mesh::similarity::Similarity;
-use crate::mesh::validate::validate;
+use crate::mesh::validate::{Solid, validate_surface};
 use crate::scene::error::Error;
 use crate::scene::place::point;
 use crate::scene::validate::{all_finite, dimensions_match};
@@ -86,7 +86,7 @@ impl MeshDomain {
                 surface
             }
             Solid::Tets(tets, _) => {
-                let boundary = validate(&tets.mesh().boundary());
+                let boundary = validate_surface(&tets.mesh().boundary());
                 let (boundary, report) =
                     boundary.map_err(|refusal| self.refused(refusal.to_string()))?;
                 self.refuse_crossings(&report)?;
@@ -133,7 +133,7 @@ impl MeshDomain {
             return;
         };
         let bounds = match solid {
-            Solid::Surface(surface, _) => surface.surface().bounds(),
+            Solid::Surface(surface, _) => surface.mesh().bounds(),
             Solid::Tets(tets, _) => tets.mesh().bounds(),
         };
         solid.transform(&Similarity::into_box(&bounds, &target));

@@ -2,9 +2,8 @@
 
 use std::fs;
 
-use chebloyd::mesh::load::load;
-use chebloyd::mesh::read::{read, read_tets};
-use chebloyd::mesh::shapes::boxes;
+use chebloyd::mesh::formats::read::{load, read, read_tets};
+use chebloyd::mesh::shapes;
 use tempfile::TempDir;
 
 use crate::samples;
@@ -158,7 +157,7 @@ fn files_that_stop_early() {
         "a.vtu:2: the file ends where </UnstructuredGrid>",
         "truncated",
     );
-    let cut = &samples::stl_binary(&boxes::unit_cube())[..400];
+    let cut = &samples::stl_binary(&shapes::unit_cube())[..400];
     let message = message("a.stl", cut);
     assert_eq!(
         message,
@@ -201,7 +200,7 @@ fn numbers_that_are_none() {
         "a.off:3: expected a coordinate, found `end of line`",
         "correct",
     );
-    let mut binary = samples::stl_binary(&boxes::unit_cube());
+    let mut binary = samples::stl_binary(&shapes::unit_cube());
     binary[84 + 50 + 12..][..4].copy_from_slice(&f32::NAN.to_le_bytes());
     let message = message("a.stl", &binary);
     assert!(
@@ -345,7 +344,7 @@ fn elements_that_would_leave_holes() {
 fn a_surface_where_tetrahedra_are_wanted() {
     let directory = TempDir::new().unwrap();
     let path = directory.path().join("cube.stl");
-    fs::write(&path, samples::stl_binary(&boxes::unit_cube())).unwrap();
+    fs::write(&path, samples::stl_binary(&shapes::unit_cube())).unwrap();
     let message = read_tets(&path).unwrap_err().to_string();
     assert!(
         message.ends_with(

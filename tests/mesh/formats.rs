@@ -3,14 +3,13 @@
 use std::fs;
 use std::path::PathBuf;
 
+use chebloyd::mesh::formats::mesh::Mesh;
+use chebloyd::mesh::formats::read::{read, read_surface, read_tets};
 use chebloyd::mesh::formats::{gmsh, medit, obj, off, ply, stl, tetgen, vtk, vtu};
-use chebloyd::mesh::kind::Mesh;
-use chebloyd::mesh::read::{read, read_surface, read_tets};
-use chebloyd::mesh::shapes::{boxes, bracket, tubes};
-use chebloyd::mesh::sound::validate_tets;
+use chebloyd::mesh::shapes;
 use chebloyd::mesh::surface::SurfaceMesh;
 use chebloyd::mesh::tets::{TetMesh, VertexData};
-use chebloyd::mesh::validate::validate;
+use chebloyd::mesh::validate::{validate_surface, validate_tets};
 use nalgebra::Point3;
 use proptest::prelude::*;
 use tempfile::TempDir;
@@ -18,7 +17,7 @@ use tempfile::TempDir;
 use crate::samples::{self, Sample};
 
 fn solid_surface() -> SurfaceMesh {
-    let mut mesh = bracket::bracket(2);
+    let mut mesh = shapes::bracket(2);
     mesh.vertices[3].x += 1e-17;
     mesh.vertices[5].y -= 1.0 / 3.0;
     mesh
@@ -26,11 +25,11 @@ fn solid_surface() -> SurfaceMesh {
 
 /// Fewer and rounder, for tests that try every byte.
 fn small_surface() -> SurfaceMesh {
-    tubes::torus(1.0, 0.25, 3, 3)
+    shapes::torus(1.0, 0.25, 3, 3)
 }
 
 fn solid_tets() -> TetMesh {
-    let mut mesh = boxes::unit_cube_tets(3);
+    let mut mesh = shapes::unit_cube_tets(3);
     let values = mesh
         .vertices
         .iter()
@@ -47,7 +46,7 @@ fn file(directory: &TempDir, name: &str, bytes: &[u8]) -> PathBuf {
     path
 }
 
-fn parse((extension, bytes): &Sample) -> Result<Mesh, chebloyd::mesh::error::Fault> {
+fn parse((extension, bytes): &Sample) -> Result<Mesh, chebloyd::mesh::formats::error::ParseError> {
     match *extension {
         "off" => off::parse(bytes).map(Mesh::Surface),
         "obj" => obj::parse(bytes).map(Mesh::Surface),
@@ -100,7 +99,7 @@ fn binary_stl_is_welded_and_rounded_only_to_f32() {
         got.all_corners()
             .eq(mesh.all_corners().map(|corners| corners.map(rounded)))
     );
-    assert!(validate(&got).unwrap().1.notes().is_empty());
+    assert!(validate_surface(&got).unwrap().1.notes().is_empty());
 }
 
 #[test]
@@ -152,7 +151,7 @@ fn written_files_read_back_bit_for_bit() {
         off::parse(off::write(&surface).as_bytes()).unwrap(),
         surface
     );
-    let tets = boxes::unit_cube_tets(3);
+    let tets = shapes::unit_cube_tets(3);
     assert_eq!(
         medit::parse(medit::write(&tets).as_bytes()).unwrap(),
         Mesh::Tets(tets)
@@ -177,7 +176,7 @@ fn squares(before: &str, first: usize, after: &str) -> String {
 
 /// The unit cube in six squares.
 fn cubes_of_squares() -> Vec<Sample> {
-    let vertices = boxes::unit_cube().vertices;
+    let vertices = shapes::unit_cube().vertices;
     let lines: Vec<String> = vertices
         .iter()
         .map(|p| format!("{} {} {}\n", p.x, p.y, p.z))
@@ -229,20 +228,16 @@ fn polygons_of_every_format_close_the_cube() {
         let Ok(Mesh::Surface(mesh)) = parse(&sample) else {
             panic!("{} is a surface", sample.0);
         };
-        let (closed, report) = validate(&mesh).unwrap();
+        let (closed, report) = validate_surface(&mesh).unwrap();
         assert_eq!(report.notes(), Vec::<String>::new(), "{}", sample.0);
-        assert!(
-            (closed.surface().volume() - 1.0).abs() < 1e-15,
-            "{}",
-            sample.0
-        );
+        assert!((closed.mesh().volume() - 1.0).abs() < 1e-15, "{}", sample.0);
         assert_eq!(mesh.triangles.len(), 12);
     }
 }
 
 #[test]
 fn a_file_cut_anywhere_is_refused_or_a_smaller_mesh() {
-    let mut mesh = boxes::unit_cube_five_tets();
+    let mut mesh = shapes::unit_cube_five_tets();
     let values = (0..8).map(f64::from).collect();
     mesh.vertex_data.push(VertexData {
         name: "density".into(),
@@ -270,7 +265,7 @@ fn a_file_cut_anywhere_is_refused_or_a_smaller_mesh() {
 
 /// A mesh that is read refers to its own vertices only, with finite numbers, so that checking it
 /// cannot panic; a fault has something to say.
-fn check(outcome: Result<Mesh, chebloyd::mesh::error::Fault>) {
+fn check(outcome: Result<Mesh, chebloyd::mesh::formats::error::ParseError>) {
     match outcome {
         Ok(Mesh::Surface(mesh)) => {
             assert!(
@@ -284,7 +279,7 @@ fn check(outcome: Result<Mesh, chebloyd::mesh::error::Fault>) {
                     .iter()
                     .all(|p| p.iter().all(|x| x.is_finite()))
             );
-            drop(validate(&mesh));
+            drop(validate_surface(&mesh));
         }
         Ok(Mesh::Tets(mesh)) => {
             assert!(
@@ -311,7 +306,7 @@ proptest! {
     fn damaged_files_never_panic(
         damage in proptest::collection::vec((any::<prop::sample::Index>(), prop_oneof![any::<u8>(), Just(b'9'), Just(b'-'), Just(b'\n'), Just(b'<')]), 1..6),
     ) {
-        let mut mesh = boxes::unit_cube_five_tets();
+        let mut mesh = shapes::unit_cube_five_tets();
         mesh.vertex_data.push(VertexData { name: "density".into(), values: vec![1.0; 8] });
         let mut all = samples::surfaces(&small_surface());
         all.push(("stl", samples::stl_binary(&small_surface())));

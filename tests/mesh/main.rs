@@ -7,12 +7,10 @@ mod validation;
 
 use std::path::{Path, PathBuf};
 
-use chebloyd::mesh::load::{Solid, load};
-use chebloyd::mesh::read::{read_surface, read_tets};
+use chebloyd::mesh::formats::read::{load, read_surface, read_tets};
 use chebloyd::mesh::shapes;
-use chebloyd::mesh::sound::validate_tets;
 use chebloyd::mesh::surface::SurfaceMesh;
-use chebloyd::mesh::validate::validate;
+use chebloyd::mesh::validate::{Solid, validate_surface, validate_tets};
 
 /// A file of the shared test models, `None` with a message where they are absent.
 fn model(name: &str) -> Option<PathBuf> {
@@ -36,20 +34,20 @@ fn difference(one: f64, other: f64) -> f64 {
 #[test]
 fn generated_surfaces_are_flawless() {
     let shapes: [(SurfaceMesh, i64); 5] = [
-        (shapes::boxes::unit_cube(), 0),
-        (shapes::sphere::icosphere(3), 0),
-        (shapes::tubes::torus(1.0, 0.25, 48, 24), 1),
-        (shapes::tubes::trefoil(0.4, 120, 12), 1),
-        (shapes::bracket::bracket(6), 1),
+        (shapes::unit_cube(), 0),
+        (shapes::icosphere(3), 0),
+        (shapes::torus(1.0, 0.25, 48, 24), 1),
+        (shapes::trefoil(0.4, 120, 12), 1),
+        (shapes::bracket(6), 1),
     ];
     for (mesh, genus) in shapes {
-        let (closed, report) = validate(&mesh).unwrap();
+        let (closed, report) = validate_surface(&mesh).unwrap();
         assert_eq!(report.notes(), Vec::<String>::new());
         assert_eq!(
             (report.components, report.cavities, report.genus),
             (1, 0, genus)
         );
-        assert_eq!(closed.surface(), &mesh);
+        assert_eq!(closed.mesh(), &mesh);
     }
 }
 
@@ -60,18 +58,13 @@ fn generated_solids_have_their_volumes() {
     let tube = 0.5 * 24.0 * 0.25_f64.powi(2) * (turn / 24.0).sin();
     let ring = 48.0 * (turn / 48.0).sin();
     let hole = 0.5 * 24.0 * 0.25_f64.powi(2) * (turn / 24.0).sin();
-    assert!(difference(shapes::boxes::unit_cube().volume(), 1.0) < 1e-15);
-    assert!(
-        difference(
-            shapes::tubes::torus(1.0, 0.25, 48, 24).volume(),
-            tube * ring
-        ) < 1e-3
-    );
-    assert!(difference(shapes::bracket::bracket(6).volume(), 1.5 - 0.5 * hole) < 1e-14);
-    assert!(difference(shapes::sphere::icosphere(5).volume(), turn * 2.0 / 3.0) < 2e-3);
-    assert!(difference(shapes::boxes::unit_cube_five_tets().volume(), 1.0) < 1e-15);
+    assert!(difference(shapes::unit_cube().volume(), 1.0) < 1e-15);
+    assert!(difference(shapes::torus(1.0, 0.25, 48, 24).volume(), tube * ring) < 1e-3);
+    assert!(difference(shapes::bracket(6).volume(), 1.5 - 0.5 * hole) < 1e-14);
+    assert!(difference(shapes::icosphere(5).volume(), turn * 2.0 / 3.0) < 2e-3);
+    assert!(difference(shapes::unit_cube_five_tets().volume(), 1.0) < 1e-15);
     for n in 1..4 {
-        let mesh = shapes::boxes::unit_cube_tets(n);
+        let mesh = shapes::unit_cube_tets(n);
         assert!(difference(mesh.volume(), 1.0) < 1e-14);
         assert_eq!(
             validate_tets(&mesh).unwrap().1.notes(),
@@ -98,7 +91,7 @@ fn the_models_bound_solids_of_their_genus() {
         let Solid::Surface(closed, report) = load(&path).unwrap() else {
             panic!("{name} is a surface");
         };
-        let mesh = closed.surface();
+        let mesh = closed.mesh();
         let counts = (mesh.vertices.len(), mesh.triangles.len(), report.genus);
         assert_eq!(counts, (vertices, triangles, genus), "{name}");
         assert_eq!(report.notes(), Vec::<String>::new(), "{name}");
@@ -137,8 +130,8 @@ fn tetrahedra_and_their_boundary_hold_the_same_volume() {
     let tets = read_tets(&path).unwrap();
     assert_eq!((tets.vertices.len(), tets.tets.len()), (5433, 34055));
     let (sound, _) = validate_tets(&tets).unwrap();
-    let (closed, _) = validate(&sound.mesh().boundary()).unwrap();
-    assert!(difference(sound.mesh().volume(), closed.surface().volume()) < 1e-13);
+    let (closed, _) = validate_surface(&sound.mesh().boundary()).unwrap();
+    assert!(difference(sound.mesh().volume(), closed.mesh().volume()) < 1e-13);
     assert_eq!(read_surface(&path).unwrap(), tets.boundary());
 }
 
@@ -146,9 +139,9 @@ fn tetrahedra_and_their_boundary_hold_the_same_volume() {
 fn the_scenes_hold_the_generated_solids() {
     let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
     let solids = [
-        ("torus.off", shapes::tubes::torus(1.0, 0.4, 36, 18)),
-        ("trefoil.off", shapes::tubes::trefoil(0.45, 96, 12)),
-        ("bracket.off", shapes::bracket::bracket(8)),
+        ("torus.off", shapes::torus(1.0, 0.4, 36, 18)),
+        ("trefoil.off", shapes::trefoil(0.45, 96, 12)),
+        ("bracket.off", shapes::bracket(8)),
     ];
     for (name, mesh) in solids {
         let solid = load(&scenes.join(name)).unwrap();

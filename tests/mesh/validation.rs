@@ -2,11 +2,11 @@
 
 use chebloyd::geometry::bounds::Bounds;
 use chebloyd::mesh::report::{EdgePlace, Refusal, Tally};
-use chebloyd::mesh::shapes::{boxes, bracket, sphere, tubes};
-use chebloyd::mesh::sound::validate_tets;
+use chebloyd::mesh::shapes;
+use chebloyd::mesh::similarity::Similarity;
 use chebloyd::mesh::surface::SurfaceMesh;
 use chebloyd::mesh::tets::VertexData;
-use chebloyd::mesh::validate::validate;
+use chebloyd::mesh::validate::{validate_surface, validate_tets};
 use nalgebra::{Point3, Vector3};
 use proptest::prelude::*;
 
@@ -14,7 +14,7 @@ use proptest::prelude::*;
 fn cube(center: [f64; 3], edge: f64) -> SurfaceMesh {
     let half = Vector3::repeat(edge / 2.0);
     let center = Point3::from(center);
-    boxes::cuboid(&Bounds {
+    shapes::cuboid(&Bounds {
         min: center - half,
         max: center + half,
     })
@@ -42,8 +42,8 @@ fn turned(mut mesh: SurfaceMesh) -> SurfaceMesh {
 }
 
 fn volume_and_notes(mesh: &SurfaceMesh) -> (f64, Vec<String>) {
-    let (closed, report) = validate(mesh).unwrap();
-    (closed.surface().volume(), report.notes())
+    let (closed, report) = validate_surface(mesh).unwrap();
+    (closed.mesh().volume(), report.notes())
 }
 
 fn near(one: f64, other: f64) -> bool {
@@ -52,11 +52,11 @@ fn near(one: f64, other: f64) -> bool {
 
 #[test]
 fn a_flipped_triangle_is_turned_back() {
-    let flawless = bracket::bracket(3);
+    let flawless = shapes::bracket(3);
     let mut mesh = flawless.clone();
     mesh.triangles[7].swap(0, 2);
     mesh.triangles[20].swap(0, 2);
-    let (closed, report) = validate(&mesh).unwrap();
+    let (closed, report) = validate_surface(&mesh).unwrap();
     assert_eq!(
         report.reoriented,
         Tally {
@@ -65,13 +65,13 @@ fn a_flipped_triangle_is_turned_back() {
         }
     );
     assert!(report.notes()[0].starts_with("2 triangles were turned to agree with their neighbors"));
-    assert!(near(closed.surface().volume(), flawless.volume()));
+    assert!(near(closed.mesh().volume(), flawless.volume()));
 }
 
 #[test]
 fn a_surface_inside_out_is_turned() {
-    let (volume, notes) = volume_and_notes(&turned(tubes::torus(1.0, 0.25, 12, 8)));
-    assert!(near(volume, tubes::torus(1.0, 0.25, 12, 8).volume()));
+    let (volume, notes) = volume_and_notes(&turned(shapes::torus(1.0, 0.25, 12, 8)));
+    assert!(near(volume, shapes::torus(1.0, 0.25, 12, 8).volume()));
     assert_eq!(
         notes,
         ["1 components were turned inside out, the first at element 0"]
@@ -95,12 +95,12 @@ fn cavities_and_islands_keep_their_parity_however_they_are_turned() {
             }
         };
         let parts: Vec<SurfaceMesh> = cubes.iter().enumerate().map(turn).collect();
-        let (closed, report) = validate(&together(&parts)).unwrap();
+        let (closed, report) = validate_surface(&together(&parts)).unwrap();
         assert_eq!(
             (report.components, report.cavities, report.genus),
             (4, 1, 0)
         );
-        assert!(near(closed.surface().volume(), 125.0 - 27.0 + 1.0 + 8.0));
+        assert!(near(closed.mesh().volume(), 125.0 - 27.0 + 1.0 + 8.0));
         // Right as given: every cube outward but the cavity.
         assert_eq!(
             report.inverted.count,
@@ -111,7 +111,7 @@ fn cavities_and_islands_keep_their_parity_however_they_are_turned() {
 
 #[test]
 fn a_component_in_the_hole_of_a_torus_is_no_cavity() {
-    let ring = tubes::torus(2.0, 0.5, 24, 12);
+    let ring = shapes::torus(2.0, 0.5, 24, 12);
     let (volume, notes) = volume_and_notes(&together(&[ring.clone(), cube([0.0; 3], 0.5)]));
     assert!(notes.is_empty() && near(volume, ring.volume() + 0.125));
 }
@@ -122,7 +122,7 @@ fn duplicates_are_dropped() {
     mesh.triangles.push(mesh.triangles[4]);
     let [a, b, c] = mesh.triangles[5];
     mesh.triangles.push([c, b, a]);
-    let (closed, report) = validate(&mesh).unwrap();
+    let (closed, report) = validate_surface(&mesh).unwrap();
     assert_eq!(
         report.duplicates,
         Tally {
@@ -130,13 +130,13 @@ fn duplicates_are_dropped() {
             first: Some(12)
         }
     );
-    assert!(near(closed.surface().volume(), 8.0));
-    assert_eq!(closed.surface().triangles.len(), 12);
+    assert!(near(closed.mesh().volume(), 8.0));
+    assert_eq!(closed.mesh().triangles.len(), 12);
 }
 
 #[test]
 fn two_cubes_glued_by_a_doubled_wall_become_one_solid() {
-    let tets = boxes::unit_cube_tets(2);
+    let tets = shapes::unit_cube_tets(2);
     let half = |upper: bool| {
         let sum =
             |tet: &[u32; 4]| -> f64 { tet.iter().map(|&v| tets.vertices[v as usize].x).sum() };
@@ -146,7 +146,7 @@ fn two_cubes_glued_by_a_doubled_wall_become_one_solid() {
     };
     let mesh = together(&[half(false), half(true)]);
     // Apart they are two closed solids that touch, welded they have a doubled wall.
-    assert_eq!(validate(&mesh).unwrap().1.components, 2);
+    assert_eq!(validate_surface(&mesh).unwrap().1.components, 2);
     let mut text = mesh.clone();
     text.triangles.clear();
     let find = |point: &Point3<f64>| {
@@ -159,9 +159,9 @@ fn two_cubes_glued_by_a_doubled_wall_become_one_solid() {
         .all_corners()
         .map(|corners| corners.each_ref().map(find))
         .collect();
-    let (closed, report) = validate(&text).unwrap();
+    let (closed, report) = validate_surface(&text).unwrap();
     assert_eq!((report.components, report.duplicates.count), (1, 16));
-    assert!(near(closed.surface().volume(), 1.0));
+    assert!(near(closed.mesh().volume(), 1.0));
 }
 
 #[test]
@@ -181,7 +181,7 @@ fn an_inner_wall_is_refused() {
     mesh.triangles.push([a, b, d]);
     mesh.triangles.push([b, a, d]);
     mesh.triangles.push([a, b, 7 - b]);
-    let outcome = validate(&mesh);
+    let outcome = validate_surface(&mesh);
     assert!(
         matches!(
             outcome,
@@ -206,11 +206,11 @@ fn cubes_that_share_an_edge_or_a_vertex_are_accepted_and_told() {
             .all_corners()
             .map(|corners| corners.each_ref().map(find))
             .collect();
-        let (closed, report) = validate(&mesh).unwrap();
+        let (closed, report) = validate_surface(&mesh).unwrap();
         assert_eq!((report.components, report.touching.count), (2, touching));
-        assert!(near(closed.surface().volume(), 16.0));
+        assert!(near(closed.mesh().volume(), 16.0));
         assert_eq!(
-            closed.surface().vertices.len(),
+            closed.mesh().vertices.len(),
             if touching == 1 { 14 } else { 15 }
         );
     }
@@ -220,23 +220,23 @@ fn cubes_that_share_an_edge_or_a_vertex_are_accepted_and_told() {
 fn one_sided_surfaces_are_refused() {
     // A torus grid whose seam is glued with a reflection: a Klein bottle.
     let (around, across) = (12, 9);
-    let mut mesh = tubes::torus(2.0, 0.5, around, across);
+    let mut mesh = shapes::torus(2.0, 0.5, around, across);
     let seam = (around - 1) * across;
     for triangle in &mut mesh.triangles {
         if triangle.iter().any(|&v| v >= seam) && triangle.iter().any(|&v| v < across) {
             *triangle = triangle.map(|v| if v < across { (across - v) % across } else { v });
         }
     }
-    let refusal = validate(&mesh).unwrap_err();
+    let refusal = validate_surface(&mesh).unwrap_err();
     assert!(matches!(refusal, Refusal::OneSided { .. }), "{refusal}");
     assert!(refusal.to_string().contains("Klein bottle"));
 }
 
 #[test]
 fn holes_are_counted() {
-    let mut mesh = sphere::icosphere(2);
+    let mut mesh = shapes::icosphere(2);
     mesh.triangles.remove(100);
-    let Err(Refusal::Open { count, first }) = validate(&mesh) else {
+    let Err(Refusal::Open { count, first }) = validate_surface(&mesh) else {
         panic!("it is open")
     };
     assert_eq!(count, 3);
@@ -250,19 +250,19 @@ fn holes_are_counted() {
 
 #[test]
 fn triangle_soup_is_merged_only_if_it_must_be() {
-    let mesh = sphere::icosphere(1);
+    let mesh = shapes::icosphere(1);
     let vertices: Vec<Point3<f64>> = mesh.all_corners().flatten().collect();
     let triangles = (0..mesh.triangles.len() as u32)
         .map(|t| [3 * t, 3 * t + 1, 3 * t + 2])
         .collect();
-    let (closed, report) = validate(&SurfaceMesh {
+    let (closed, report) = validate_surface(&SurfaceMesh {
         vertices,
         triangles,
     })
     .unwrap();
     assert_eq!(report.welded, 240 - 42);
-    assert_eq!(closed.surface().vertices.len(), 42);
-    assert!(near(closed.surface().volume(), mesh.volume()));
+    assert_eq!(closed.mesh().vertices.len(), 42);
+    assert!(near(closed.mesh().volume(), mesh.volume()));
 }
 
 #[test]
@@ -280,7 +280,7 @@ fn collapsed_and_flat_triangles_and_lost_vertices_are_told() {
     mesh.triangles.push([a, 8, c]);
     mesh.triangles.push([a, a, b]);
     mesh.vertices.push(Point3::new(50.0, 0.0, 0.0));
-    let (closed, report) = validate(&mesh).unwrap();
+    let (closed, report) = validate_surface(&mesh).unwrap();
     assert_eq!(
         report.flat,
         Tally {
@@ -303,7 +303,7 @@ fn collapsed_and_flat_triangles_and_lost_vertices_are_told() {
         }
     );
     assert_eq!(report.notes().len(), 3);
-    assert!(near(closed.surface().volume(), 1.0));
+    assert!(near(closed.mesh().volume(), 1.0));
     assert!(near(mesh.bounds().max.x, 0.5));
 }
 
@@ -318,15 +318,15 @@ fn surfaces_without_inside_are_refused() {
         ],
         triangles: vec![[0, 1, 2], [0, 3, 1], [1, 3, 2], [2, 3, 0]],
     };
-    assert_eq!(validate(&pillow).unwrap_err(), Refusal::Flat);
+    assert_eq!(validate_surface(&pillow).unwrap_err(), Refusal::Flat);
     assert_eq!(
-        validate(&SurfaceMesh::default()).unwrap_err(),
+        validate_surface(&SurfaceMesh::default()).unwrap_err(),
         Refusal::Empty("triangles")
     );
     let mut mesh = cube([0.0; 3], 1.0);
     mesh.triangles[3][1] = 8;
     assert_eq!(
-        validate(&mesh).unwrap_err(),
+        validate_surface(&mesh).unwrap_err(),
         Refusal::OutOfRange {
             element: 3,
             vertex: 8,
@@ -335,18 +335,18 @@ fn surfaces_without_inside_are_refused() {
     );
     let mut mesh = cube([0.0; 3], 1.0);
     mesh.vertices[2].y = f64::NAN;
-    assert_eq!(validate(&mesh).unwrap_err(), Refusal::NotFinite(2));
-    let thin = boxes::cuboid(&Bounds {
+    assert_eq!(validate_surface(&mesh).unwrap_err(), Refusal::NotFinite(2));
+    let thin = shapes::cuboid(&Bounds {
         min: Point3::origin(),
         max: Point3::new(1.0, 1.0, 1e-9),
     });
-    assert!(validate(&thin).is_ok());
+    assert!(validate_surface(&thin).is_ok());
 }
 
 #[test]
 fn crossing_parts_are_told_touching_ones_not() {
     let pairs = |center| {
-        validate(&together(&[cube([0.0; 3], 2.0), cube(center, 2.0)]))
+        validate_surface(&together(&[cube([0.0; 3], 2.0), cube(center, 2.0)]))
             .unwrap()
             .1
             .crossings
@@ -371,10 +371,10 @@ fn crossing_parts_are_told_touching_ones_not() {
     let upper = turned(cube([0.0; 3], 2.0), |[x, y, z]| {
         [4.0 * y, z - x, x + z + 2.0]
     });
-    let ridges = validate(&together(&[lower, upper])).unwrap().1;
+    let ridges = validate_surface(&together(&[lower, upper])).unwrap().1;
     assert_eq!(ridges.crossings.unwrap().count, 0);
     assert_eq!(
-        validate(&tubes::trefoil(0.4, 120, 12))
+        validate_surface(&shapes::trefoil(0.4, 120, 12))
             .unwrap()
             .1
             .crossings
@@ -382,13 +382,13 @@ fn crossing_parts_are_told_touching_ones_not() {
             .count,
         0
     );
-    let (_, report) = validate(&tubes::trefoil(0.9, 120, 12)).unwrap();
+    let (_, report) = validate_surface(&shapes::trefoil(0.9, 120, 12)).unwrap();
     assert!(report.crossings.unwrap().count > 0 && report.notes()[0].contains("Boolean union"));
 }
 
 #[test]
 fn tetrahedra_are_turned_dropped_and_told() {
-    let mut mesh = boxes::unit_cube_tets(2);
+    let mut mesh = shapes::unit_cube_tets(2);
     let count = mesh.tets.len();
     mesh.vertex_data.push(VertexData {
         name: "density".into(),
@@ -441,7 +441,7 @@ fn tetrahedra_are_turned_dropped_and_told() {
 
 #[test]
 fn tetrahedra_that_fill_nothing_or_overlap_are_refused() {
-    let mut mesh = boxes::unit_cube_five_tets();
+    let mut mesh = shapes::unit_cube_five_tets();
     assert_eq!(
         validate_tets(&mesh).unwrap().1.notes(),
         Vec::<String>::new()
@@ -468,13 +468,15 @@ fn tetrahedra_that_fill_nothing_or_overlap_are_refused() {
 
 #[test]
 fn fitting_keeps_the_shape() {
-    let mut mesh = tubes::trefoil(0.4, 60, 8);
+    let mut mesh = shapes::trefoil(0.4, 60, 8);
     let (volume, height) = (mesh.volume(), mesh.bounds().extent().z);
-    let map = mesh.fit_unit_cube();
+    let map = Similarity::into_unit_cube(&mesh.bounds());
+    map.move_all(&mut mesh.vertices);
     let bounds = mesh.bounds();
     assert!(near(bounds.extent().max(), 1.0) && near(mesh.volume(), volume * map.scale.powi(3)));
     assert!((bounds.center() - Point3::new(0.5, 0.5, 0.5)).norm() < 1e-15);
-    let map = mesh.fit_unit_height(2);
+    let map = Similarity::to_unit_height(&bounds, 2);
+    map.move_all(&mut mesh.vertices);
     assert!(
         near(mesh.bounds().extent().z, 1.0) && bounds.extent().z * map.scale > 0.99 && height > 0.0
     );
@@ -483,7 +485,7 @@ fn fitting_keeps_the_shape() {
         min: Point3::new(1.0, 2.0, 3.0),
         max: Point3::new(9.0, 4.0, 9.0),
     };
-    mesh.scale_to(&target);
+    Similarity::into_box(&mesh.bounds(), &target).move_all(&mut mesh.vertices);
     let slack = target.extent() - mesh.bounds().extent();
     assert!(slack.min().abs() < 1e-14 && slack.iter().all(|&slack| slack > -1e-14));
 }
@@ -492,7 +494,7 @@ proptest! {
     /// Any turns of triangles and any order of them give the same solid.
     #[test]
     fn orientation_is_found_from_any_start(turns in proptest::collection::vec(any::<bool>(), 96), shift in 0..96_usize) {
-        let flawless = tubes::torus(1.0, 0.4, 8, 6);
+        let flawless = shapes::torus(1.0, 0.4, 8, 6);
         let mut mesh = flawless.clone();
         for (triangle, turn) in mesh.triangles.iter_mut().zip(&turns) {
             if *turn {
@@ -500,8 +502,8 @@ proptest! {
             }
         }
         mesh.triangles.rotate_left(shift);
-        let (closed, report) = validate(&mesh).unwrap();
-        prop_assert!(near(closed.surface().volume(), flawless.volume()));
+        let (closed, report) = validate_surface(&mesh).unwrap();
+        prop_assert!(near(closed.mesh().volume(), flawless.volume()));
         let count = turns.iter().filter(|&&turn| turn).count();
         prop_assert_eq!(report.reoriented.count, count.min(96 - count));
     }

@@ -123,7 +123,7 @@ impl DistanceGrid {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::shapes::tubes::trefoil;
+    use crate::mesh::shapes::trefoil;
 
     #[test]
     fn no_vertex_is_nearer_than_the_bound() {

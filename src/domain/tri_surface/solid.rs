@@ -13,7 +13,7 @@ use crate::geometry::bounds::Bounds;
 use crate::geometry::brep::Piece;
 use crate::geometry::polyhedron::Polyhedron;
 use crate::mesh::surface::SurfaceMesh;
-use crate::mesh::validate::ClosedSurface;
+use crate::mesh::validate::ValidSurface;
 
 /// By which share of its longest extent the box from which cells are cut stands off the solid, so
 /// that no side of it lies on a wall.
@@ -34,8 +34,8 @@ impl SurfaceSolid {
     ///
     /// # Errors
     /// When the volume is not a positive number.
-    pub fn new(surface: &ClosedSurface) -> Result<Self, DomainError> {
-        let mesh = surface.surface().clone();
+    pub fn new(surface: &ValidSurface) -> Result<Self, DomainError> {
+        let mesh = surface.mesh().clone();
         let volume = mesh.volume();
         if !volume.is_normal() || volume < 0.0 {
             return Err(DomainError::NoVolume { volume });

@@ -9,18 +9,18 @@ use std::collections::HashMap;
 
 use nalgebra::Point3;
 
-use crate::mesh::error::{Fault, Trouble};
-use crate::mesh::kind::{Collected, Mesh, no_tetrahedron};
+use crate::mesh::formats::error::{ErrorKind, ParseError};
+use crate::mesh::formats::mesh::{Collected, Mesh, no_tetrahedron};
+use crate::mesh::formats::words::{Words, shown};
 use crate::mesh::polygon::triangulate;
 use crate::mesh::tets::VertexData;
-use crate::mesh::text::{Words, shown};
 
 /// Reads tetrahedra, or the surface of a file without any.
 ///
 /// # Errors
 ///
 /// The line and what is wrong there.
-pub fn parse(bytes: &[u8]) -> Result<Mesh, Fault> {
+pub fn parse(bytes: &[u8]) -> Result<Mesh, ParseError> {
     let mut file = File {
         words: Words::new(bytes, None),
         version: Version::Four,
@@ -56,7 +56,7 @@ struct File<'a> {
 }
 
 impl File<'_> {
-    fn read_format(&mut self) -> Result<(), Fault> {
+    fn read_format(&mut self) -> Result<(), ParseError> {
         let version = self.words.some_word("a version")?;
         self.version = match version {
             b"2" | b"2.0" | b"2.1" | b"2.2" => Version::Two,
@@ -64,7 +64,7 @@ impl File<'_> {
             _ => {
                 let what = format!("Gmsh's format {}", shown(version));
                 let mend = "export version 4.1 or 2.2 (gmsh -save -format msh41)";
-                return Err(self.words.fault(Trouble::Unsupported { what, mend }));
+                return Err(self.words.error(ErrorKind::Unsupported { what, mend }));
             }
         };
         if self.words.count("0 for a text file")? == 0 {
@@ -74,10 +74,10 @@ impl File<'_> {
             "a binary .msh file".into(),
             "export it as text (Mesh.Binary = 0)",
         );
-        Err(self.words.fault(Trouble::Unsupported { what, mend }))
+        Err(self.words.error(ErrorKind::Unsupported { what, mend }))
     }
 
-    fn read_nodes(&mut self) -> Result<(), Fault> {
+    fn read_nodes(&mut self) -> Result<(), ParseError> {
         if self.version == Version::Two {
             let count = self.words.count("the number of nodes")?;
             for _ in 0..count {
@@ -97,7 +97,7 @@ impl File<'_> {
         self.check_count("nodes", announced, found)
     }
 
-    fn read_node_block(&mut self) -> Result<(), Fault> {
+    fn read_node_block(&mut self) -> Result<(), ParseError> {
         self.words.count("an entity's dimension")?;
         self.words.integer("an entity's number")?;
         self.words.count("0 or 1 for parametric")?;
@@ -113,7 +113,7 @@ impl File<'_> {
     }
 
     /// Numbers the next vertex `tag`.
-    fn add_tag(&mut self, tag: usize) -> Result<(), Fault> {
+    fn add_tag(&mut self, tag: usize) -> Result<(), ParseError> {
         let vertex = self.words.check_limit("nodes", self.tags.len())?;
         if self.tags.insert(tag, vertex as u32).is_none() {
             return Ok(());
@@ -124,7 +124,7 @@ impl File<'_> {
     }
 
     /// Reads the coordinates of a vertex; parameters after them on the line are passed over.
-    fn add_vertex(&mut self) -> Result<(), Fault> {
+    fn add_vertex(&mut self) -> Result<(), ParseError> {
         let x = self.words.number("a coordinate")?;
         let mut coordinate = || self.words.number_on_line("a coordinate");
         let point = Point3::new(x, coordinate()?, coordinate()?);
@@ -133,7 +133,7 @@ impl File<'_> {
         Ok(())
     }
 
-    fn read_elements(&mut self) -> Result<(), Fault> {
+    fn read_elements(&mut self) -> Result<(), ParseError> {
         if self.version == Version::Two {
             let count = self.words.count("the number of elements")?;
             for _ in 0..count {
@@ -165,7 +165,7 @@ impl File<'_> {
     }
 
     /// Reads an element's nodes: type 2 is a triangle, 3 a quadrangle, 4 a tetrahedron.
-    fn read_element(&mut self, kind: usize) -> Result<(), Fault> {
+    fn read_element(&mut self, kind: usize) -> Result<(), ParseError> {
         match kind {
             2 => {
                 let triangle = self.read_corners()?;
@@ -183,13 +183,13 @@ impl File<'_> {
             1 | 8 | 15 | 26 | 27 | 28 => {}
             // Curved triangles and quadrangles: the boundary of curved volumes, refused there.
             9 | 10 | 16 | 20..=25 => {}
-            _ => return Err(self.words.fault(no_tetrahedron(kind))),
+            _ => return Err(self.words.error(no_tetrahedron(kind))),
         }
         self.words.next_line();
         Ok(())
     }
 
-    fn read_corners<const N: usize>(&mut self) -> Result<[u32; N], Fault> {
+    fn read_corners<const N: usize>(&mut self) -> Result<[u32; N], ParseError> {
         let mut corners = [0; N];
         for corner in &mut corners {
             let word = self.words.some_word_on_line("a node's number")?;
@@ -199,10 +199,10 @@ impl File<'_> {
         Ok(corners)
     }
 
-    fn vertex(&self, tag: usize) -> Result<u32, Fault> {
+    fn vertex(&self, tag: usize) -> Result<u32, ParseError> {
         let out_of_range = || {
             let (index, vertices) = (tag as i64, self.mesh.vertices.len());
-            self.words.fault(Trouble::OutOfRange {
+            self.words.error(ErrorKind::OutOfRange {
                 index,
                 vertices,
                 first: 1,
@@ -215,7 +215,7 @@ impl File<'_> {
     }
 
     /// Reads a scalar field; vectors and tensors are passed over.
-    fn read_node_data(&mut self) -> Result<(), Fault> {
+    fn read_node_data(&mut self) -> Result<(), ParseError> {
         let mut name = String::new();
         for at in 0..self.words.count("the number of string tags")? {
             self.words.next_line();
@@ -246,7 +246,7 @@ impl File<'_> {
         self.read_values(name, count)
     }
 
-    fn read_values(&mut self, name: String, count: usize) -> Result<(), Fault> {
+    fn read_values(&mut self, name: String, count: usize) -> Result<(), ParseError> {
         let mut values = vec![0.0; self.mesh.vertices.len()];
         for _ in 0..count {
             let tag = self.words.count("a node's number")?;
@@ -259,7 +259,7 @@ impl File<'_> {
     }
 
     /// Moves past the line `$End…` of a section.
-    fn skip_to_end(&mut self, section: &[u8]) -> Result<(), Fault> {
+    fn skip_to_end(&mut self, section: &[u8]) -> Result<(), ParseError> {
         let is_counted = section == b"$Nodes" || section == b"$Elements";
         loop {
             let word = self.words.some_word("the end of a section")?;
@@ -275,11 +275,16 @@ impl File<'_> {
         }
     }
 
-    fn check_count(&self, what: &'static str, announced: usize, found: usize) -> Result<(), Fault> {
+    fn check_count(
+        &self,
+        what: &'static str,
+        announced: usize,
+        found: usize,
+    ) -> Result<(), ParseError> {
         if announced == found {
             return Ok(());
         }
-        Err(self.words.fault(Trouble::WrongCount {
+        Err(self.words.error(ErrorKind::WrongCount {
             what,
             announced,
             found,

@@ -9,18 +9,18 @@ use std::fmt::Write;
 
 use nalgebra::Point3;
 
-use crate::mesh::error::{Fault, Trouble};
-use crate::mesh::kind::{Collected, Mesh, no_tetrahedron};
+use crate::mesh::formats::error::{ErrorKind, ParseError};
+use crate::mesh::formats::mesh::{Collected, Mesh, no_tetrahedron};
+use crate::mesh::formats::words::{Words, shown};
 use crate::mesh::polygon::triangulate;
 use crate::mesh::tets::TetMesh;
-use crate::mesh::text::{Words, shown};
 
 /// Reads tetrahedra, or the surface of a file without any.
 ///
 /// # Errors
 ///
 /// The line and what is wrong there.
-pub fn parse(bytes: &[u8]) -> Result<Mesh, Fault> {
+pub fn parse(bytes: &[u8]) -> Result<Mesh, ParseError> {
     let mut words = Words::new(bytes, Some(b'#'));
     let mut mesh = Collected::default();
     while let Some(word) = words.word() {
@@ -66,17 +66,17 @@ pub fn write(mesh: &TetMesh) -> String {
     text
 }
 
-fn read_dimension(words: &mut Words<'_>) -> Result<(), Fault> {
+fn read_dimension(words: &mut Words<'_>) -> Result<(), ParseError> {
     let dimension = words.count("a dimension")?;
     if dimension == 3 {
         return Ok(());
     }
     let what = format!("a mesh of dimension {dimension}");
     let mend = "export it with three coordinates a vertex";
-    Err(words.fault(Trouble::Unsupported { what, mend }))
+    Err(words.error(ErrorKind::Unsupported { what, mend }))
 }
 
-fn read_vertices(words: &mut Words<'_>, mesh: &mut Collected) -> Result<(), Fault> {
+fn read_vertices(words: &mut Words<'_>, mesh: &mut Collected) -> Result<(), ParseError> {
     let count = words.count("the number of vertices")?;
     let count = words.check_limit("vertices", count)?;
     mesh.vertices.reserve(words.room_for(count, 6));
@@ -93,7 +93,7 @@ fn read_elements<const N: usize>(
     words: &mut Words<'_>,
     mesh: &mut Collected,
     add: impl Fn(&mut Collected, [u32; N]),
-) -> Result<(), Fault> {
+) -> Result<(), ParseError> {
     let count = words.count("the number of elements")?;
     let count = words.check_limit("elements", count)?;
     for _ in 0..count {
@@ -107,11 +107,11 @@ fn read_elements<const N: usize>(
     Ok(())
 }
 
-fn refuse_if_any(words: &mut Words<'_>, keyword: &[u8]) -> Result<(), Fault> {
+fn refuse_if_any(words: &mut Words<'_>, keyword: &[u8]) -> Result<(), ParseError> {
     if words.count("the number of elements")? == 0 {
         return Ok(());
     }
-    Err(words.fault(no_tetrahedron(shown(keyword))))
+    Err(words.error(no_tetrahedron(shown(keyword))))
 }
 
 /// Moves to the next word that starts with a letter.

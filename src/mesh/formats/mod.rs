@@ -1,17 +1,22 @@
 //! One file per mesh format. Every `parse` takes the file's bytes and returns the mesh or a
-//! [`crate::mesh::error::Fault`] with the line or byte where it stopped; none of them touches
-//! the disk, panics on any bytes, or trusts an announced count with memory.
+//! [`error::ParseError`] with the line or byte where it stopped; none of them touches the disk,
+//! panics on any bytes, or trusts an announced count with memory. [`read`] opens files.
 
+pub(crate) mod binary;
+pub mod error;
 pub mod gmsh;
 pub mod medit;
+pub mod mesh;
 pub mod obj;
 pub mod off;
 pub mod ply;
 pub(crate) mod ply_header;
+pub mod read;
 pub mod stl;
 pub mod tetgen;
 pub mod vtk;
 pub(crate) mod vtk_cells;
 pub mod vtu;
 pub(crate) mod vtu_array;
+pub(crate) mod words;
 pub(crate) mod xml;

@@ -8,17 +8,17 @@
 
 use nalgebra::Point3;
 
-use crate::mesh::error::{Fault, Trouble};
+use crate::mesh::formats::error::{ErrorKind, ParseError};
+use crate::mesh::formats::words::{Words, integer};
 use crate::mesh::polygon::triangulate;
 use crate::mesh::surface::SurfaceMesh;
-use crate::mesh::text::{Words, integer};
 
 /// Reads a surface; polygons are triangulated.
 ///
 /// # Errors
 ///
 /// The line and what is wrong there.
-pub fn parse(bytes: &[u8]) -> Result<SurfaceMesh, Fault> {
+pub fn parse(bytes: &[u8]) -> Result<SurfaceMesh, ParseError> {
     let mut words = Words::new(bytes, Some(b'#'));
     let mut mesh = SurfaceMesh::default();
     let mut polygon = Vec::new();
@@ -37,12 +37,12 @@ pub fn parse(bytes: &[u8]) -> Result<SurfaceMesh, Fault> {
     }
     if mesh.triangles.is_empty() {
         let (what, mend) = ("faces", "export the mesh with its faces");
-        return Err(Fault::whole(Trouble::Missing { what, mend }));
+        return Err(ParseError::whole(ErrorKind::Missing { what, mend }));
     }
     Ok(mesh)
 }
 
-fn vertex(words: &mut Words<'_>) -> Result<Point3<f64>, Fault> {
+fn vertex(words: &mut Words<'_>) -> Result<Point3<f64>, ParseError> {
     let mut coordinate = || {
         let expected = "a coordinate";
         let word = same_line(words).ok_or_else(|| words.line_ended(expected))?;
@@ -52,7 +52,7 @@ fn vertex(words: &mut Words<'_>) -> Result<Point3<f64>, Fault> {
 }
 
 /// Reads a face's vertex indices into `polygon`.
-fn face(words: &mut Words<'_>, vertices: usize, polygon: &mut Vec<u32>) -> Result<(), Fault> {
+fn face(words: &mut Words<'_>, vertices: usize, polygon: &mut Vec<u32>) -> Result<(), ParseError> {
     polygon.clear();
     while let Some(word) = same_line(words) {
         let end = word
@@ -68,7 +68,7 @@ fn face(words: &mut Words<'_>, vertices: usize, polygon: &mut Vec<u32>) -> Resul
         };
         if !(0..vertices as i64).contains(&zero_based) {
             let first = 1;
-            return Err(words.fault(Trouble::OutOfRange {
+            return Err(words.error(ErrorKind::OutOfRange {
                 index,
                 vertices,
                 first,

@@ -8,17 +8,17 @@ use std::fmt::Write;
 
 use nalgebra::Point3;
 
-use crate::mesh::error::{Fault, Trouble};
+use crate::mesh::formats::error::{ErrorKind, ParseError};
+use crate::mesh::formats::words::{Words, integer, shown};
 use crate::mesh::polygon::triangulate;
 use crate::mesh::surface::SurfaceMesh;
-use crate::mesh::text::{Words, integer, shown};
 
 /// Reads a surface; polygons are triangulated.
 ///
 /// # Errors
 ///
 /// The line and what is wrong there.
-pub fn parse(bytes: &[u8]) -> Result<SurfaceMesh, Fault> {
+pub fn parse(bytes: &[u8]) -> Result<SurfaceMesh, ParseError> {
     let mut words = Words::new(bytes, Some(b'#'));
     header(&mut words)?;
     let vertices = words.count("the number of vertices")?;
@@ -53,9 +53,9 @@ pub fn is_header(word: &[u8]) -> bool {
     prefix.is_some_and(|prefix| prefix.iter().all(|letter| b"STCN4n".contains(letter)))
 }
 
-fn header(words: &mut Words<'_>) -> Result<(), Fault> {
+fn header(words: &mut Words<'_>) -> Result<(), ParseError> {
     let Some(word) = words.peek() else {
-        return Err(Fault::whole(Trouble::Empty));
+        return Err(ParseError::whole(ErrorKind::Empty));
     };
     if integer(word).is_some() {
         return Ok(());
@@ -66,7 +66,7 @@ fn header(words: &mut Words<'_>) -> Result<(), Fault> {
     }
     let next = words.clone().word_on_line();
     if next == Some(b"BINARY") || word.contains(&b'4') || word.contains(&b'n') {
-        return Err(words.fault(Trouble::Unsupported {
+        return Err(words.error(ErrorKind::Unsupported {
             what: format!(
                 "the dialect {} {}",
                 shown(word),
@@ -78,7 +78,11 @@ fn header(words: &mut Words<'_>) -> Result<(), Fault> {
     Ok(())
 }
 
-fn read_vertices(words: &mut Words<'_>, count: usize, mesh: &mut SurfaceMesh) -> Result<(), Fault> {
+fn read_vertices(
+    words: &mut Words<'_>,
+    count: usize,
+    mesh: &mut SurfaceMesh,
+) -> Result<(), ParseError> {
     mesh.vertices.reserve(words.room_for(count, 6));
     for _ in 0..count {
         let x = words.number("a coordinate")?;
@@ -90,7 +94,11 @@ fn read_vertices(words: &mut Words<'_>, count: usize, mesh: &mut SurfaceMesh) ->
     Ok(())
 }
 
-fn read_faces(words: &mut Words<'_>, count: usize, mesh: &mut SurfaceMesh) -> Result<(), Fault> {
+fn read_faces(
+    words: &mut Words<'_>,
+    count: usize,
+    mesh: &mut SurfaceMesh,
+) -> Result<(), ParseError> {
     mesh.triangles.reserve(words.room_for(count, 8));
     let mut polygon = Vec::new();
     for _ in 0..count {
@@ -111,7 +119,7 @@ fn read_faces(words: &mut Words<'_>, count: usize, mesh: &mut SurfaceMesh) -> Re
 }
 
 /// Refuses lines after the last face: the counts were too low.
-fn at_end(words: &mut Words<'_>, announced: usize) -> Result<(), Fault> {
+fn at_end(words: &mut Words<'_>, announced: usize) -> Result<(), ParseError> {
     if words.word().is_none() {
         return Ok(());
     }
@@ -121,9 +129,9 @@ fn at_end(words: &mut Words<'_>, announced: usize) -> Result<(), Fault> {
         found += 1;
     }
     let what = "faces";
-    Err(Fault::on_line(
+    Err(ParseError::on_line(
         line,
-        Trouble::WrongCount {
+        ErrorKind::WrongCount {
             what,
             announced,
             found,

@@ -6,19 +6,19 @@
 
 use nalgebra::Point3;
 
-use crate::mesh::binary::{Bytes, Scalar};
-use crate::mesh::error::{Fault, Trouble};
+use crate::mesh::formats::binary::{Bytes, Scalar};
+use crate::mesh::formats::error::{ErrorKind, ParseError};
 use crate::mesh::formats::ply_header::{Element, Encoding, Header, Property, read_header};
+use crate::mesh::formats::words::{ELEMENT_LIMIT, Words};
 use crate::mesh::polygon::triangulate;
 use crate::mesh::surface::SurfaceMesh;
-use crate::mesh::text::{ELEMENT_LIMIT, Words};
 
 /// Reads a surface; polygons are triangulated.
 ///
 /// # Errors
 ///
 /// The line or byte and what is wrong there.
-pub fn parse(bytes: &[u8]) -> Result<SurfaceMesh, Fault> {
+pub fn parse(bytes: &[u8]) -> Result<SurfaceMesh, ParseError> {
     let mut words = Words::new(bytes, None);
     let header = read_header(&mut words)?;
     let mut source = match header.encoding {
@@ -33,12 +33,12 @@ pub fn parse(bytes: &[u8]) -> Result<SurfaceMesh, Fault> {
             "faces",
             "export the mesh with its faces, not as a point cloud or strips",
         );
-        return Err(Fault::whole(Trouble::Missing { what, mend }));
+        return Err(ParseError::whole(ErrorKind::Missing { what, mend }));
     }
     Ok(mesh)
 }
 
-fn read_body(header: &Header, source: &mut Source<'_>) -> Result<SurfaceMesh, Fault> {
+fn read_body(header: &Header, source: &mut Source<'_>) -> Result<SurfaceMesh, ParseError> {
     let mut mesh = SurfaceMesh::default();
     let vertices = header
         .elements
@@ -84,7 +84,7 @@ fn read_vertices(
     element: &Element,
     source: &mut Source<'_>,
     vertices: &mut Vec<Point3<f64>>,
-) -> Result<(), Fault> {
+) -> Result<(), ParseError> {
     let axes: Vec<Option<usize>> = (element.properties.iter())
         .map(|property| {
             ["x", "y", "z"]
@@ -94,7 +94,7 @@ fn read_vertices(
         .collect();
     if (0..3).any(|axis| !axes.contains(&Some(axis))) {
         let (what, mend) = ("vertex properties x, y, z", "export vertex positions");
-        return Err(Fault::whole(Trouble::Missing { what, mend }));
+        return Err(ParseError::whole(ErrorKind::Missing { what, mend }));
     }
     vertices.reserve(source.room_for(element.count));
     for _ in 0..element.count {
@@ -116,7 +116,7 @@ fn read_faces(
     element: &Element,
     source: &mut Source<'_>,
     polygons: &mut Polygons,
-) -> Result<(), Fault> {
+) -> Result<(), ParseError> {
     polygons.ends.reserve(source.room_for(element.count));
     for _ in 0..element.count {
         for property in &element.properties {
@@ -137,11 +137,11 @@ fn read_corners(
     kind: Scalar,
     source: &mut Source<'_>,
     polygons: &mut Polygons,
-) -> Result<(), Fault> {
+) -> Result<(), ParseError> {
     let corners = source.length(length)?;
     if corners < 3 {
         let (expected, found) = ("a face of at least 3 vertices", corners.to_string());
-        return Err(source.fault(Trouble::Expected { expected, found }));
+        return Err(source.error(ErrorKind::Expected { expected, found }));
     }
     for _ in 0..corners {
         polygons
@@ -151,12 +151,12 @@ fn read_corners(
     polygons.ends.push(polygons.indices.len());
     if polygons.indices.len() > ELEMENT_LIMIT * 3 {
         let (what, limit) = ("triangles", ELEMENT_LIMIT);
-        return Err(source.fault(Trouble::TooMany { what, limit }));
+        return Err(source.error(ErrorKind::TooMany { what, limit }));
     }
     Ok(())
 }
 
-fn skip_element(element: &Element, source: &mut Source<'_>) -> Result<(), Fault> {
+fn skip_element(element: &Element, source: &mut Source<'_>) -> Result<(), ParseError> {
     if element.properties.is_empty() {
         return Ok(());
     }
@@ -168,7 +168,7 @@ fn skip_element(element: &Element, source: &mut Source<'_>) -> Result<(), Fault>
     Ok(())
 }
 
-fn skip_property(property: &Property, source: &mut Source<'_>) -> Result<(), Fault> {
+fn skip_property(property: &Property, source: &mut Source<'_>) -> Result<(), ParseError> {
     let count = property
         .list
         .map_or(Ok(1), |length| source.length(length))?;
@@ -185,25 +185,25 @@ enum Source<'a> {
 }
 
 impl Source<'_> {
-    fn coordinate(&mut self, kind: Scalar) -> Result<f64, Fault> {
+    fn coordinate(&mut self, kind: Scalar) -> Result<f64, ParseError> {
         match self {
             Self::Text(words) => words.number("a coordinate"),
             Self::Binary(bytes) => bytes.finite(kind, "a coordinate"),
         }
     }
 
-    fn length(&mut self, kind: Scalar) -> Result<usize, Fault> {
+    fn length(&mut self, kind: Scalar) -> Result<usize, ParseError> {
         self.whole(kind, "a list's length")
             .map(|length| length as usize)
     }
 
-    fn index(&mut self, kind: Scalar, vertices: usize) -> Result<u32, Fault> {
+    fn index(&mut self, kind: Scalar, vertices: usize) -> Result<u32, ParseError> {
         let vertex = self.whole(kind, "a vertex index")?;
         if (vertex as usize) < vertices {
             return Ok(vertex);
         }
         let (index, first) = (i64::from(vertex), 0);
-        Err(self.fault(Trouble::OutOfRange {
+        Err(self.error(ErrorKind::OutOfRange {
             index,
             vertices,
             first,
@@ -211,7 +211,7 @@ impl Source<'_> {
     }
 
     /// A non-negative integer of at most 32 bits.
-    fn whole(&mut self, kind: Scalar, expected: &'static str) -> Result<u32, Fault> {
+    fn whole(&mut self, kind: Scalar, expected: &'static str) -> Result<u32, ParseError> {
         let number = match self {
             Self::Text(words) => words.integer(expected)? as f64,
             Self::Binary(bytes) => bytes.scalar(kind, expected)?,
@@ -220,10 +220,10 @@ impl Source<'_> {
             return Ok(number as u32);
         }
         let found = number.to_string();
-        Err(self.fault(Trouble::Expected { expected, found }))
+        Err(self.error(ErrorKind::Expected { expected, found }))
     }
 
-    fn skip(&mut self, kind: Scalar) -> Result<(), Fault> {
+    fn skip(&mut self, kind: Scalar) -> Result<(), ParseError> {
         match self {
             Self::Text(words) => words.some_word("a property").map(|_| ()),
             Self::Binary(bytes) => bytes.skip(kind.width(), "a property"),
@@ -240,7 +240,7 @@ impl Source<'_> {
 
     /// Refuses text after the last element: the counts were too low. Binary files may be
     /// padded.
-    fn check_end(&mut self) -> Result<(), Fault> {
+    fn check_end(&mut self) -> Result<(), ParseError> {
         let Self::Text(words) = self else {
             return Ok(());
         };
@@ -250,10 +250,10 @@ impl Source<'_> {
         }
     }
 
-    fn fault(&self, trouble: Trouble) -> Fault {
+    fn error(&self, kind: ErrorKind) -> ParseError {
         match self {
-            Self::Text(words) => words.fault(trouble),
-            Self::Binary(bytes) => bytes.fault(trouble),
+            Self::Text(words) => words.error(kind),
+            Self::Binary(bytes) => bytes.error(kind),
         }
     }
 }

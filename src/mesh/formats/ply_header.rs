@@ -1,8 +1,8 @@
 //! The header of a PLY file: encoding, elements and their properties.
 
-use crate::mesh::binary::Scalar;
-use crate::mesh::error::{Fault, Trouble};
-use crate::mesh::text::{Words, shown};
+use crate::mesh::formats::binary::Scalar;
+use crate::mesh::formats::error::{ErrorKind, ParseError};
+use crate::mesh::formats::words::{Words, shown};
 
 /// How the numbers are written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -36,7 +36,7 @@ pub(crate) struct Property {
 }
 
 /// Reads up to and including the line `end_header`.
-pub(crate) fn read_header(words: &mut Words<'_>) -> Result<Header, Fault> {
+pub(crate) fn read_header(words: &mut Words<'_>) -> Result<Header, ParseError> {
     let magic = words.some_word("the header ply")?;
     if magic != b"ply" {
         return Err(words.unexpected("the header ply", magic));
@@ -61,7 +61,7 @@ pub(crate) fn read_header(words: &mut Words<'_>) -> Result<Header, Fault> {
     Ok(Header { encoding, elements })
 }
 
-fn read_encoding(words: &mut Words<'_>) -> Result<Encoding, Fault> {
+fn read_encoding(words: &mut Words<'_>) -> Result<Encoding, ParseError> {
     let word = words.some_word_on_line("a format")?;
     match word {
         b"ascii" => Ok(Encoding::Text),
@@ -71,12 +71,12 @@ fn read_encoding(words: &mut Words<'_>) -> Result<Encoding, Fault> {
     }
 }
 
-fn read_element(words: &mut Words<'_>) -> Result<Element, Fault> {
+fn read_element(words: &mut Words<'_>) -> Result<Element, ParseError> {
     let name = shown(words.some_word_on_line("an element's name")?);
     let count = words.count_on_line("an element's count")?;
     let count = words.check_limit("elements", count)?;
     if name == "tristrips" {
-        return Err(words.fault(Trouble::Unsupported {
+        return Err(words.error(ErrorKind::Unsupported {
             what: "a PLY file of triangle strips".into(),
             mend: "export it with the element `face`",
         }));
@@ -89,7 +89,7 @@ fn read_element(words: &mut Words<'_>) -> Result<Element, Fault> {
     })
 }
 
-fn read_property(words: &mut Words<'_>, elements: &mut [Element]) -> Result<(), Fault> {
+fn read_property(words: &mut Words<'_>, elements: &mut [Element]) -> Result<(), ParseError> {
     let mut word = words.some_word_on_line("a property's type")?;
     let mut list = None;
     if word == b"list" {
@@ -105,7 +105,7 @@ fn read_property(words: &mut Words<'_>, elements: &mut [Element]) -> Result<(), 
     Ok(())
 }
 
-fn read_kind(words: &mut Words<'_>) -> Result<Scalar, Fault> {
+fn read_kind(words: &mut Words<'_>) -> Result<Scalar, ParseError> {
     let word = words.some_word_on_line("a number type")?;
     kind(word).ok_or_else(|| words.unexpected("a number type", word))
 }

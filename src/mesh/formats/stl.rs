@@ -7,11 +7,11 @@
 
 use nalgebra::Point3;
 
-use crate::mesh::binary::{Bytes, Scalar};
-use crate::mesh::error::{Fault, Trouble};
+use crate::mesh::formats::binary::{Bytes, Scalar};
+use crate::mesh::formats::error::{ErrorKind, ParseError};
+use crate::mesh::formats::words::{ELEMENT_LIMIT, Words};
+use crate::mesh::repair::Welder;
 use crate::mesh::surface::SurfaceMesh;
-use crate::mesh::text::{ELEMENT_LIMIT, Words};
-use crate::mesh::weld::Welder;
 
 /// Bytes before the first triangle of a binary file: 80 of remarks, 4 of count.
 const HEADER: usize = 84;
@@ -24,7 +24,7 @@ const RECORD: usize = 50;
 /// # Errors
 ///
 /// The line or byte and what is wrong there.
-pub fn parse(bytes: &[u8]) -> Result<SurfaceMesh, Fault> {
+pub fn parse(bytes: &[u8]) -> Result<SurfaceMesh, ParseError> {
     let mesh = if is_text(bytes) && !is_binary(bytes) {
         parse_text(bytes)?
     } else {
@@ -32,7 +32,7 @@ pub fn parse(bytes: &[u8]) -> Result<SurfaceMesh, Fault> {
     };
     if mesh.triangles.is_empty() {
         let (what, mend) = ("triangles", "export the mesh again");
-        return Err(Fault::whole(Trouble::Missing { what, mend }));
+        return Err(ParseError::whole(ErrorKind::Missing { what, mend }));
     }
     Ok(mesh)
 }
@@ -53,16 +53,19 @@ fn announced(bytes: &[u8]) -> Option<usize> {
     Some(Scalar::UInt32.decode(count, false) as usize)
 }
 
-fn parse_binary(bytes: &[u8]) -> Result<SurfaceMesh, Fault> {
+fn parse_binary(bytes: &[u8]) -> Result<SurfaceMesh, ParseError> {
     let Some(announced) = announced(bytes) else {
         let expected = "a header of 84 bytes";
-        return Err(Fault::at_byte(bytes.len(), Trouble::Truncated { expected }));
+        return Err(ParseError::at_byte(
+            bytes.len(),
+            ErrorKind::Truncated { expected },
+        ));
     };
     let (what, found) = ("triangles", (bytes.len() - HEADER) / RECORD);
     if bytes.len() != HEADER + RECORD * announced {
-        return Err(Fault::at_byte(
+        return Err(ParseError::at_byte(
             HEADER - 4,
-            Trouble::WrongCount {
+            ErrorKind::WrongCount {
                 what,
                 announced,
                 found,
@@ -71,7 +74,10 @@ fn parse_binary(bytes: &[u8]) -> Result<SurfaceMesh, Fault> {
     }
     if announced > ELEMENT_LIMIT {
         let limit = ELEMENT_LIMIT;
-        return Err(Fault::at_byte(HEADER - 4, Trouble::TooMany { what, limit }));
+        return Err(ParseError::at_byte(
+            HEADER - 4,
+            ErrorKind::TooMany { what, limit },
+        ));
     }
     let mut soup = Soup::with_capacity(announced);
     let mut cursor = Bytes::new(bytes, HEADER, false);
@@ -86,7 +92,7 @@ fn parse_binary(bytes: &[u8]) -> Result<SurfaceMesh, Fault> {
     Ok(soup.into_mesh())
 }
 
-fn parse_text(bytes: &[u8]) -> Result<SurfaceMesh, Fault> {
+fn parse_text(bytes: &[u8]) -> Result<SurfaceMesh, ParseError> {
     let mut words = Words::new(bytes, None);
     let mut soup = Soup::with_capacity(words.room_for(usize::MAX, 200));
     while let Some(word) = words.word() {
@@ -99,7 +105,7 @@ fn parse_text(bytes: &[u8]) -> Result<SurfaceMesh, Fault> {
 }
 
 /// Reads up to and including the line `endsolid`.
-fn read_solid(words: &mut Words<'_>, soup: &mut Soup) -> Result<(), Fault> {
+fn read_solid(words: &mut Words<'_>, soup: &mut Soup) -> Result<(), ParseError> {
     words.next_line();
     loop {
         let word = words.some_word("facet or endsolid")?;
@@ -116,7 +122,7 @@ fn read_solid(words: &mut Words<'_>, soup: &mut Soup) -> Result<(), Fault> {
 
 /// Reads a facet after its first word; exporters write NaN into the normals of slivers, so
 /// these are not looked at.
-fn read_facet(words: &mut Words<'_>, soup: &mut Soup) -> Result<(), Fault> {
+fn read_facet(words: &mut Words<'_>, soup: &mut Soup) -> Result<(), ParseError> {
     words.next_line();
     keyword(words, "outer")?;
     keyword(words, "loop")?;
@@ -131,7 +137,7 @@ fn read_facet(words: &mut Words<'_>, soup: &mut Soup) -> Result<(), Fault> {
     Ok(())
 }
 
-fn keyword(words: &mut Words<'_>, expected: &'static str) -> Result<(), Fault> {
+fn keyword(words: &mut Words<'_>, expected: &'static str) -> Result<(), ParseError> {
     let word = words.some_word(expected)?;
     if word.eq_ignore_ascii_case(expected.as_bytes()) {
         return Ok(());

@@ -5,10 +5,10 @@
 
 use nalgebra::Point3;
 
-use crate::mesh::error::{Fault, Trouble};
-use crate::mesh::kind::no_tetrahedron;
+use crate::mesh::formats::error::{ErrorKind, ParseError};
+use crate::mesh::formats::mesh::no_tetrahedron;
+use crate::mesh::formats::words::Words;
 use crate::mesh::tets::{TetMesh, VertexData};
-use crate::mesh::text::Words;
 
 /// The vertices of a `.node` file.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,7 +26,7 @@ pub struct Nodes {
 /// # Errors
 ///
 /// The line and what is wrong there.
-pub fn parse_nodes(bytes: &[u8]) -> Result<Nodes, Fault> {
+pub fn parse_nodes(bytes: &[u8]) -> Result<Nodes, ParseError> {
     let mut words = Words::new(bytes, Some(b'#'));
     let count = words.count("the number of vertices")?;
     let count = words.check_limit("vertices", count)?;
@@ -67,13 +67,13 @@ pub fn parse_nodes(bytes: &[u8]) -> Result<Nodes, Fault> {
 /// # Errors
 ///
 /// The line and what is wrong there.
-pub fn parse_elements(bytes: &[u8], nodes: Nodes) -> Result<TetMesh, Fault> {
+pub fn parse_elements(bytes: &[u8], nodes: Nodes) -> Result<TetMesh, ParseError> {
     let mut words = Words::new(bytes, Some(b'#'));
     let count = words.count("the number of tetrahedra")?;
     let count = words.check_limit("tetrahedra", count)?;
     let corners = words.count_on_line("4 corners per tetrahedron")?;
     if corners != 4 {
-        return Err(words.fault(no_tetrahedron(format!("{corners}-node tetrahedron"))));
+        return Err(words.error(no_tetrahedron(format!("{corners}-node tetrahedron"))));
     }
     let mut tets = Vec::with_capacity(words.room_for(count, 10));
     for _ in 0..count {
@@ -86,7 +86,7 @@ pub fn parse_elements(bytes: &[u8], nodes: Nodes) -> Result<TetMesh, Fault> {
     check_end(&mut words, "tetrahedra", count)?;
     if tets.is_empty() {
         let (what, mend) = ("tetrahedra", "run TetGen again");
-        return Err(Fault::whole(Trouble::Missing { what, mend }));
+        return Err(ParseError::whole(ErrorKind::Missing { what, mend }));
     }
     let Nodes {
         vertices,
@@ -101,12 +101,12 @@ pub fn parse_elements(bytes: &[u8], nodes: Nodes) -> Result<TetMesh, Fault> {
 }
 
 /// The rest of the first line: dimension, number of attributes, which become empty fields.
-fn read_layout(words: &mut Words<'_>) -> Result<Vec<VertexData>, Fault> {
+fn read_layout(words: &mut Words<'_>) -> Result<Vec<VertexData>, ParseError> {
     let dimension = words.count_on_line("a dimension")?;
     if dimension != 3 {
         let what = format!("a mesh of dimension {dimension}");
         let mend = "export it with three coordinates a vertex";
-        return Err(words.fault(Trouble::Unsupported { what, mend }));
+        return Err(words.error(ErrorKind::Unsupported { what, mend }));
     }
     let attributes = match words.word_on_line() {
         None => 0,
@@ -121,12 +121,16 @@ fn read_layout(words: &mut Words<'_>) -> Result<Vec<VertexData>, Fault> {
 }
 
 /// Refuses lines after the announced ones.
-fn check_end(words: &mut Words<'_>, what: &'static str, announced: usize) -> Result<(), Fault> {
+fn check_end(
+    words: &mut Words<'_>,
+    what: &'static str,
+    announced: usize,
+) -> Result<(), ParseError> {
     if words.word().is_none() {
         return Ok(());
     }
     let found = announced + 1;
-    Err(words.fault(Trouble::WrongCount {
+    Err(words.error(ErrorKind::WrongCount {
         what,
         announced,
         found,

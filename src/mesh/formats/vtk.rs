@@ -7,11 +7,11 @@
 
 use nalgebra::Point3;
 
-use crate::mesh::error::{Fault, Trouble};
+use crate::mesh::formats::error::{ErrorKind, ParseError};
+use crate::mesh::formats::mesh::{Collected, Mesh};
 use crate::mesh::formats::vtk_cells::{add_cell, cell_ranges};
-use crate::mesh::kind::{Collected, Mesh};
+use crate::mesh::formats::words::{Words, shown};
 use crate::mesh::tets::VertexData;
-use crate::mesh::text::{Words, shown};
 
 /// VTK's number for polygons.
 const POLYGON: u32 = 7;
@@ -21,7 +21,7 @@ const POLYGON: u32 = 7;
 /// # Errors
 ///
 /// The line and what is wrong there.
-pub fn parse(bytes: &[u8]) -> Result<Mesh, Fault> {
+pub fn parse(bytes: &[u8]) -> Result<Mesh, ParseError> {
     let mut words = Words::new(bytes, None);
     words.next_line();
     words.next_line();
@@ -31,7 +31,7 @@ pub fn parse(bytes: &[u8]) -> Result<Mesh, Fault> {
             format!("a {} .vtk file", shown(encoding)),
             "export it as ASCII or as .vtu",
         );
-        return Err(words.fault(Trouble::Unsupported { what, mend }));
+        return Err(words.error(ErrorKind::Unsupported { what, mend }));
     }
     let mut file = File {
         words,
@@ -63,7 +63,7 @@ struct File<'a> {
 }
 
 impl File<'_> {
-    fn read_section(&mut self, keyword: &[u8]) -> Result<(), Fault> {
+    fn read_section(&mut self, keyword: &[u8]) -> Result<(), ParseError> {
         match keyword {
             b"DATASET" => self.read_dataset(),
             b"POINTS" => self.read_points(),
@@ -89,17 +89,17 @@ impl File<'_> {
         }
     }
 
-    fn read_dataset(&mut self) -> Result<(), Fault> {
+    fn read_dataset(&mut self) -> Result<(), ParseError> {
         let kind = self.words.some_word("the kind of data set")?;
         if [&b"UNSTRUCTURED_GRID"[..], b"POLYDATA"].contains(&kind) {
             return Ok(());
         }
         let what = format!("a VTK data set of kind {}", shown(kind));
         let mend = "export an UNSTRUCTURED_GRID of tetrahedra or POLYDATA";
-        Err(self.words.fault(Trouble::Unsupported { what, mend }))
+        Err(self.words.error(ErrorKind::Unsupported { what, mend }))
     }
 
-    fn read_points(&mut self) -> Result<(), Fault> {
+    fn read_points(&mut self) -> Result<(), ParseError> {
         let count = self.words.count("the number of points")?;
         let count = self.words.check_limit("points", count)?;
         self.words.some_word_on_line("a number type")?;
@@ -112,7 +112,7 @@ impl File<'_> {
         Ok(())
     }
 
-    fn read_cells(&mut self) -> Result<Vec<Vec<u32>>, Fault> {
+    fn read_cells(&mut self) -> Result<Vec<Vec<u32>>, ParseError> {
         let first = self.words.count("the number of cells")?;
         let second = self.words.count("the size of the cell list")?;
         if self.words.peek() == Some(b"OFFSETS") {
@@ -129,21 +129,25 @@ impl File<'_> {
             return Ok(cells);
         }
         let (what, announced) = ("numbers in the cell list", second);
-        Err(self.words.fault(Trouble::WrongCount {
+        Err(self.words.error(ErrorKind::WrongCount {
             what,
             announced,
             found,
         }))
     }
 
-    fn read_cell(&mut self, corners: usize) -> Result<Vec<u32>, Fault> {
+    fn read_cell(&mut self, corners: usize) -> Result<Vec<u32>, ParseError> {
         let vertices = self.mesh.vertices.len();
         (0..corners)
             .map(|_| self.words.vertex(vertices, 0))
             .collect()
     }
 
-    fn read_offset_cells(&mut self, offsets: usize, size: usize) -> Result<Vec<Vec<u32>>, Fault> {
+    fn read_offset_cells(
+        &mut self,
+        offsets: usize,
+        size: usize,
+    ) -> Result<Vec<Vec<u32>>, ParseError> {
         self.words.word();
         self.words.some_word_on_line("a number type")?;
         let offsets: Vec<usize> = (0..offsets)
@@ -163,7 +167,7 @@ impl File<'_> {
             .collect())
     }
 
-    fn read_kinds(&mut self) -> Result<(), Fault> {
+    fn read_kinds(&mut self) -> Result<(), ParseError> {
         let count = self.words.count("the number of cell types")?;
         for _ in 0..count {
             let kind = self.words.count("a cell type")?;
@@ -172,14 +176,14 @@ impl File<'_> {
         Ok(())
     }
 
-    fn start_data(&mut self, of_points: bool) -> Result<(), Fault> {
+    fn start_data(&mut self, of_points: bool) -> Result<(), ParseError> {
         let count = self.words.count("the number of data")?;
         self.tuples = Some(Tuples { of_points, count });
         Ok(())
     }
 
     /// Reads an attribute of POINT_DATA or CELL_DATA.
-    fn read_attribute(&mut self, keyword: &[u8]) -> Result<(), Fault> {
+    fn read_attribute(&mut self, keyword: &[u8]) -> Result<(), ParseError> {
         let Some(Tuples { count, .. }) = self.tuples else {
             return Err(self.words.unexpected("a section such as POINTS", keyword));
         };
@@ -202,7 +206,7 @@ impl File<'_> {
         }
     }
 
-    fn read_scalars(&mut self, count: usize) -> Result<(), Fault> {
+    fn read_scalars(&mut self, count: usize) -> Result<(), ParseError> {
         let name = shown(self.words.some_word_on_line("a name")?);
         self.words.some_word_on_line("a number type")?;
         let components = match self.words.word_on_line() {
@@ -217,7 +221,7 @@ impl File<'_> {
     }
 
     /// Reads the arrays of a FIELD, wherever it stands.
-    fn read_field(&mut self) -> Result<(), Fault> {
+    fn read_field(&mut self) -> Result<(), ParseError> {
         self.words.some_word("a field's name")?;
         let arrays = self.words.count("the number of arrays")?;
         for _ in 0..arrays {
@@ -234,7 +238,12 @@ impl File<'_> {
     }
 
     /// Keeps one-component arrays with a value for every point.
-    fn read_array(&mut self, name: String, components: usize, count: usize) -> Result<(), Fault> {
+    fn read_array(
+        &mut self,
+        name: String,
+        components: usize,
+        count: usize,
+    ) -> Result<(), ParseError> {
         let of_points = self.tuples.is_some_and(|tuples| tuples.of_points);
         if !of_points || components != 1 || count != self.mesh.vertices.len() {
             return self.skip_numbers(0, count, components);
@@ -251,7 +260,7 @@ impl File<'_> {
         words_before: usize,
         count: usize,
         components: usize,
-    ) -> Result<(), Fault> {
+    ) -> Result<(), ParseError> {
         for _ in 0..words_before {
             self.words.some_word("a name or type")?;
         }
@@ -268,17 +277,17 @@ impl File<'_> {
         while !self.words.rest_of_line().is_empty() {}
     }
 
-    fn into_mesh(mut self) -> Result<Mesh, Fault> {
+    fn into_mesh(mut self) -> Result<Mesh, ParseError> {
         if self.cells.len() != self.kinds.len() {
             let (what, announced, found) = ("cell types", self.cells.len(), self.kinds.len());
-            return Err(Fault::whole(Trouble::WrongCount {
+            return Err(ParseError::whole(ErrorKind::WrongCount {
                 what,
                 announced,
                 found,
             }));
         }
         for (cell, &kind) in self.cells.iter().zip(&self.kinds) {
-            add_cell(&mut self.mesh, kind, cell).map_err(Fault::whole)?;
+            add_cell(&mut self.mesh, kind, cell).map_err(ParseError::whole)?;
         }
         self.mesh.into_mesh()
     }

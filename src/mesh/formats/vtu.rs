@@ -6,20 +6,20 @@
 
 use nalgebra::Point3;
 
-use crate::mesh::error::{Fault, Trouble};
+use crate::mesh::formats::error::{ErrorKind, ParseError};
+use crate::mesh::formats::mesh::{Collected, Mesh};
 use crate::mesh::formats::vtk_cells::{add_cell, cell_ranges};
 use crate::mesh::formats::vtu_array::{Encoding, decode};
+use crate::mesh::formats::words::{ELEMENT_LIMIT, shown};
 use crate::mesh::formats::xml::{Tag, line_of, next_tag};
-use crate::mesh::kind::{Collected, Mesh};
 use crate::mesh::tets::VertexData;
-use crate::mesh::text::{ELEMENT_LIMIT, shown};
 
 /// Reads tetrahedra, or the surface of a file without any.
 ///
 /// # Errors
 ///
 /// The line and what is wrong there.
-pub fn parse(bytes: &[u8]) -> Result<Mesh, Fault> {
+pub fn parse(bytes: &[u8]) -> Result<Mesh, ParseError> {
     let mut file = File {
         bytes,
         mesh: Collected::default(),
@@ -29,9 +29,9 @@ pub fn parse(bytes: &[u8]) -> Result<Mesh, Fault> {
     let mut section: &[u8] = b"";
     loop {
         let missing = || {
-            file.fault(
+            file.error(
                 bytes.len(),
-                Trouble::Truncated {
+                ErrorKind::Truncated {
                     expected: "</UnstructuredGrid>",
                 },
             )
@@ -67,7 +67,7 @@ struct File<'a> {
 
 impl<'a> File<'a> {
     /// The encoding told by the tag `VTKFile`, and where it ends.
-    fn read_header(&self) -> Result<(Encoding<'a>, usize), Fault> {
+    fn read_header(&self) -> Result<(Encoding<'a>, usize), ParseError> {
         let mut position = 0;
         while let Some(tag) = next_tag(self.bytes, position) {
             if tag.name == b"VTKFile" {
@@ -75,14 +75,14 @@ impl<'a> File<'a> {
                 if kind != b"UnstructuredGrid" {
                     let what = format!("a VTK file of type {}", shown(kind));
                     let mend = "export an UnstructuredGrid of tetrahedra";
-                    return Err(self.fault(tag.end, Trouble::Unsupported { what, mend }));
+                    return Err(self.error(tag.end, ErrorKind::Unsupported { what, mend }));
                 }
                 return Ok((Encoding::of(&tag, self.bytes), tag.end));
             }
             position = tag.end;
         }
         let expected = "the element VTKFile";
-        Err(self.fault(self.bytes.len(), Trouble::Truncated { expected }))
+        Err(self.error(self.bytes.len(), ErrorKind::Truncated { expected }))
     }
 
     fn read_array(
@@ -91,7 +91,7 @@ impl<'a> File<'a> {
         tag: &Tag<'_>,
         encoding: &Encoding<'_>,
         piece: &mut Piece,
-    ) -> Result<(), Fault> {
+    ) -> Result<(), ParseError> {
         let name = tag.attribute("Name").unwrap_or_default();
         let components = tag.attribute("NumberOfComponents").unwrap_or(b"1");
         let decoded = || decode(self.bytes, tag, encoding);
@@ -113,18 +113,18 @@ impl<'a> File<'a> {
     }
 
     /// Adds a finished piece, which ends at `end`.
-    fn add_piece(&mut self, piece: &Piece, end: usize) -> Result<(), Fault> {
-        let at_piece = |trouble| Fault::on_line(line_of(self.bytes, end), trouble);
+    fn add_piece(&mut self, piece: &Piece, end: usize) -> Result<(), ParseError> {
+        let at_piece = |kind| ParseError::on_line(line_of(self.bytes, end), kind);
         let (points, rest) = piece.points.as_chunks::<3>();
         if !rest.is_empty() {
             let (expected, found) = ("three coordinates a point", piece.points.len().to_string());
-            return Err(at_piece(Trouble::Expected { expected, found }));
+            return Err(at_piece(ErrorKind::Expected { expected, found }));
         }
         let finite = |number: &&f64| !number.is_finite();
         let values = piece.data.iter().flat_map(|field| &field.values);
         if let Some(number) = piece.points.iter().chain(values).find(finite) {
             let found = number.to_string();
-            return Err(at_piece(Trouble::NotFinite { found }));
+            return Err(at_piece(ErrorKind::NotFinite { found }));
         }
         let base = self.mesh.vertices.len();
         self.mesh
@@ -132,13 +132,13 @@ impl<'a> File<'a> {
             .extend(points.iter().map(|&point| Point3::from(point)));
         if self.mesh.vertices.len() > ELEMENT_LIMIT {
             let (what, limit) = ("points", ELEMENT_LIMIT);
-            return Err(at_piece(Trouble::TooMany { what, limit }));
+            return Err(at_piece(ErrorKind::TooMany { what, limit }));
         }
         add_data(&mut self.mesh, piece, base);
         add_cells(&mut self.mesh, piece, base).map_err(at_piece)
     }
 
-    fn into_mesh(mut self) -> Result<Mesh, Fault> {
+    fn into_mesh(mut self) -> Result<Mesh, ParseError> {
         let count = self.mesh.vertices.len();
         self.mesh
             .vertex_data
@@ -146,8 +146,8 @@ impl<'a> File<'a> {
         self.mesh.into_mesh()
     }
 
-    fn fault(&self, position: usize, trouble: Trouble) -> Fault {
-        Fault::on_line(line_of(self.bytes, position), trouble)
+    fn error(&self, position: usize, kind: ErrorKind) -> ParseError {
+        ParseError::on_line(line_of(self.bytes, position), kind)
     }
 }
 
@@ -169,13 +169,13 @@ fn add_data(mesh: &mut Collected, piece: &Piece, base: usize) {
     }
 }
 
-fn add_cells(mesh: &mut Collected, piece: &Piece, base: usize) -> Result<(), Trouble> {
+fn add_cells(mesh: &mut Collected, piece: &Piece, base: usize) -> Result<(), ErrorKind> {
     let offsets: Vec<usize> = std::iter::once(0)
         .chain(piece.offsets.iter().map(|&offset| offset as usize))
         .collect();
     if piece.types.len() != piece.offsets.len() {
         let (what, announced, found) = ("cell types", piece.offsets.len(), piece.types.len());
-        return Err(Trouble::WrongCount {
+        return Err(ErrorKind::WrongCount {
             what,
             announced,
             found,
@@ -185,7 +185,7 @@ fn add_cells(mesh: &mut Collected, piece: &Piece, base: usize) -> Result<(), Tro
         "ascending offsets up to the list's length",
         piece.connectivity.len(),
     );
-    let disorder = || Trouble::Expected {
+    let disorder = || ErrorKind::Expected {
         expected,
         found: format!("others than up to {size}"),
     };
@@ -197,7 +197,7 @@ fn add_cells(mesh: &mut Collected, piece: &Piece, base: usize) -> Result<(), Tro
         for &vertex in &piece.connectivity[start..end] {
             if !(vertex >= 0.0 && vertex < vertices as f64) {
                 let (index, first) = (vertex as i64, 0);
-                return Err(Trouble::OutOfRange {
+                return Err(ErrorKind::OutOfRange {
                     index,
                     vertices,
                     first,

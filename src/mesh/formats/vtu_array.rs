@@ -9,10 +9,10 @@ use std::io::Read;
 
 use flate2::read::ZlibDecoder;
 
-use crate::mesh::binary::Scalar;
-use crate::mesh::error::{Fault, Trouble};
+use crate::mesh::formats::binary::Scalar;
+use crate::mesh::formats::error::{ErrorKind, ParseError};
+use crate::mesh::formats::words::{Words, shown};
 use crate::mesh::formats::xml::{Tag, line_of, text_at};
-use crate::mesh::text::{Words, shown};
 
 /// What the tag `VTKFile` and the appended data tell about all arrays.
 #[derive(Clone, Debug)]
@@ -49,9 +49,9 @@ pub(crate) fn decode(
     bytes: &[u8],
     tag: &Tag<'_>,
     encoding: &Encoding<'_>,
-) -> Result<Vec<f64>, Fault> {
+) -> Result<Vec<f64>, ParseError> {
     let line = line_of(bytes, tag.end);
-    let at_tag = |trouble| Fault::on_line(line, trouble);
+    let at_tag = |kind| ParseError::on_line(line, kind);
     let name = tag.attribute("type").unwrap_or_default();
     let kind = scalar(name).ok_or_else(|| at_tag(unknown("array of type", name)))?;
     let format = tag.attribute("format").unwrap_or(b"ascii");
@@ -89,14 +89,14 @@ fn scalar(name: &[u8]) -> Option<Scalar> {
     })
 }
 
-fn unknown(what: &str, name: &[u8]) -> Trouble {
-    Trouble::Unsupported {
+fn unknown(what: &str, name: &[u8]) -> ErrorKind {
+    ErrorKind::Unsupported {
         what: format!("the {what} {}", shown(name)),
         mend: "export the file as ASCII",
     }
 }
 
-fn read_text(content: &[u8], line: usize) -> Result<Vec<f64>, Fault> {
+fn read_text(content: &[u8], line: usize) -> Result<Vec<f64>, ParseError> {
     let mut words = Words::new(content, None).on_line(line);
     let mut numbers = Vec::with_capacity(content.len() / 4);
     while let Some(word) = words.word() {
@@ -105,15 +105,15 @@ fn read_text(content: &[u8], line: usize) -> Result<Vec<f64>, Fault> {
     Ok(numbers)
 }
 
-fn appended(tag: &Tag<'_>, encoding: &Encoding<'_>) -> Result<Vec<u8>, Trouble> {
+fn appended(tag: &Tag<'_>, encoding: &Encoding<'_>) -> Result<Vec<u8>, ErrorKind> {
     let expected = "appended data";
     let offset = tag
         .attribute("offset")
         .and_then(|offset| std::str::from_utf8(offset).ok()?.parse::<usize>().ok());
-    let data = encoding.appended.ok_or(Trouble::Truncated { expected })?;
+    let data = encoding.appended.ok_or(ErrorKind::Truncated { expected })?;
     let data = offset
         .and_then(|offset| data.get(offset..))
-        .ok_or(Trouble::Truncated { expected })?;
+        .ok_or(ErrorKind::Truncated { expected })?;
     if encoding.appended_raw {
         return from_raw(data, encoding);
     }
@@ -125,7 +125,7 @@ fn appended(tag: &Tag<'_>, encoding: &Encoding<'_>) -> Result<Vec<u8>, Trouble> 
 }
 
 /// Decodes no more base64 than the header asks for: appended arrays follow one another.
-fn from_base64(text: &[u8], encoding: &Encoding<'_>) -> Result<Vec<u8>, Trouble> {
+fn from_base64(text: &[u8], encoding: &Encoding<'_>) -> Result<Vec<u8>, ErrorKind> {
     let text = text.trim_ascii();
     let width = encoding.header.width();
     let first = base64(text, width)?;
@@ -139,7 +139,7 @@ fn from_base64(text: &[u8], encoding: &Encoding<'_>) -> Result<Vec<u8>, Trouble>
         return Err(too_short());
     }
     let compressed: usize = (0..count).try_fold(0_usize, |sum, block| {
-        Ok::<_, Trouble>(sum.saturating_add(header_value(&header, block + 3, encoding)?))
+        Ok::<_, ErrorKind>(sum.saturating_add(header_value(&header, block + 3, encoding)?))
     })?;
     let blocks = text.get(header_size.div_ceil(3) * 4..).unwrap_or_default();
     let mut data = header;
@@ -148,7 +148,7 @@ fn from_base64(text: &[u8], encoding: &Encoding<'_>) -> Result<Vec<u8>, Trouble>
 }
 
 /// The payload of header and data.
-fn from_raw(data: &[u8], encoding: &Encoding<'_>) -> Result<Vec<u8>, Trouble> {
+fn from_raw(data: &[u8], encoding: &Encoding<'_>) -> Result<Vec<u8>, ErrorKind> {
     let width = encoding.header.width();
     let count = header_value(data, 0, encoding)?;
     match encoding.compressor {
@@ -161,7 +161,7 @@ fn from_raw(data: &[u8], encoding: &Encoding<'_>) -> Result<Vec<u8>, Trouble> {
     }
 }
 
-fn inflate(data: &[u8], blocks: usize, encoding: &Encoding<'_>) -> Result<Vec<u8>, Trouble> {
+fn inflate(data: &[u8], blocks: usize, encoding: &Encoding<'_>) -> Result<Vec<u8>, ErrorKind> {
     let mut start = blocks
         .saturating_add(3)
         .saturating_mul(encoding.header.width());
@@ -182,7 +182,7 @@ fn inflate(data: &[u8], blocks: usize, encoding: &Encoding<'_>) -> Result<Vec<u8
     Ok(inflated)
 }
 
-fn header_value(data: &[u8], at: usize, encoding: &Encoding<'_>) -> Result<usize, Trouble> {
+fn header_value(data: &[u8], at: usize, encoding: &Encoding<'_>) -> Result<usize, ErrorKind> {
     let width = encoding.header.width();
     let start = at.saturating_mul(width);
     let bytes = data
@@ -191,14 +191,14 @@ fn header_value(data: &[u8], at: usize, encoding: &Encoding<'_>) -> Result<usize
     Ok(encoding.header.decode(bytes, encoding.big_endian) as usize)
 }
 
-fn too_short() -> Trouble {
+fn too_short() -> ErrorKind {
     let expected = "the rest of an array";
-    Trouble::Truncated { expected }
+    ErrorKind::Truncated { expected }
 }
 
 /// The first `limit` bytes encoded in `text`, fewer if it is shorter. Padding may stand inside,
 /// where encoded parts follow one another.
-fn base64(text: &[u8], limit: usize) -> Result<Vec<u8>, Trouble> {
+fn base64(text: &[u8], limit: usize) -> Result<Vec<u8>, ErrorKind> {
     let mut bytes = Vec::with_capacity(limit.min(text.len()));
     for group in text.chunks(4) {
         if bytes.len() >= limit {
@@ -218,7 +218,7 @@ fn base64(text: &[u8], limit: usize) -> Result<Vec<u8>, Trouble> {
     Ok(bytes)
 }
 
-fn digit(letter: u8) -> Result<u32, Trouble> {
+fn digit(letter: u8) -> Result<u32, ErrorKind> {
     let value = match letter {
         b'A'..=b'Z' => letter - b'A',
         b'a'..=b'z' => letter - b'a' + 26,
@@ -227,7 +227,7 @@ fn digit(letter: u8) -> Result<u32, Trouble> {
         b'/' => 63,
         _ => {
             let (expected, found) = ("base64", shown(&[letter]));
-            return Err(Trouble::Expected { expected, found });
+            return Err(ErrorKind::Expected { expected, found });
         }
     };
     Ok(u32::from(value))

@@ -2,7 +2,7 @@
 
 use nalgebra::Point3;
 
-use crate::mesh::error::{Fault, Trouble};
+use crate::mesh::formats::error::{ErrorKind, ParseError};
 use crate::mesh::surface::SurfaceMesh;
 use crate::mesh::tets::{TetMesh, VertexData};
 
@@ -27,7 +27,7 @@ pub(crate) struct Collected {
 impl Collected {
     /// The tetrahedra if there are any (triangles beside them are their boundary or inner
     /// walls), else the triangles.
-    pub(crate) fn into_mesh(self) -> Result<Mesh, Fault> {
+    pub(crate) fn into_mesh(self) -> Result<Mesh, ParseError> {
         let Self {
             vertices,
             triangles,
@@ -47,17 +47,17 @@ impl Collected {
                 triangles,
             }));
         }
-        Err(Fault::whole(Trouble::Missing {
+        Err(ParseError::whole(ErrorKind::Missing {
             what: "triangles, polygons or tetrahedra",
             mend: "export the mesh with its elements",
         }))
     }
 }
 
-/// The fault of volume elements that are not plain tetrahedra: leaving them out would leave
+/// The error of volume elements that are not plain tetrahedra: leaving them out would leave
 /// holes in the solid.
-pub(crate) fn no_tetrahedron(kind: impl std::fmt::Display) -> Trouble {
-    Trouble::Unsupported {
+pub(crate) fn no_tetrahedron(kind: impl std::fmt::Display) -> ErrorKind {
+    ErrorKind::Unsupported {
         what: format!("volume elements of type {kind}"),
         mend: "export first-order tetrahedra only, or the solid's surface",
     }

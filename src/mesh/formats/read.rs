@@ -1,18 +1,22 @@
-//! One door for all mesh files.
+//! Mesh files of every format: recognized, read, and checked.
 //!
 //! The first bytes tell the format where they leave no doubt, even against the extension; then
 //! the extension does; then weaker marks. [`read`] takes either kind of mesh, [`read_surface`]
-//! and [`read_tets`] one.
+//! and [`read_tets`] one; [`load`] also validates and names the file in every message.
 
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use crate::mesh::error::{Fault, ReadError, Trouble};
+use thiserror::Error;
+
+use crate::mesh::formats::error::{ErrorKind, ParseError, ReadError};
+use crate::mesh::formats::mesh::Mesh;
+use crate::mesh::formats::words::Words;
 use crate::mesh::formats::{gmsh, medit, obj, off, ply, stl, tetgen, vtk, vtu};
-use crate::mesh::kind::Mesh;
+use crate::mesh::report::Refusal;
 use crate::mesh::surface::SurfaceMesh;
 use crate::mesh::tets::TetMesh;
-use crate::mesh::text::Words;
+use crate::mesh::validate::{Solid, validate_surface, validate_tets};
 
 /// The formats, as messages name them.
 const KNOWN: &str = "export it as .off, .obj, .stl, .ply, .mesh, .msh, .node/.ele, .vtk or .vtu";
@@ -31,13 +35,13 @@ pub fn read(path: &Path) -> Result<Mesh, ReadError> {
         .to_ascii_lowercase();
     match Format::of(&bytes, &extension) {
         Some(Format::TetGen) => read_pair(path).map(Mesh::Tets),
-        Some(format) => format.parse(&bytes).map_err(|fault| in_file(path, fault)),
+        Some(format) => format.parse(&bytes).map_err(|error| in_file(path, error)),
         None => {
             let what = "a mesh format told neither by the first bytes nor the extension".into();
             let mend = KNOWN;
             Err(in_file(
                 path,
-                Fault::whole(Trouble::Unsupported { what, mend }),
+                ParseError::whole(ErrorKind::Unsupported { what, mend }),
             ))
         }
     }
@@ -65,9 +69,46 @@ pub fn read_tets(path: &Path) -> Result<TetMesh, ReadError> {
         Mesh::Tets(mesh) => Ok(mesh),
         Mesh::Surface(_) => {
             let (what, mend) = ("tetrahedra", "use it as a surface, which needs none");
-            Err(in_file(path, Fault::whole(Trouble::Missing { what, mend })))
+            Err(in_file(
+                path,
+                ParseError::whole(ErrorKind::Missing { what, mend }),
+            ))
         }
     }
+}
+
+/// A file that gives no solid.
+#[derive(Debug, Error)]
+pub enum LoadError {
+    /// It could not be read.
+    #[error(transparent)]
+    Read(#[from] ReadError),
+    /// It was read, but bounds or fills no solid.
+    #[error("{} {refusal}", file.display())]
+    Refused {
+        /// The file as it was named by the caller.
+        file: PathBuf,
+        /// Why, and what to do.
+        refusal: Refusal,
+    },
+}
+
+/// Reads and checks a mesh file of either kind.
+///
+/// # Errors
+///
+/// The file and what is wrong with it, with the mend.
+pub fn load(path: &Path) -> Result<Solid, LoadError> {
+    let solid = match read(path)? {
+        Mesh::Surface(mesh) => {
+            validate_surface(&mesh).map(|(surface, report)| Solid::Surface(surface, report))
+        }
+        Mesh::Tets(mesh) => validate_tets(&mesh).map(|(tets, report)| Solid::Tets(tets, report)),
+    };
+    solid.map_err(|refusal| {
+        let file = path.to_path_buf();
+        LoadError::Refused { file, refusal }
+    })
 }
 
 /// The formats read here.
@@ -134,7 +175,7 @@ impl Format {
         words.any(|word| word == b"v").then_some(Self::Obj)
     }
 
-    fn parse(self, bytes: &[u8]) -> Result<Mesh, Fault> {
+    fn parse(self, bytes: &[u8]) -> Result<Mesh, ParseError> {
         match self {
             Self::Gmsh => gmsh::parse(bytes),
             Self::Medit => medit::parse(bytes),
@@ -149,7 +190,7 @@ impl Format {
                     "one of TetGen's two files alone".into(),
                     "name the .ele file",
                 );
-                Err(Fault::whole(Trouble::Unsupported { what, mend }))
+                Err(ParseError::whole(ErrorKind::Unsupported { what, mend }))
             }
         }
     }
@@ -159,24 +200,25 @@ impl Format {
 fn read_pair(path: &Path) -> Result<TetMesh, ReadError> {
     let (nodes, elements) = (path.with_extension("node"), path.with_extension("ele"));
     let parsed = tetgen::parse_nodes(&read_bytes(&nodes)?);
-    let parsed = parsed.map_err(|fault| in_file(&nodes, fault))?;
+    let parsed = parsed.map_err(|error| in_file(&nodes, error))?;
     tetgen::parse_elements(&read_bytes(&elements)?, parsed)
-        .map_err(|fault| in_file(&elements, fault))
+        .map_err(|error| in_file(&elements, error))
 }
 
 /// A file's bytes, without a byte order mark; not empty.
 fn read_bytes(path: &Path) -> Result<Vec<u8>, ReadError> {
-    let mut bytes = fs::read(path).map_err(|error| in_file(path, Fault::whole(error.into())))?;
+    let mut bytes =
+        fs::read(path).map_err(|error| in_file(path, ParseError::whole(error.into())))?;
     if bytes.starts_with(b"\xef\xbb\xbf") {
         bytes.drain(..3);
     }
     if bytes.trim_ascii().is_empty() {
-        return Err(in_file(path, Fault::whole(Trouble::Empty)));
+        return Err(in_file(path, ParseError::whole(ErrorKind::Empty)));
     }
     Ok(bytes)
 }
 
-fn in_file(path: &Path, fault: Fault) -> ReadError {
+fn in_file(path: &Path, error: ParseError) -> ReadError {
     let file = path.to_path_buf();
-    ReadError { file, fault }
+    ReadError { file, error }
 }

@@ -7,44 +7,44 @@ use thiserror::Error;
 
 /// A mesh file that could not be read.
 #[derive(Debug, Error)]
-#[error("{}{fault}", file.display())]
+#[error("{}{error}", file.display())]
 pub struct ReadError {
     /// The file as it was named by the caller.
     pub file: PathBuf,
     /// The place in it and what is wrong there.
-    pub fault: Fault,
+    pub error: ParseError,
 }
 
 /// A place in a mesh file and what is wrong there.
 #[derive(Debug, Error)]
-#[error("{place}: {trouble}")]
-pub struct Fault {
+#[error("{place}: {kind}")]
+pub struct ParseError {
     /// Where reading stopped.
     pub place: Place,
     /// What is wrong.
-    pub trouble: Trouble,
+    pub kind: ErrorKind,
 }
 
-impl Fault {
-    /// `trouble` on the one-based `line` of a text file.
+impl ParseError {
+    /// `kind` on the one-based `line` of a text file.
     #[must_use]
-    pub fn on_line(line: usize, trouble: Trouble) -> Self {
+    pub fn on_line(line: usize, kind: ErrorKind) -> Self {
         let place = Place::Line(line);
-        Self { place, trouble }
+        Self { place, kind }
     }
 
-    /// `trouble` at a zero-based byte offset of a binary file.
+    /// `kind` at a zero-based byte offset of a binary file.
     #[must_use]
-    pub fn at_byte(offset: usize, trouble: Trouble) -> Self {
+    pub fn at_byte(offset: usize, kind: ErrorKind) -> Self {
         let place = Place::Byte(offset);
-        Self { place, trouble }
+        Self { place, kind }
     }
 
-    /// `trouble` with the file as a whole.
+    /// `kind` with the file as a whole.
     #[must_use]
-    pub fn whole(trouble: Trouble) -> Self {
+    pub fn whole(kind: ErrorKind) -> Self {
         let place = Place::Whole;
-        Self { place, trouble }
+        Self { place, kind }
     }
 }
 
@@ -71,7 +71,7 @@ impl fmt::Display for Place {
 
 /// What is wrong with a mesh file; every sentence ends with the mend.
 #[derive(Debug, Error)]
-pub enum Trouble {
+pub enum ErrorKind {
     /// The operating system refused.
     #[error("cannot be read ({0}); check the path and its permissions")]
     Unreadable(#[from] std::io::Error),

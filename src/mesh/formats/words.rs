@@ -3,7 +3,7 @@
 //! Words are separated by blanks; an optional comment mark hides the rest of its line. No word
 //! is copied: a file of two million triangles is read in a fraction of a second.
 
-use crate::mesh::error::{Fault, Trouble};
+use crate::mesh::formats::error::{ErrorKind, ParseError};
 
 /// Words longer than this are shortened in messages.
 const SHOWN: usize = 40;
@@ -106,17 +106,20 @@ impl<'a> Words<'a> {
     }
 
     /// The next word, which must be there.
-    pub(crate) fn some_word(&mut self, expected: &'static str) -> Result<&'a [u8], Fault> {
+    pub(crate) fn some_word(&mut self, expected: &'static str) -> Result<&'a [u8], ParseError> {
         self.word().ok_or_else(|| self.truncated(expected))
     }
 
     /// The next word on this line, which must be there.
-    pub(crate) fn some_word_on_line(&mut self, expected: &'static str) -> Result<&'a [u8], Fault> {
+    pub(crate) fn some_word_on_line(
+        &mut self,
+        expected: &'static str,
+    ) -> Result<&'a [u8], ParseError> {
         self.word_on_line().ok_or_else(|| self.line_ended(expected))
     }
 
-    /// The fault of the line, or the text, ending where `expected` should stand.
-    pub(crate) fn line_ended(&self, expected: &'static str) -> Fault {
+    /// The error of the line, or the text, ending where `expected` should stand.
+    pub(crate) fn line_ended(&self, expected: &'static str) -> ParseError {
         if self.position == self.bytes.len() {
             return self.truncated(expected);
         }
@@ -124,49 +127,57 @@ impl<'a> Words<'a> {
     }
 
     /// A non-negative integer, on this or a later line.
-    pub(crate) fn count(&mut self, expected: &'static str) -> Result<usize, Fault> {
+    pub(crate) fn count(&mut self, expected: &'static str) -> Result<usize, ParseError> {
         let word = self.some_word(expected)?;
         self.parse_count(word, expected)
     }
 
     /// A non-negative integer on this line.
-    pub(crate) fn count_on_line(&mut self, expected: &'static str) -> Result<usize, Fault> {
+    pub(crate) fn count_on_line(&mut self, expected: &'static str) -> Result<usize, ParseError> {
         let word = self.some_word_on_line(expected)?;
         self.parse_count(word, expected)
     }
 
     /// An integer, on this or a later line.
-    pub(crate) fn integer(&mut self, expected: &'static str) -> Result<i64, Fault> {
+    pub(crate) fn integer(&mut self, expected: &'static str) -> Result<i64, ParseError> {
         let word = self.some_word(expected)?;
         integer(word).ok_or_else(|| self.unexpected(expected, word))
     }
 
     /// A finite number, on this or a later line.
-    pub(crate) fn number(&mut self, expected: &'static str) -> Result<f64, Fault> {
+    pub(crate) fn number(&mut self, expected: &'static str) -> Result<f64, ParseError> {
         let word = self.some_word(expected)?;
         self.parse_number(word, expected)
     }
 
     /// A finite number on this line.
-    pub(crate) fn number_on_line(&mut self, expected: &'static str) -> Result<f64, Fault> {
+    pub(crate) fn number_on_line(&mut self, expected: &'static str) -> Result<f64, ParseError> {
         let word = self.some_word_on_line(expected)?;
         self.parse_number(word, expected)
     }
 
     /// The zero-based index of a vertex numbered from `first`, on this or a later line.
-    pub(crate) fn vertex(&mut self, vertices: usize, first: i64) -> Result<u32, Fault> {
+    pub(crate) fn vertex(&mut self, vertices: usize, first: i64) -> Result<u32, ParseError> {
         let word = self.some_word("a vertex index")?;
         self.parse_vertex(word, vertices, first)
     }
 
     /// The zero-based index of a vertex numbered from `first`, on this line.
-    pub(crate) fn vertex_on_line(&mut self, vertices: usize, first: i64) -> Result<u32, Fault> {
+    pub(crate) fn vertex_on_line(
+        &mut self,
+        vertices: usize,
+        first: i64,
+    ) -> Result<u32, ParseError> {
         let word = self.some_word_on_line("a vertex index")?;
         self.parse_vertex(word, vertices, first)
     }
 
     /// `word` as a finite number.
-    pub(crate) fn parse_number(&self, word: &[u8], expected: &'static str) -> Result<f64, Fault> {
+    pub(crate) fn parse_number(
+        &self,
+        word: &[u8],
+        expected: &'static str,
+    ) -> Result<f64, ParseError> {
         let text = std::str::from_utf8(word).ok();
         let Some(number) = text.and_then(|text| text.parse::<f64>().ok()) else {
             return Err(self.unexpected(expected, word));
@@ -175,47 +186,55 @@ impl<'a> Words<'a> {
             return Ok(number);
         }
         let found = shown(word);
-        Err(self.fault(Trouble::NotFinite { found }))
+        Err(self.error(ErrorKind::NotFinite { found }))
     }
 
     /// Refuses more elements than can be indexed.
-    pub(crate) fn check_limit(&self, what: &'static str, count: usize) -> Result<usize, Fault> {
+    pub(crate) fn check_limit(
+        &self,
+        what: &'static str,
+        count: usize,
+    ) -> Result<usize, ParseError> {
         if count <= ELEMENT_LIMIT {
             return Ok(count);
         }
         let limit = ELEMENT_LIMIT;
-        Err(self.fault(Trouble::TooMany { what, limit }))
+        Err(self.error(ErrorKind::TooMany { what, limit }))
     }
 
-    /// `trouble` on the cursor's line.
-    pub(crate) fn fault(&self, trouble: Trouble) -> Fault {
-        Fault::on_line(self.line, trouble)
+    /// `kind` on the cursor's line.
+    pub(crate) fn error(&self, kind: ErrorKind) -> ParseError {
+        ParseError::on_line(self.line, kind)
     }
 
-    /// The fault of `found` standing where `expected` should.
-    pub(crate) fn unexpected(&self, expected: &'static str, found: &[u8]) -> Fault {
+    /// The error of `found` standing where `expected` should.
+    pub(crate) fn unexpected(&self, expected: &'static str, found: &[u8]) -> ParseError {
         let found = shown(found);
-        self.fault(Trouble::Expected { expected, found })
+        self.error(ErrorKind::Expected { expected, found })
     }
 
-    /// The fault of the text ending where `expected` should stand.
-    pub(crate) fn truncated(&self, expected: &'static str) -> Fault {
-        self.fault(Trouble::Truncated { expected })
+    /// The error of the text ending where `expected` should stand.
+    pub(crate) fn truncated(&self, expected: &'static str) -> ParseError {
+        self.error(ErrorKind::Truncated { expected })
     }
 
     /// `word` as a non-negative integer.
-    pub(crate) fn parse_count(&self, word: &[u8], expected: &'static str) -> Result<usize, Fault> {
+    pub(crate) fn parse_count(
+        &self,
+        word: &[u8],
+        expected: &'static str,
+    ) -> Result<usize, ParseError> {
         integer(word)
             .and_then(|value| usize::try_from(value).ok())
             .ok_or_else(|| self.unexpected(expected, word))
     }
 
-    fn parse_vertex(&self, word: &[u8], vertices: usize, first: i64) -> Result<u32, Fault> {
+    fn parse_vertex(&self, word: &[u8], vertices: usize, first: i64) -> Result<u32, ParseError> {
         let index = integer(word).ok_or_else(|| self.unexpected("a vertex index", word))?;
         let zero_based = index.checked_sub(first).and_then(|i| u32::try_from(i).ok());
         match zero_based {
             Some(zero_based) if (zero_based as usize) < vertices => Ok(zero_based),
-            _ => Err(self.fault(Trouble::OutOfRange {
+            _ => Err(self.error(ErrorKind::OutOfRange {
                 index,
                 vertices,
                 first,

@@ -1,6 +1,6 @@
 //! Numbers in binary files.
 
-use crate::mesh::error::{Fault, Trouble};
+use crate::mesh::formats::error::{ErrorKind, ParseError};
 
 /// The number types of PLY and VTK files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -80,37 +80,45 @@ impl<'a> Bytes<'a> {
     }
 
     /// The next number.
-    pub(crate) fn scalar(&mut self, kind: Scalar, expected: &'static str) -> Result<f64, Fault> {
+    pub(crate) fn scalar(
+        &mut self,
+        kind: Scalar,
+        expected: &'static str,
+    ) -> Result<f64, ParseError> {
         let rest = &self.bytes[self.position..];
         if rest.len() < kind.width() {
-            return Err(self.fault(Trouble::Truncated { expected }));
+            return Err(self.error(ErrorKind::Truncated { expected }));
         }
         self.position += kind.width();
         Ok(kind.decode(rest, self.big_endian))
     }
 
     /// The next number, which must be finite.
-    pub(crate) fn finite(&mut self, kind: Scalar, expected: &'static str) -> Result<f64, Fault> {
+    pub(crate) fn finite(
+        &mut self,
+        kind: Scalar,
+        expected: &'static str,
+    ) -> Result<f64, ParseError> {
         let before = self.position;
         let number = self.scalar(kind, expected)?;
         if number.is_finite() {
             return Ok(number);
         }
         let found = number.to_string();
-        Err(Fault::at_byte(before, Trouble::NotFinite { found }))
+        Err(ParseError::at_byte(before, ErrorKind::NotFinite { found }))
     }
 
     /// Passes over `count` bytes.
-    pub(crate) fn skip(&mut self, count: usize, expected: &'static str) -> Result<(), Fault> {
+    pub(crate) fn skip(&mut self, count: usize, expected: &'static str) -> Result<(), ParseError> {
         if self.left() < count {
-            return Err(self.fault(Trouble::Truncated { expected }));
+            return Err(self.error(ErrorKind::Truncated { expected }));
         }
         self.position += count;
         Ok(())
     }
 
-    /// `trouble` at the cursor.
-    pub(crate) fn fault(&self, trouble: Trouble) -> Fault {
-        Fault::at_byte(self.position, trouble)
+    /// `kind` at the cursor.
+    pub(crate) fn error(&self, kind: ErrorKind) -> ParseError {
+        ParseError::at_byte(self.position, kind)
     }
 }
