@@ -30,11 +30,25 @@ const MAY_IMPORT: [(&str, &[&str]); 13] = [
     ),
     ("export", &["geometry", "voronoi", "relax"]),
     ("plot", &["geometry", "voronoi", "relax"]),
-    ("cli", &[]),
+    (
+        "cli",
+        &[
+            "geometry",
+            "domain",
+            "mesh",
+            "mass",
+            "voronoi",
+            "chebyshev",
+            "relax",
+            "scene",
+            "export",
+            "plot",
+        ],
+    ),
 ];
 
 /// Lines of a file before its tests.
-const LONGEST_FILE: usize = 300;
+const LONGEST_FILE: usize = 500;
 
 fn sources(folder: &Path) -> Vec<PathBuf> {
     let entries = fs::read_dir(folder)
@@ -122,9 +136,9 @@ fn only_one_floor_names_argmin() {
 }
 
 #[test]
-fn only_the_binary_prints_and_parses_arguments() {
+fn only_the_command_prints_and_parses_arguments() {
     for file in sources(&source_root()) {
-        let in_binary = floor(&file).is_none_or(|floor| floor == "cli");
+        let in_command = floor(&file).is_some_and(|floor| floor == "cli");
         let text = fs::read_to_string(&file).unwrap();
         let code = text.split("#[cfg(test)]").next().unwrap_or_default();
         for word in [
@@ -137,7 +151,7 @@ fn only_the_binary_prints_and_parses_arguments() {
             let named = code
                 .lines()
                 .any(|line| !line.trim_start().starts_with("//") && line.contains(word));
-            assert!(in_binary || !named, "{} uses {word}", file.display());
+            assert!(in_command || !named, "{} uses {word}", file.display());
         }
     }
 }

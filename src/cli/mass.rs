@@ -1,4 +1,4 @@
-//! `chebloyd mass`.
+//! `chebloyd mass`: mass, center of mass and inertia of solids.
 
 use std::path::{Path, PathBuf};
 
@@ -6,14 +6,13 @@ use clap::Args;
 use nalgebra::{Matrix3, Point3, Vector3};
 use serde::Serialize;
 
-use chebloyd::geometry::bounds::Bounds;
-use chebloyd::mass::body::Body;
-use chebloyd::mass::density::Density;
-use chebloyd::mass::weigh::{bounds, weigh};
-use chebloyd::mesh::load::{Solid, load};
+use crate::geometry::bounds::Bounds;
+use crate::mass::body::Body;
+use crate::mass::density::Density;
+use crate::mass::weigh::{bounds, weigh};
+use crate::mesh::load::{Solid, load};
 
-use crate::cli::failure::Failure;
-use crate::cli::stdout;
+use crate::cli::failure::{Failure, print};
 
 /// Print mass, center of mass and inertia of solids of any density, exactly
 ///
@@ -113,9 +112,9 @@ pub(crate) fn run(options: &Options) -> Result<(), Failure> {
     let report = report(options, &solids, &bodies, &body);
     if options.json {
         let text = serde_json::to_string_pretty(&report).map_err(Failure::run)?;
-        return stdout::print(text + "\n");
+        return print(text + "\n");
     }
-    stdout::print(report.table())
+    print(report.table())
 }
 
 /// One density per part, from one for all or one each.
