@@ -8,8 +8,8 @@
 //! # The house
 //!
 //! ```text
-//! floor 8   main.rs                             parse, run, print the error once, exit code
-//! floor 7   cli/                                one file per subcommand, thin (binary only)
+//! floor 8   main.rs                             the program: one call of the command line
+//! floor 7   cli/                                one file per subcommand (feature `cli`)
 //! floor 6   scene/        export/      plot/    what comes in, what goes out
 //! floor 5   relax/                              the loops and their records
 //! floor 4   voronoi/      chebyshev/            where a cell comes from │ what a cell is worth
@@ -31,6 +31,8 @@
 //! work reports to an observer.
 
 pub mod chebyshev;
+#[cfg(feature = "cli")]
+mod cli;
 pub mod domain;
 pub mod export;
 pub mod geometry;
@@ -40,9 +42,12 @@ pub mod mesh;
 pub mod minimize;
 pub mod plot;
 pub mod relax;
+#[cfg(feature = "scene")]
 pub mod scene;
 pub mod voronoi;
 
+#[cfg(feature = "cli")]
+pub use crate::cli::command::command_line;
 pub use crate::domain::cuboid::Cuboid;
 pub use crate::voronoi::check::CheckError;
 pub use crate::voronoi::diagram::{Diagram, DiagramError};

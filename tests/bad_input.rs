@@ -62,6 +62,13 @@ const BAD_SCENES: &[(&str, &[&str])] = &[
         &["method.lloyd.tolerance", "-1"],
     ),
     (
+        "{\"sites\": {\"random\": {\"count\": 9}}, \"method\": {\"quasi_newton\": {\"gradient_tolerance\": -1}}}",
+        &[
+            "method.quasi_newton.gradient_tolerance",
+            "-1.0 is not 0 or a positive number",
+        ],
+    ),
+    (
         "{\"sites\": {\"grid\": {\"counts\": [2,2]}}}",
         &["sites.grid.counts", "2 values where 3"],
     ),
@@ -191,7 +198,11 @@ fn usage_errors_end_with_code_2() {
         &["relax", "--count", "-3"],
         &["relax", "--resume", "--force"],
         &["relax", "--resume", "--norm", "l2"],
+        &["relax", "--resume", "--memory", "3"],
+        &["relax", "--resume", "--goal", "cubes"],
         &["relax", "--sites", "p.csv", "--count", "3"],
+        &["relax", "--memory", "3"],
+        &["relax", "--method", "anneal", "--noise", "NaN"],
         &["relax", "--tolerance", "-1"],
         &["relax", "--tolerance", "NaN"],
         &["relax", "--count", "0"],

@@ -318,9 +318,10 @@ fn bench_tells_what_was_asked_and_nothing_else() {
     let few = ["bench", "--threads", "1", "--repeat", "1", "--count", "200"];
     let random = row(&[&few[..], &["--sites", "random"]].concat());
     assert!(random["iteration"].parse::<f64>().is_ok());
-    let relaxed = row(&[&few[..], &["--sites", "relaxed", "--stages", "global"]].concat());
-    assert_eq!(relaxed["iteration"], "-");
-    assert!(relaxed["global"].parse::<f64>().is_ok());
+    assert!(random["evaluations"].parse::<f64>().is_ok());
+    let global = row(&[&few[..], &["--sites", "random", "--stages", "global"]].concat());
+    assert!(global["global"].parse::<f64>().is_ok());
+    assert_eq!([&global["iteration"], &global["evaluations"]], ["-", "-"]);
 }
 
 #[test]

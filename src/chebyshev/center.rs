@@ -33,8 +33,14 @@ const LBFGSB_TOLERANCE: f64 = 1e-11;
 pub const SHY_OF_BORDER: f64 = 1023.0 / 1024.0;
 
 /// Which algorithm finds a cell's center.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(
+    feature = "scene",
+    derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema)
+)]
+#[cfg_attr(feature = "scene", serde(rename_all = "snake_case"))]
 pub enum Minimizer {
+    #[default]
     /// Projected Newton with exact Hessians.
     Newton,
     /// Limited-memory BFGS with bounds, the choice of \[BL\] section 3.5.

@@ -1,4 +1,4 @@
-//! `chebloyd bench`.
+//! `chebloyd bench`: the stages of an iteration, timed.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -7,23 +7,14 @@ use clap::{Args, ValueEnum};
 use nalgebra::{Point3, Vector3};
 use rayon::ThreadPoolBuilder;
 
-use chebloyd::domain::domain::Domain;
-use chebloyd::relax::cell_memory::CellMemory;
-use chebloyd::relax::space::Space;
-use chebloyd::relax::tessellation::{Minimizer, Norm, Question, Tessellation};
-use chebloyd::voronoi::diagram::{Diagram, DiagramError};
-
-use crate::cli::crowd::{Crowd, Kind};
-use crate::cli::failure::Failure;
-use crate::cli::resident;
-use crate::cli::stdout;
-use crate::cli::watch::Watch;
-
-pub(crate) const QUESTION: Question = Question {
-    norm: Norm::Linf,
-    order: 1,
-    minimizer: Minimizer::Newton,
-};
+use crate::cli::bench_sites::{BenchSites, QUESTION, SiteKind};
+use crate::cli::failure::{Failure, print};
+use crate::cli::stopwatch::{Stopwatch, forget_peak_memory, peak_memory};
+use crate::domain::domain::Domain;
+use crate::relax::cell_memory::CellMemory;
+use crate::relax::space::Space;
+use crate::relax::tessellation::Tessellation;
+use crate::voronoi::diagram::{Diagram, DiagramError};
 
 /// What is timed; the order is that of the columns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -56,9 +47,8 @@ const STAGES: [Stage; 6] = [
 /// Each stage includes the ones to its left: building the index, building the cells, preparing
 /// them for integrals, one energy with gradient and Hessian, and the whole iteration with the
 /// minimizer. "global" is the objective of all sites together with its gradient, what a step of
-/// quasi-newton takes.
-/// "MB" is the most memory that was resident meanwhile, sites included, where the system tells it
-/// (Linux).
+/// quasi-newton takes. "evaluations" counts those of an iteration, per site. "MB" is the most memory
+/// that was resident meanwhile, sites included, where the system counts it (Linux).
 #[derive(Debug, Args)]
 pub(crate) struct Options {
     /// How many sites
@@ -66,8 +56,8 @@ pub(crate) struct Options {
     count: Vec<usize>,
     /// Which sites
     #[arg(long, value_name = "KIND", value_delimiter = ',', value_enum,
-          default_values_t = [Kind::Random, Kind::Lattice, Kind::Relaxed])]
-    sites: Vec<Kind>,
+          default_values_t = [SiteKind::Random, SiteKind::Lattice, SiteKind::Relaxed])]
+    sites: Vec<SiteKind>,
     /// Time the sites in this file, in the unit cube, instead
     #[arg(long, value_name = "FILE", conflicts_with_all = ["count", "sites"])]
     points: Option<PathBuf>,
@@ -84,7 +74,7 @@ pub(crate) struct Options {
     #[arg(long, value_name = "M", default_value_t = 50)]
     moves: usize,
     /// Print the CPU time of all threads together instead of the time passed, where the system
-    /// tells it (Linux): it depends less on what else the machine does
+    /// counts it (Linux): it depends less on what else the machine does
     #[arg(long)]
     cpu: bool,
     /// How often each stage is timed; the shortest time counts
@@ -102,16 +92,22 @@ pub(crate) fn run(options: &Options, threads: Option<u32>) -> Result<(), Failure
     }
     let _ = writeln!(table, " {:>11} {:>6}", "evaluations", "MB");
     if let Some(file) = &options.points {
-        add_rows("file", &Crowd::read(file)?, options, threads, &mut table)?;
-        return stdout::print(table);
+        add_rows(
+            "file",
+            &BenchSites::read(file)?,
+            options,
+            threads,
+            &mut table,
+        )?;
+        return print(table);
     }
     for &count in &options.count {
         for &kind in &options.sites {
-            let crowd = Crowd::new(kind, count, options.moves)?;
-            add_rows(&name(kind), &crowd, options, threads, &mut table)?;
+            let sites = BenchSites::new(kind, count, options.moves)?;
+            add_rows(&name(kind), &sites, options, threads, &mut table)?;
         }
     }
-    stdout::print(table)
+    print(table)
 }
 
 /// Writes the last of the sites.
@@ -121,8 +117,10 @@ fn save(file: &Path, options: &Options) -> Result<(), Failure> {
         return Err(Failure::input(format!("{} {message}", file.display())));
     }
     match (&options.points, options.sites.last(), options.count.last()) {
-        (Some(points), ..) => Crowd::read(points)?.save(file),
-        (None, Some(&kind), Some(&count)) => Crowd::new(kind, count, options.moves)?.save(file),
+        (Some(points), ..) => BenchSites::read(points)?.save(file),
+        (None, Some(&kind), Some(&count)) => {
+            BenchSites::new(kind, count, options.moves)?.save(file)
+        }
         _ => Ok(()),
     }
 }
@@ -132,10 +130,10 @@ fn name(value: impl std::fmt::Debug) -> String {
     format!("{value:?}").to_lowercase()
 }
 
-/// Adds the rows of one crowd: with one thread, and with all.
+/// Adds the rows of some sites: with one thread, and with all.
 fn add_rows(
     name: &str,
-    crowd: &Crowd,
+    sites: &BenchSites,
     options: &Options,
     threads: Option<u32>,
     table: &mut String,
@@ -145,22 +143,22 @@ fn add_rows(
     for threads in threads {
         let pool = ThreadPoolBuilder::new().num_threads(threads).build();
         let pool = pool.map_err(Failure::run)?;
-        resident::forget();
-        let row = pool.install(|| time(crowd, options));
+        forget_peak_memory();
+        let row = pool.install(|| time(sites, options));
         let row = row.map_err(Failure::run)?;
-        let name = format!("{name} {}", crowd.sites.len());
+        let name = format!("{name} {}", sites.sites.len());
         let _ = write!(table, "{name:<18} {threads:>7}");
         for time in row.microseconds {
-            let _ = write!(table, " {:>9}", told(time, 2));
+            let _ = write!(table, " {:>9}", shown(time, 2));
         }
-        let _ = write!(table, " {:>11}", told(row.evaluations, 2));
-        let megabytes = resident::peak().map(|bytes| bytes as f64 / 1e6);
-        let _ = writeln!(table, " {:>6}", told(megabytes, 0));
+        let _ = write!(table, " {:>11}", shown(row.evaluations, 2));
+        let megabytes = peak_memory().map(|bytes| bytes as f64 / 1e6);
+        let _ = writeln!(table, " {:>6}", shown(megabytes, 0));
     }
     Ok(())
 }
 
-fn told(number: Option<f64>, digits: usize) -> String {
+fn shown(number: Option<f64>, digits: usize) -> String {
     number.map_or_else(|| "-".to_owned(), |number| format!("{number:.digits$}"))
 }
 
@@ -171,21 +169,18 @@ struct Row {
 }
 
 /// Times the stages in turn, `repeat` times over, so that a slow moment hits all of them.
-fn time(crowd: &Crowd, options: &Options) -> Result<Row, DiagramError> {
-    let (sites, space) = (&crowd.sites, Space::new(Box::new(crowd.domain)));
+fn time(sites: &BenchSites, options: &Options) -> Result<Row, DiagramError> {
+    let (sites, space) = (&sites.sites, Space::new(Box::new(sites.domain)));
     let count = sites.len() as f64;
-    let asked = |stage: &Stage| options.stages.contains(stage);
     let mut row = Row::default();
     for _ in 0..options.repeat.max(1) {
-        for (number, stage) in STAGES
-            .into_iter()
-            .enumerate()
-            .filter(|(_, stage)| asked(stage))
-        {
-            let watch = Watch::start(options.cpu);
+        for (stage, shortest) in STAGES.into_iter().zip(&mut row.microseconds) {
+            if !options.stages.contains(&stage) {
+                continue;
+            }
+            let stopwatch = Stopwatch::start(options.cpu);
             let evaluations = run_stage(stage, &space, sites)?;
-            let spent = watch.seconds() * 1e6 / count;
-            let shortest = &mut row.microseconds[number];
+            let spent = stopwatch.seconds() * 1e6 / count;
             *shortest = Some(shortest.map_or(spent, |shortest| shortest.min(spent)));
             if stage == Stage::Iteration {
                 row.evaluations = Some(evaluations as f64 / count);
@@ -195,7 +190,7 @@ fn time(crowd: &Crowd, options: &Options) -> Result<Row, DiagramError> {
     Ok(row)
 }
 
-/// Does the work up to a stage and returns how many energies were evaluated.
+/// Does the work up to a stage and returns how many energies the minimizer evaluated.
 fn run_stage(stage: Stage, space: &Space, sites: &[Point3<f64>]) -> Result<u64, DiagramError> {
     let domain = space.domain();
     match stage {
@@ -203,9 +198,7 @@ fn run_stage(stage: Stage, space: &Space, sites: &[Point3<f64>]) -> Result<u64, 
             let cells = space.assess(sites, QUESTION)?;
             return Ok(cells.iter().map(|cell| u64::from(cell.evaluations)).sum());
         }
-        Stage::Global => {
-            space.global(sites, QUESTION.order)?;
-        }
+        Stage::Global => drop(space.global(sites, QUESTION.order)?),
         _ => run_part(stage, domain, &Diagram::new(domain, sites)?)?,
     }
     Ok(0)

@@ -1,17 +1,32 @@
-//! The cells as files: what their pictures and `cells.vtu` have in common.
+//! The cells of a run as files: `cells.vtu`, and pictures of them.
 
 use std::error::Error;
 use std::io::Write;
 
-use chebloyd::export::run::directory::RunDirectory;
-use chebloyd::export::vtu::CellGeometry;
-use chebloyd::export::whole_file;
-use chebloyd::geometry::shell::Shell;
-use chebloyd::plot::color::{Best, ColorScale};
-use chebloyd::plot::figure::Figure;
-use chebloyd::plot::svg::svg;
-use chebloyd::relax::figures::CellFigures;
-use chebloyd::relax::record::optimal_energy;
+use nalgebra::{Point, Point2, Point3};
+
+use crate::cli::failure::write_file;
+use crate::domain::shape::PieceScratch;
+use crate::export::run::directory::RunDirectory;
+use crate::export::vtu::{CellGeometry, VtuWriter};
+use crate::geometry::bounds::Bounds;
+use crate::geometry::shell::Shell;
+use crate::plot::color::{Best, ColorScale};
+use crate::plot::cut::Cut;
+use crate::plot::cutaway::{CutawayPicture, Removed};
+use crate::plot::figure::Figure;
+use crate::plot::patches::{Patch, picture};
+use crate::plot::png::png;
+use crate::plot::svg::svg;
+use crate::relax::figures::CellFigures;
+use crate::relax::outline::shell;
+use crate::relax::plane::Plane;
+use crate::relax::record::{optimal_energy, optimal_side};
+use crate::relax::space::Space;
+use crate::relax::tessellation::Tessellation;
+use crate::scene::run::RunSpace;
+use crate::voronoi::diagram::Diagram;
+use crate::voronoi::planar::diagram::PlaneDiagram;
 
 /// Pixels per unit of an SVG: text stays sharp on fine screens.
 pub(crate) const PNG_SCALE: f64 = 2.0;
@@ -19,13 +34,93 @@ pub(crate) const PNG_SCALE: f64 = 2.0;
 /// More cells than this make an SVG that no viewer opens; the PNG is there all the same.
 const MOST_PATCHES: usize = 100_000;
 
+/// How far above the middle of the domain its cells are cut, in sides of a mean cell: the middle
+/// itself is a wall of cells for every lattice of an even number of layers.
+const OFF_MIDDLE: f64 = 0.25;
+
+/// A space whose cells can be drawn.
+pub(crate) trait DrawCells<const D: usize>: RunSpace<D> {
+    /// Writes `cells.vtu`, `cells.svg` and `cells.png`, given the figures of every cell.
+    fn draw_cells(
+        &self,
+        sites: &[Point<f64, D>],
+        cells: &[CellFigures<D>],
+        directory: &RunDirectory,
+    ) -> Result<(), Box<dyn Error>>;
+}
+
+impl DrawCells<2> for Plane {
+    fn draw_cells(
+        &self,
+        sites: &[Point2<f64>],
+        cells: &[CellFigures<2>],
+        directory: &RunDirectory,
+    ) -> Result<(), Box<dyn Error>> {
+        let colors = Colors::of(cells);
+        let diagram = PlaneDiagram::new(&self.domain, sites)?;
+        let mut file = VtuWriter::new(&directory.file("cells.vtu"));
+        let mut patches = Vec::with_capacity(sites.len());
+        for (site, (cell, figures)) in diagram.cells.iter().zip(cells).enumerate() {
+            let outline: Vec<Point2<f64>> = cell.outline().collect();
+            file.push(&geometry(site, Shell::polygon(&outline), figures))?;
+            patches.push(Patch {
+                contours: vec![outline],
+                value: Colors::value(figures),
+                site: Some(cell.site),
+            });
+        }
+        file.finish()?;
+        let figure = picture(&patches, colors.scale(), "Cells and their sites");
+        save_svg(&figure, patches.len(), directory)?;
+        save_png(&png(&figure, PNG_SCALE)?, directory)
+    }
+}
+
+impl DrawCells<3> for Space {
+    fn draw_cells(
+        &self,
+        sites: &[Point3<f64>],
+        cells: &[CellFigures<3>],
+        directory: &RunDirectory,
+    ) -> Result<(), Box<dyn Error>> {
+        let colors = Colors::of(cells);
+        let mut file = VtuWriter::new(&directory.file("cells.vtu"));
+        let height = cut_height(&self.bounds(), self.volume(), sites.len());
+        let cut = Cut::horizontal(height);
+        let mut patches = Vec::new();
+        let removed = Removed::enough_of(&self.bounds(), sites);
+        let (scale, title) = (colors.scale().clone(), removed.title());
+        let mut cutaway = CutawayPicture::new(&self.bounds(), removed, scale, title)?;
+        Diagram::new(self.domain(), sites)?.stream(
+            |scratch: &mut PieceScratch, cell| shell(self.domain(), &cell, scratch),
+            |site, shell| {
+                let value = Colors::value(&cells[site]);
+                patches.extend(cut.patch(&shell, value));
+                cutaway.push(&shell, &sites[site], value);
+                file.push(&geometry(site, shell, &cells[site]))?;
+                Ok::<(), Box<dyn Error>>(())
+            },
+        )?;
+        file.finish()?;
+        let title = format!("Cells cut at z = {height:.4}");
+        let figure = picture(&patches, colors.scale(), &title);
+        save_svg(&figure, patches.len(), directory)?;
+        save_png(&cutaway.finish()?, directory)
+    }
+}
+
+fn cut_height(bounds: &Bounds<3>, volume: f64, count: usize) -> f64 {
+    let side = optimal_side::<3>(volume, count).min(bounds.extent().z);
+    bounds.center().z + OFF_MIDDLE * side
+}
+
 /// Cells colored by energy, relative to a cube of the cell's own volume: that shows shapes, where
 /// a common measure would show how volumes differ.
-pub(crate) struct Colors(ColorScale);
+struct Colors(ColorScale);
 
 impl Colors {
     /// Colors spread over the energies of `cells`.
-    pub(crate) fn of<const D: usize>(cells: &[CellFigures<D>]) -> Self {
+    fn of<const D: usize>(cells: &[CellFigures<D>]) -> Self {
         let label = if D == 2 {
             "energy (% of a square of the cell’s area)"
         } else {
@@ -35,21 +130,17 @@ impl Colors {
         Self(ColorScale::fitting(label, Best::Low, values))
     }
 
-    pub(crate) fn scale(&self) -> &ColorScale {
+    fn scale(&self) -> &ColorScale {
         &self.0
     }
 
-    pub(crate) fn value<const D: usize>(cell: &CellFigures<D>) -> f64 {
+    fn value<const D: usize>(cell: &CellFigures<D>) -> f64 {
         100.0 * cell.chebyshev / optimal_energy::<D>(cell.volume, 1, 1)
     }
 }
 
-/// What `cells.vtu` tells of a cell.
-pub(crate) fn geometry<const D: usize>(
-    site: usize,
-    shell: Shell,
-    cell: &CellFigures<D>,
-) -> CellGeometry {
+/// A cell as `cells.vtu` holds it.
+fn geometry<const D: usize>(site: usize, shell: Shell, cell: &CellFigures<D>) -> CellGeometry {
     CellGeometry {
         site,
         shell,
@@ -61,7 +152,7 @@ pub(crate) fn geometry<const D: usize>(
 }
 
 /// Writes `cells.svg`, unless `patches` are too many for it.
-pub(crate) fn save_svg(
+fn save_svg(
     figure: &Figure,
     patches: usize,
     directory: &RunDirectory,
@@ -73,12 +164,11 @@ pub(crate) fn save_svg(
 }
 
 /// Writes `cells.png`.
-pub(crate) fn save_png(bytes: &[u8], directory: &RunDirectory) -> Result<(), Box<dyn Error>> {
+fn save_png(bytes: &[u8], directory: &RunDirectory) -> Result<(), Box<dyn Error>> {
     save("cells.png", bytes, directory)
 }
 
 fn save(name: &str, bytes: &[u8], directory: &RunDirectory) -> Result<(), Box<dyn Error>> {
-    let path = directory.file(name);
-    whole_file::write(&path, |file| file.write_all(bytes))
-        .map_err(|error| format!("cannot write {}: {error}", path.display()).into())
+    write_file(&directory.file(name), |file| file.write_all(bytes))?;
+    Ok(())
 }

@@ -1,11 +1,57 @@
-//! From the command line to the command.
+//! The command `chebloyd`: its arguments, its subcommands, its exit code.
 
-use crate::cli::arguments::{Arguments, Command, Common};
+use std::io::Write;
+use std::process::ExitCode;
+
+use clap::{CommandFactory, Parser, Subcommand};
+
 use crate::cli::failure::Failure;
-use crate::cli::{bench, completions, fragments, man, mass, measure, plot, relax, schema};
+use crate::cli::options::Common;
+use crate::cli::{bench, cpu_features, describe, fragments, mass, measure, plot, relax};
+
+/// Relaxes point sets under the Chebyshev norm until their Voronoi cells are near-cubic.
+///
+/// Exit codes: 0 done, 1 the run failed, 2 bad input or usage.
+#[derive(Debug, Parser)]
+#[command(name = "chebloyd", version, propagate_version = true)]
+struct Arguments {
+    #[command(flatten)]
+    common: Common,
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Relax(relax::Options),
+    Measure(measure::Options),
+    Mass(mass::Options),
+    Plot(plot::Options),
+    Fragments(fragments::Options),
+    Bench(bench::Options),
+    /// Print the JSON Schema of scenes
+    Schema,
+    Completions(describe::CompletionsOptions),
+    Man(describe::ManOptions),
+}
+
+/// Runs the command line of this process: prints results, or an error once, and returns the exit
+/// code.
+#[must_use]
+pub fn command_line() -> ExitCode {
+    let ran = cpu_features::check().and_then(|()| run(&Arguments::parse()));
+    match ran {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            // Where stderr is closed the exit code alone remains.
+            let _ = writeln!(std::io::stderr(), "error: {failure}");
+            failure.exit_code()
+        }
+    }
+}
 
 /// Runs the command that `arguments` name.
-pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
+fn run(arguments: &Arguments) -> Result<(), Failure> {
     let common = arguments.common;
     set_threads(common)?;
     match &arguments.command {
@@ -15,9 +61,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         Command::Plot(options) => plot::run(options, common),
         Command::Fragments(options) => fragments::run(options, common),
         Command::Bench(options) => bench::run(options, common.threads),
-        Command::Schema => schema::run(),
-        Command::Completions(options) => completions::run(options),
-        Command::Man(options) => man::run(options),
+        Command::Schema => describe::schema(),
+        Command::Completions(options) => describe::completions(options, Arguments::command()),
+        Command::Man(options) => describe::man(options, Arguments::command()),
     }
 }
 

@@ -1,7 +1,12 @@
-//! Why a command failed, as the user is told.
+//! Failures with their exit codes, results on standard output, and files written whole.
 
 use std::fmt;
+use std::fs::File;
+use std::io::{self, BufWriter, ErrorKind, Write};
+use std::path::Path;
 use std::process::ExitCode;
+
+use crate::export::whole_file;
 
 /// Why a command failed.
 #[derive(Debug)]
@@ -35,4 +40,27 @@ impl fmt::Display for Failure {
             Self::Input(message) | Self::Run(message) => formatter.write_str(message),
         }
     }
+}
+
+/// Prints `bytes` on standard output. A reader that has left (`| head`) is no failure.
+pub(crate) fn print(bytes: impl AsRef<[u8]>) -> Result<(), Failure> {
+    let mut stdout = io::stdout().lock();
+    let printed = stdout
+        .write_all(bytes.as_ref())
+        .and_then(|()| stdout.flush());
+    match printed {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(Failure::run(format!(
+            "cannot write to standard output: {error}"
+        ))),
+        _ => Ok(()),
+    }
+}
+
+/// Writes a file, or leaves the one that is there; the error names the path.
+pub(crate) fn write_file(
+    path: &Path,
+    content: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
+) -> Result<(), String> {
+    whole_file::write(path, content)
+        .map_err(|error| format!("cannot write {}: {error}", path.display()))
 }

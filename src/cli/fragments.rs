@@ -1,4 +1,4 @@
-//! `chebloyd fragments`.
+//! `chebloyd fragments`: one cell parted by the axis and direction of its Chebyshev distance.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -6,29 +6,25 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use nalgebra::{Point3, Rotation3, Vector3};
 
-use chebloyd::chebyshev::energy::{SignedPiece, energy};
-use chebloyd::chebyshev::fragments::fragments_in_frame;
-use chebloyd::chebyshev::integrand::Integrand;
-use chebloyd::chebyshev::sector::Sector;
-use chebloyd::chebyshev::walk::WalkScratch;
-use chebloyd::domain::domain::Domain;
-use chebloyd::domain::facet_kind::FacetKind;
-use chebloyd::domain::shape::PieceScratch;
-use chebloyd::export::vtu::{CellGeometry, write_cells};
-use chebloyd::export::whole_file;
-use chebloyd::geometry::polyhedron::Polyhedron;
-use chebloyd::geometry::shell::Shell;
-use chebloyd::plot::exploded::{Fragment, FragmentedCell, exploded};
-use chebloyd::relax::space::Space;
-use chebloyd::relax::tessellation::Tessellation;
-use chebloyd::scene::overrides::Overrides;
-use chebloyd::voronoi::diagram::Diagram;
+use crate::chebyshev::energy::{SignedPiece, energy};
+use crate::chebyshev::fragments::fragments_in_frame;
+use crate::chebyshev::integrand::Integrand;
+use crate::chebyshev::sector::Sector;
+use crate::chebyshev::walk::WalkScratch;
+use crate::domain::facet_kind::FacetKind;
+use crate::domain::{domain::Domain, shape::PieceScratch};
+use crate::export::vtu::{CellGeometry, write_cells};
+use crate::geometry::polyhedron::Polyhedron;
+use crate::geometry::shell::Shell;
+use crate::plot::exploded::{Fragment, FragmentedCell, exploded};
+use crate::relax::space::Space;
+use crate::relax::tessellation::Tessellation;
+use crate::scene::overrides::Overrides;
+use crate::scene::run::RunSpace;
+use crate::voronoi::diagram::Diagram;
 
-use crate::cli::arguments::Common;
-use crate::cli::failure::Failure;
-use crate::cli::ground::{Ground, space};
-use crate::cli::scene_options::SceneOptions;
-use crate::cli::stdout;
+use crate::cli::failure::{Failure, print, write_file};
+use crate::cli::options::{Common, SceneOptions, space};
 
 /// Take one cell apart into its six fragments, as a picture or as polyhedra
 ///
@@ -53,16 +49,16 @@ pub(crate) fn run(options: &Options, common: Common) -> Result<(), Failure> {
         return Err(Failure::input(message));
     }
     let is_picture = is_picture(&options.output)?;
-    let ground = space(&scene)?;
-    let sites = ground.place(&scene)?;
-    let site = options.site.unwrap_or_else(|| middle(&ground, &sites));
+    let space = space(&scene)?;
+    let sites = space.place(&scene).map_err(Failure::input)?;
+    let site = options.site.unwrap_or_else(|| middle(&space, &sites));
     let position = *sites.get(site).ok_or_else(|| {
         let count = sites.len();
         Failure::input(format!(
             "there is no site {site} among {count}; the first is 0"
         ))
     })?;
-    let parts = parts(&ground, &sites, site)?;
+    let parts = parts(&space, &sites, site)?;
     if is_picture {
         draw(&options.output, site, &position, &parts)?;
     } else {
@@ -71,7 +67,7 @@ pub(crate) fn run(options: &Options, common: Common) -> Result<(), Failure> {
     if common.quiet {
         return Ok(());
     }
-    stdout::print(format!("{}\n", options.output.display()))
+    print(format!("{}\n", options.output.display()))
 }
 
 fn is_picture(path: &Path) -> Result<bool, Failure> {
@@ -125,7 +121,7 @@ fn frame(space: &Space, site: usize) -> Rotation3<f64> {
     space.frames().of(number).copied().unwrap_or_default()
 }
 
-/// What the domain holds of a wedge, which begins at the site.
+/// The part of a wedge within the domain, in coordinates relative to the site.
 fn part(
     domain: &dyn Domain,
     site: &Point3<f64>,
@@ -163,8 +159,7 @@ fn draw(path: &Path, site: usize, position: &Point3<f64>, parts: &[Part]) -> Res
         fragments: Sector::ALL.into_iter().zip(parts).map(fragment).collect(),
     };
     let bytes = exploded(&[cell]).map_err(Failure::run)?;
-    whole_file::write(path, |file| file.write_all(&bytes))
-        .map_err(|error| Failure::input(format!("cannot write {}: {error}", path.display())))
+    write_file(path, |file| file.write_all(&bytes)).map_err(Failure::input)
 }
 
 fn export(path: &Path, site: usize, parts: &[Part]) -> Result<(), Failure> {

@@ -1,4 +1,4 @@
-//! `chebloyd mass`.
+//! `chebloyd mass`: mass, center of mass and inertia of solids.
 
 use std::path::{Path, PathBuf};
 
@@ -6,15 +6,14 @@ use clap::Args;
 use nalgebra::{Matrix3, Point3, Vector3};
 use serde::Serialize;
 
-use chebloyd::geometry::bounds::Bounds;
-use chebloyd::mass::body::Body;
-use chebloyd::mass::density::Density;
-use chebloyd::mass::weigh::{bounds, weigh};
-use chebloyd::mesh::formats::read::load;
-use chebloyd::mesh::validate::Solid;
+use crate::geometry::bounds::Bounds;
+use crate::mass::body::Body;
+use crate::mass::density::Density;
+use crate::mass::weigh::{bounds, weigh};
+use crate::mesh::formats::read::load;
+use crate::mesh::validate::Solid;
 
-use crate::cli::failure::Failure;
-use crate::cli::stdout;
+use crate::cli::failure::{Failure, print};
 
 /// Print mass, center of mass and inertia of solids of any density, exactly
 ///
@@ -114,9 +113,9 @@ pub(crate) fn run(options: &Options) -> Result<(), Failure> {
     let report = report(options, &solids, &bodies, &body);
     if options.json {
         let text = serde_json::to_string_pretty(&report).map_err(Failure::run)?;
-        return stdout::print(text + "\n");
+        return print(text + "\n");
     }
-    stdout::print(report.table())
+    print(report.table())
 }
 
 /// One density per part, from one for all or one each.

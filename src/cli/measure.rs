@@ -1,18 +1,16 @@
-//! `chebloyd measure`.
+//! `chebloyd measure`: the figures of a tessellation, as JSON.
 
 use clap::Args;
 
-use chebloyd::relax::figures::{CellFigures, Figures};
-use chebloyd::scene::description::Scene;
-use chebloyd::scene::overrides::Overrides;
+use crate::relax::figures::{CellFigures, Figures};
+use crate::scene::description::Scene;
+use crate::scene::overrides::Overrides;
+use crate::scene::run::{RunSpace, plane, question};
 
-use crate::cli::failure::Failure;
-use crate::cli::ground::{Ground, plane, space};
-use crate::cli::question::question;
-use crate::cli::scene_options::SceneOptions;
-use crate::cli::stdout;
+use crate::cli::failure::{Failure, print};
+use crate::cli::options::{SceneOptions, space};
 
-/// Print what the tessellation of given sites is worth, as one JSON object
+/// Print the figures of the tessellation of given sites, as one JSON object
 #[derive(Debug, Args)]
 pub(crate) struct Options {
     #[command(flatten)]
@@ -25,23 +23,26 @@ pub(crate) struct Options {
 pub(crate) fn run(options: &Options) -> Result<(), Failure> {
     let scene = options.scene.scene(Overrides::default())?;
     match scene.dimension {
-        2 => print(&plane(&scene)?, &scene, options.per_cell),
-        _ => print(&space(&scene)?, &scene, options.per_cell),
+        2 => {
+            let plane = plane(&scene).map_err(Failure::input)?;
+            print_figures(&plane, &scene, options.per_cell)
+        }
+        _ => print_figures(&space(&scene)?, &scene, options.per_cell),
     }
 }
 
-fn print<const D: usize>(
-    ground: &impl Ground<D>,
+fn print_figures<const D: usize>(
+    space: &impl RunSpace<D>,
     scene: &Scene,
     per_cell: bool,
 ) -> Result<(), Failure> {
-    let sites = ground.place(scene)?;
-    let cells = ground
+    let sites = space.place(scene).map_err(Failure::input)?;
+    let cells = space
         .cells(&sites, question(scene))
         .map_err(Failure::input)?;
-    let figures = Figures::of(ground.volume(), &cells);
+    let figures = Figures::of(space.volume(), &cells);
     let text = object(&figures, per_cell.then_some(&cells)).map_err(Failure::run)?;
-    stdout::print(text)
+    print(text)
 }
 
 /// The figures as one JSON object; those of every cell too, one per line, where they are given.

@@ -1,30 +1,17 @@
-//! The command line: one file per subcommand, thin.
+//! The command line: one file per subcommand, and what several of them share.
 
-pub(crate) mod arguments;
 pub(crate) mod bench;
+pub(crate) mod bench_sites;
 pub(crate) mod cell_files;
 pub(crate) mod command;
-pub(crate) mod completions;
-pub(crate) mod crowd;
+pub(crate) mod cpu_features;
+pub(crate) mod describe;
 pub(crate) mod failure;
 pub(crate) mod fragments;
-pub(crate) mod ground;
-pub(crate) mod ground_plane;
-pub(crate) mod ground_space;
-pub(crate) mod interrupt;
-pub(crate) mod job;
-pub(crate) mod man;
 pub(crate) mod mass;
 pub(crate) mod measure;
-pub(crate) mod method_options;
+pub(crate) mod options;
 pub(crate) mod plot;
-pub(crate) mod processor;
-pub(crate) mod progress;
-mod question;
 pub(crate) mod relax;
-pub(crate) mod resident;
-pub(crate) mod scene_options;
-pub(crate) mod schema;
-pub(crate) mod stdout;
-pub(crate) mod summary;
-pub(crate) mod watch;
+pub(crate) mod run;
+pub(crate) mod stopwatch;

@@ -1,21 +1,18 @@
-//! `chebloyd plot`.
+//! `chebloyd plot`: the curves of runs, drawn from their logs.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use chebloyd::export::log::read_log;
-use chebloyd::export::whole_file;
-use chebloyd::plot::convergence::{Run, convergence};
-use chebloyd::plot::figure::Figure;
-use chebloyd::plot::{png, svg};
-use chebloyd::relax::record::Record;
-
-use crate::cli::arguments::Common;
 use crate::cli::cell_files::PNG_SCALE;
-use crate::cli::failure::Failure;
-use crate::cli::stdout;
+use crate::cli::failure::{Failure, print, write_file};
+use crate::cli::options::Common;
+use crate::export::log::read_log;
+use crate::plot::convergence::{Run, convergence};
+use crate::plot::figure::Figure;
+use crate::plot::{png, svg};
+use crate::relax::record::Record;
 
 /// Draw the energy and movement curves of one or several runs
 #[derive(Debug, Args)]
@@ -42,16 +39,11 @@ pub(crate) fn run(options: &Options, common: Common) -> Result<(), Failure> {
         .map(|(name, records)| Run { name, records })
         .collect();
     let bytes = format.draw(&convergence(&runs))?;
-    whole_file::write(&options.output, |file| file.write_all(&bytes)).map_err(|error| {
-        Failure::input(format!(
-            "cannot write {}: {error}",
-            options.output.display()
-        ))
-    })?;
+    write_file(&options.output, |file| file.write_all(&bytes)).map_err(Failure::input)?;
     if common.quiet {
         return Ok(());
     }
-    stdout::print(format!("{}\n", options.output.display()))
+    print(format!("{}\n", options.output.display()))
 }
 
 #[derive(Clone, Copy)]
@@ -101,7 +93,7 @@ fn records(path: &Path) -> Result<Vec<Record>, Failure> {
     Ok(records)
 }
 
-/// What tells runs apart: the directory where the log has its usual name, else the file.
+/// The name of a run: the directory where the log has its usual name, else the file.
 fn name(path: &Path) -> String {
     let own = path.file_stem().unwrap_or_default();
     let folder = path.parent().and_then(Path::file_name);

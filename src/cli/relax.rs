@@ -1,21 +1,35 @@
-//! `chebloyd relax`.
+//! `chebloyd relax`: a run in a directory, new or taken up again.
 
 use std::path::PathBuf;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
+use serde_json::json;
 
-use chebloyd::export::run::directory::RunDirectory;
-use chebloyd::scene::description::Scene;
-use chebloyd::scene::method::MethodName;
-use chebloyd::scene::overrides::Overrides;
-use chebloyd::scene::validate;
-
-use crate::cli::arguments::Common;
 use crate::cli::failure::Failure;
-use crate::cli::ground::{Ground, plane, space};
-use crate::cli::job::{Description, Job};
-use crate::cli::method_options::MethodOptions;
-use crate::cli::scene_options::SceneOptions;
+use crate::cli::options::{
+    Common, MethodOptions, SceneOptions, change, finite, given, named, space,
+};
+use crate::cli::run::{Description, FiledRun};
+use crate::export::run::directory::RunDirectory;
+use crate::scene::overrides::Overrides;
+use crate::scene::run::plane;
+
+const METHODS: [(&str, &str); 3] = [
+    ("lloyd", "Every site moves to its cell's center"),
+    (
+        "quasi-newton",
+        "All sites descend together along the exact global objective",
+    ),
+    (
+        "anneal",
+        "Descents from noise that falls round by round; the best sites are kept",
+    ),
+];
+
+const GOALS: [(&str, &str); 1] = [(
+    "cubes",
+    "Every cell a cube, as near as the number of sites allows",
+)];
 
 /// Relax sites until their cells are near-cubic
 ///
@@ -32,42 +46,25 @@ pub(crate) struct Options {
     #[arg(long)]
     force: bool,
     /// Go on with the run that DIR holds
-    #[arg(long, conflicts_with_all = ["force", "scene", "sites", "count", "seed", "norm", "method", "goal", "coarse_to_fine", "order"])]
-    #[arg(conflicts_with_all = MethodOptions::NAMES)]
+    #[arg(long, conflicts_with_all = ["force", "method", "goal", "coarse_to_fine", "SceneOptions", "MethodOptions"])]
     resume: bool,
     /// How many moves, those before a resumption counted
     #[arg(long, value_name = "K")]
     iterations: Option<u64>,
     /// Stop when movement_percent falls below T
-    #[arg(long, value_name = "T")]
+    #[arg(long, value_name = "T", value_parser = finite)]
     tolerance: Option<f64>,
     /// How the sites move
-    #[arg(long, value_name = "NAME")]
-    method: Option<Method>,
+    #[arg(long, value_name = "NAME", value_parser = named(&METHODS))]
+    method: Option<String>,
     /// What the cells are to become; chooses the method
-    #[arg(long, value_name = "NAME", conflicts_with = "method")]
-    goal: Option<Goal>,
+    #[arg(long, value_name = "NAME", conflicts_with = "method", value_parser = named(&GOALS))]
+    goal: Option<String>,
     /// Relax one site in 8^L first, then split each into eight, L times
     #[arg(long, value_name = "L")]
     coarse_to_fine: Option<u32>,
     #[command(flatten)]
     of_method: MethodOptions,
-}
-
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum Method {
-    /// Every site moves to its cell's center
-    Lloyd,
-    /// All sites descend together along the exact global objective
-    QuasiNewton,
-    /// Descents from noise that falls round by round; the best sites are kept
-    Anneal,
-}
-
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum Goal {
-    /// Every cell a cube, as near as the number of sites allows
-    Cubes,
 }
 
 pub(crate) fn run(options: &Options, common: Common) -> Result<(), Failure> {
@@ -83,48 +80,39 @@ fn start(options: &Options, common: Common) -> Result<(), Failure> {
         RunDirectory::check_vacant(&options.out).map_err(Failure::input)?;
     }
     let scene = options.scene.scene(options.overrides())?;
-    match scene.dimension {
-        2 => start_on(&plane(&scene)?, scene, options, common),
-        _ => start_on(&space(&scene)?, scene, options, common),
+    if scene.dimension == 2 {
+        let plane = plane(&scene).map_err(Failure::input)?;
+        return FiledRun::start(&plane, scene, &options.out)?.run(common);
     }
+    FiledRun::start(&space(&scene)?, scene, &options.out)?.run(common)
 }
 
 fn resume(options: &Options, common: Common) -> Result<(), Failure> {
     let found = RunDirectory::reopen::<Description>(&options.out).map_err(Failure::input)?;
     let (directory, mut description) = (found.directory, found.description);
-    let scene = &mut description.scene;
-    options.overrides().apply(scene).map_err(Failure::input)?;
-    validate::scene(scene).map_err(Failure::input)?;
-    match description.scene.dimension {
-        2 => Job::resume(&plane(&description.scene)?, directory, description)?.run(common),
-        _ => Job::resume(&space(&description.scene)?, directory, description)?.run(common),
+    change(&mut description.scene, &options.overrides())?;
+    if description.scene.dimension == 2 {
+        let plane = plane(&description.scene).map_err(Failure::input)?;
+        return FiledRun::resume(&plane, directory, description)?.run(common);
     }
-}
-
-fn start_on<const D: usize>(
-    ground: &impl Ground<D>,
-    scene: Scene,
-    options: &Options,
-    common: Common,
-) -> Result<(), Failure> {
-    let sites = ground.place(&scene)?;
-    Job::start(ground, scene, sites, &options.out)?.run(common)
+    let space = space(&description.scene)?;
+    FiledRun::resume(&space, directory, description)?.run(common)
 }
 
 impl Options {
     fn overrides(&self) -> Overrides {
-        Overrides {
-            iterations: self.iterations,
-            tolerance: self.tolerance,
-            method: self.method.map(|method| match method {
-                Method::Lloyd => MethodName::Lloyd,
-                Method::QuasiNewton => MethodName::QuasiNewton,
-                Method::Anneal => MethodName::Anneal,
-            }),
-            is_for_cubes: self.goal.is_some(),
-            coarse_to_fine: self.coarse_to_fine,
-            of_method: self.of_method.overrides(),
+        let mut overrides = Overrides {
+            scene: given(json!({
+                "method": self.method, "coarse_to_fine": self.coarse_to_fine,
+            })),
+            method: given(&self.of_method),
             ..Overrides::default()
+        };
+        if self.goal.is_some() {
+            overrides.set_cubes();
         }
+        let ends = json!({ "iterations": self.iterations, "tolerance": self.tolerance });
+        overrides.method.extend(given(ends));
+        overrides
     }
 }

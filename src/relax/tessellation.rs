@@ -7,8 +7,14 @@ pub use crate::chebyshev::center::Minimizer;
 use crate::geometry::bounds::Bounds;
 
 /// Which distance a site minimizes over its cell.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(
+    feature = "scene",
+    derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema)
+)]
+#[cfg_attr(feature = "scene", serde(rename_all = "snake_case"))]
 pub enum Norm {
+    #[default]
     /// The Chebyshev distance: a site moves to its cell's center.
     Linf,
     /// The Euclidean distance: a site moves to its cell's centroid (the classical control).

@@ -1,4 +1,4 @@
-//! The scene's `density`: how much every place of the domain weighs.
+//! The scene's `density`: the weight of the domain's volume in the energies.
 //!
 //! A polynomial holds for any domain, and so does a size that is one. Values at tetrahedron
 //! vertices, be they densities or sizes, make a density that is linear on every tetrahedron.

@@ -1,4 +1,4 @@
-//! The scene: everything a run is told.
+//! The scene: one JSON object with all that a run depends on, its defaults and its validation.
 
 use std::path::Path;
 
@@ -6,14 +6,19 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::domain::domain as space;
+use crate::relax::tessellation::Norm;
 use crate::scene::density::Density;
 use crate::scene::domain::Domain;
 use crate::scene::error::Error;
 use crate::scene::frames::FrameChoice;
 use crate::scene::method::Method;
-use crate::scene::norm::Norm;
-use crate::scene::output::Output;
 use crate::scene::sites::Sites;
+
+/// The largest order p: beyond it d∞^p underflows for cells of a thousandth of the domain.
+const LARGEST_ORDER: u32 = 64;
+
+/// 8^20 sites are more than any machine holds.
+const MOST_LEVELS: u32 = 20;
 
 /// The scene that runs when none is given: the paper's main job, kept beside the others.
 const EMBEDDED: &str = include_str!("../../scenes/cube.json");
@@ -27,10 +32,10 @@ pub struct Scene {
     /// 3, or 2 for sites in the plane.
     #[serde(default = "three")]
     pub dimension: usize,
-    /// Where the sites live; the unit cube (in the plane: the unit square) unless told.
+    /// Where the sites live; the unit cube (in the plane: the unit square) by default.
     #[serde(default)]
     pub domain: Domain,
-    /// How much every place of the domain weighs; the same everywhere unless told.
+    /// How much every place of the domain weighs; the same everywhere by default.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub density: Option<Density>,
     /// The sites to start from.
@@ -60,6 +65,25 @@ pub struct Scene {
     pub output: Output,
 }
 
+/// Which files a run leaves besides `log.jsonl`, `run.json` and `sites.csv`.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Output {
+    /// The cells: `cells.vtu` in space, and a picture of them.
+    pub cells: bool,
+    /// The energy and movement curves: `convergence.svg`.
+    pub plot: bool,
+}
+
+impl Default for Output {
+    fn default() -> Self {
+        Self {
+            cells: true,
+            plot: true,
+        }
+    }
+}
+
 impl Scene {
     /// The embedded scene: 1000 uniform random sites in the unit cube, 50 iterations of L2∣∞
     /// Lloyd. Its defaults are filled in.
@@ -83,6 +107,62 @@ impl Scene {
             Some(density) => density.weigh(&self.domain, self.order),
             None => self.domain.solid(),
         }
+    }
+
+    /// The JSON Schema of scenes, for editors.
+    #[must_use]
+    pub fn schema() -> serde_json::Value {
+        schemars::schema_for!(Self).to_value()
+    }
+
+    /// Validates every number of a scene whose defaults are filled in.
+    ///
+    /// # Errors
+    /// [`Error::Value`] with the key of the first one that makes no sense.
+    pub fn validate(&self) -> Result<(), Error> {
+        if !(2..=3).contains(&self.dimension) {
+            let message = format!("{} is neither 2 nor 3", self.dimension);
+            return Err(Error::value("dimension", message));
+        }
+        if !(1..=LARGEST_ORDER).contains(&self.order) {
+            let message = format!("{} is not between 1 and {LARGEST_ORDER}", self.order);
+            return Err(Error::value("order", message));
+        }
+        if self.density.is_some() && self.dimension != 3 {
+            let message = "only domains in space have one; leave it out or set \"dimension\": 3";
+            return Err(Error::value("density", message));
+        }
+        self.domain.validate(self.dimension)?;
+        self.sites.validate(self.dimension)?;
+        if let Some(frames) = &self.frames {
+            frames.validate(self.dimension)?;
+        }
+        self.validate_combinations()?;
+        self.method.validate()
+    }
+
+    /// Refuses keys that exclude each other.
+    fn validate_combinations(&self) -> Result<(), Error> {
+        let levels = self.coarse_to_fine.unwrap_or(0);
+        let is_per_site = self.frames.as_ref().is_some_and(FrameChoice::is_per_site);
+        if is_per_site && levels > 0 {
+            let message = "every site has its own frame, so their number must not change; give 0";
+            return Err(Error::value("coarse_to_fine", message));
+        }
+        let is_lloyd = matches!(self.method, Method::Lloyd(_));
+        if self.dimension == 2 && !(is_lloyd && levels == 0) {
+            let message = "in the plane there is \"lloyd\" only, without coarse_to_fine";
+            return Err(Error::value("method", message));
+        }
+        if self.norm == Norm::L2 && !is_lloyd {
+            let message = "only \"lloyd\" can minimize another norm than \"linf\"";
+            return Err(Error::value("norm", message));
+        }
+        if levels > MOST_LEVELS {
+            let message = format!("more than {MOST_LEVELS} levels make no sense");
+            return Err(Error::value("coarse_to_fine", message));
+        }
+        Ok(())
     }
 
     /// Fills in the defaults that depend on the dimension.

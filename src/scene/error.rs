@@ -1,4 +1,8 @@
-//! Why a scene or its sites cannot be used: every way to refuse what comes in.
+//! Errors of scenes and of the sites they name; unknown keys with the nearest known one.
+//!
+//! serde names unknown keys in the text of its message only ("unknown field `a`, expected one of
+//! `b`, `c`"); `unknown_key` takes the words out of it again. A message of another form is shown
+//! as it is.
 
 use std::path::PathBuf;
 
@@ -60,8 +64,8 @@ pub enum Error {
     /// An override that does not fit the scene.
     #[error("{option} does not fit the scene: {message}")]
     Override {
-        /// The command line's option.
-        option: &'static str,
+        /// The command line's option, named like the key.
+        option: String,
         /// What is wrong and what would be right.
         message: String,
     },
@@ -149,6 +153,9 @@ pub enum Error {
     /// A grid of which the domain holds no point.
     #[error("the domain holds no point of the grid; give it more points")]
     EmptyGrid,
+    /// The sites have no diagram, or the method cannot be carried out on it.
+    #[error(transparent)]
+    Relax(Box<dyn std::error::Error + Send + Sync>),
 }
 
 impl Error {
@@ -158,6 +165,40 @@ impl Error {
             message: message.into(),
         }
     }
+}
+
+/// The message without the position that serde_json appends.
+pub(crate) fn bare_message(error: &serde_json::Error) -> String {
+    let position = format!(" at line {} column {}", error.line(), error.column());
+    let message = error.to_string();
+    message
+        .strip_suffix(&position)
+        .unwrap_or(&message)
+        .to_owned()
+}
+
+/// A key, or a name as value, that means nothing where it stands.
+pub(crate) struct UnknownKey {
+    pub(crate) key: String,
+    /// The known word most like it.
+    pub(crate) nearest: String,
+    /// All words known there.
+    pub(crate) known: String,
+}
+
+/// The unknown word and the known ones, where serde's `message` is about such.
+pub(crate) fn unknown_key(message: &str) -> Option<UnknownKey> {
+    let rest = message
+        .strip_prefix("unknown field `")
+        .or_else(|| message.strip_prefix("unknown variant `"))?;
+    let (key, expected) = rest.split_once("`, expected ")?;
+    let known: Vec<&str> = expected.split('`').skip(1).step_by(2).collect();
+    let distance = |word: &&&str| strsim::damerau_levenshtein(key, word);
+    Some(UnknownKey {
+        key: key.to_owned(),
+        nearest: (*known.iter().min_by_key(distance)?).to_owned(),
+        known: known.join(", "),
+    })
 }
 
 fn more(others: usize) -> String {

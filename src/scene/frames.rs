@@ -1,4 +1,4 @@
-//! The scene's `frames`: along which axes distances are measured.
+//! The scene's `frames`: the axes along which a cell's Chebyshev distance is measured.
 
 use std::path::{Path, PathBuf};
 
@@ -10,8 +10,8 @@ use crate::domain::domain::Domain;
 use crate::relax::boundary_frames::boundary_frames;
 use crate::relax::frames::Frames;
 use crate::scene::error::Error;
+use crate::scene::numbers::all_finite;
 use crate::scene::site_file;
-use crate::scene::validate::all_finite;
 
 /// The frames of cells: one for all, or one for each.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -107,7 +107,7 @@ impl FrameChoice {
 }
 
 fn read(path: &Path, count: usize) -> Result<Vec<Rotation3<f64>>, Error> {
-    let rows = site_file::read::sites::<3>(path)?;
+    let rows = site_file::read::<3>(path)?;
     if rows.len() != count {
         return Err(Error::File {
             path: path.to_owned(),

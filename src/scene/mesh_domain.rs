@@ -14,15 +14,14 @@ use crate::mesh::report::SurfaceReport;
 use crate::mesh::similarity::Similarity;
 use crate::mesh::validate::{Solid, validate_surface};
 use crate::scene::error::Error;
-use crate::scene::place::point;
-use crate::scene::validate::{all_finite, dimensions_match};
+use crate::scene::numbers::{all_finite, dimensions_match, point};
 
 /// A mesh file and the box into which its solid is fitted.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeshDomain {
     /// The file.
     pub file: PathBuf,
-    /// Where the solid is brought; it stays as it is unless told.
+    /// Where the solid is brought; by default it stays as it is.
     pub scale_to: Option<ScaleTo>,
 }
 

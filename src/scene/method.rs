@@ -1,16 +1,13 @@
-//! The scene's `method`: how the sites move.
+//! The scene's `method`: the options that each method has, with their defaults.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::relax::plan::{KickStyle, NO_LIMIT};
-use crate::scene::description::Scene;
+use crate::relax::descent::DescentOptions;
+use crate::relax::plan::{FIRST_DESCENT, KickStyle, Kicks, NO_LIMIT};
+use crate::relax::tessellation::Minimizer;
 use crate::scene::error::Error;
-use crate::scene::method_keys::{Anneal, Lloyd, Minimizer, QuasiNewton};
-use crate::scene::norm::Norm;
-
-/// 8^20 sites are more than any machine holds.
-const MOST_LEVELS: u32 = 20;
+use crate::scene::numbers::{at_least_one, not_negative};
 
 /// A method by its scene key.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -22,17 +19,6 @@ pub enum Method {
     QuasiNewton(QuasiNewton),
     /// Descents from disturbed sites, round by round; the best sites are kept.
     Anneal(Anneal),
-}
-
-/// A method's name.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum MethodName {
-    /// [`Method::Lloyd`].
-    Lloyd,
-    /// [`Method::QuasiNewton`].
-    QuasiNewton,
-    /// [`Method::Anneal`].
-    Anneal,
 }
 
 impl Default for Method {
@@ -48,27 +34,6 @@ impl Method {
         Self::Anneal(Anneal::of_style(KickStyle::Exchange))
     }
 
-    /// The method's name.
-    #[must_use]
-    pub fn name(&self) -> MethodName {
-        match self {
-            Self::Lloyd(_) => MethodName::Lloyd,
-            Self::QuasiNewton(_) => MethodName::QuasiNewton,
-            Self::Anneal(_) => MethodName::Anneal,
-        }
-    }
-
-    /// Becomes the method `name` with its defaults, unless it is that method already.
-    pub fn choose(&mut self, name: MethodName) {
-        if self.name() != name {
-            *self = match name {
-                MethodName::Lloyd => Self::Lloyd(Lloyd::default()),
-                MethodName::QuasiNewton => Self::QuasiNewton(QuasiNewton::default()),
-                MethodName::Anneal => Self::Anneal(Anneal::default()),
-            };
-        }
-    }
-
     /// How many moves the method makes at most.
     #[must_use]
     pub fn iterations(&self) -> u64 {
@@ -79,15 +44,6 @@ impl Method {
         }
     }
 
-    /// Sets how many moves the method makes at most.
-    pub fn set_iterations(&mut self, iterations: u64) {
-        match self {
-            Self::Lloyd(lloyd) => lloyd.iterations = iterations,
-            Self::QuasiNewton(descent) => descent.iterations = iterations,
-            Self::Anneal(anneal) => anneal.iterations = Some(iterations),
-        }
-    }
-
     /// The movement in percent below which the method stops.
     #[must_use]
     pub fn tolerance(&self) -> f64 {
@@ -95,15 +51,6 @@ impl Method {
             Self::Lloyd(lloyd) => lloyd.tolerance,
             Self::QuasiNewton(descent) => descent.tolerance,
             Self::Anneal(anneal) => anneal.tolerance,
-        }
-    }
-
-    /// Sets the movement in percent below which the method stops.
-    pub fn set_tolerance(&mut self, tolerance: f64) {
-        match self {
-            Self::Lloyd(lloyd) => lloyd.tolerance = tolerance,
-            Self::QuasiNewton(descent) => descent.tolerance = tolerance,
-            Self::Anneal(anneal) => anneal.tolerance = tolerance,
         }
     }
 
@@ -122,23 +69,8 @@ impl Method {
         matches!(self, Self::Lloyd(lloyd) if lloyd.accelerate)
     }
 
-    pub(crate) fn validate(&self, scene: &Scene) -> Result<(), Error> {
-        let is_plain = matches!(self, Self::Lloyd(_)) && scene.coarse_to_fine.unwrap_or(0) == 0;
-        if scene.dimension == 2 && !is_plain {
-            let message = "in the plane there is \"lloyd\" only, without coarse_to_fine";
-            return Err(Error::value("method", message.to_owned()));
-        }
-        if scene.norm == Norm::L2 && !matches!(self, Self::Lloyd(_)) {
-            let message = "only \"lloyd\" can minimize another norm than \"linf\"";
-            return Err(Error::value("norm", message.to_owned()));
-        }
-        if scene
-            .coarse_to_fine
-            .is_some_and(|levels| levels > MOST_LEVELS)
-        {
-            let message = format!("more than {MOST_LEVELS} levels make no sense");
-            return Err(Error::value("coarse_to_fine", message));
-        }
+    /// Validates the method's own numbers.
+    pub(crate) fn validate(&self) -> Result<(), Error> {
         match self {
             Self::Lloyd(lloyd) => not_negative("method.lloyd.tolerance", lloyd.tolerance),
             Self::QuasiNewton(descent) => {
@@ -162,23 +94,119 @@ impl Method {
     }
 }
 
-fn not_negative(key: &str, value: f64) -> Result<(), Error> {
-    if value.is_finite() && value >= 0.0 {
-        return Ok(());
-    }
-    let message = match key.ends_with("tolerance") {
-        true => format!("{value:?} is no percentage; give 0 or a positive number"),
-        false => format!("{value:?} is not 0 or a positive number"),
-    };
-    Err(Error::value(key, message))
+/// The options of Lloyd's iteration.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Lloyd {
+    /// How many moves at most.
+    pub iterations: u64,
+    /// Stop when `movement_percent` falls below this; 0 never stops early.
+    pub tolerance: f64,
+    /// Which algorithm finds a cell's center.
+    pub minimizer: Minimizer,
+    /// Whether moves go three times as far, where that ends lower than Lloyd's own.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub accelerate: bool,
 }
 
-fn at_least_one(key: &str, value: u64) -> Result<(), Error> {
-    if value > 0 {
-        return Ok(());
+/// The options of the quasi-Newton descent.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct QuasiNewton {
+    /// How many steps at most, those of the warm-up counted.
+    pub iterations: u64,
+    /// Stop when `movement_percent` falls below this; 0 never stops early.
+    pub tolerance: f64,
+    /// Stop when no component of the projected gradient is larger than this share of s^(2+p), s the
+    /// side of the mean cell, times the mean density.
+    pub gradient_tolerance: f64,
+    /// How many steps the model of the curvature remembers.
+    pub memory: usize,
+    /// How many of Lloyd's moves come first, on every level.
+    pub warm_up: u64,
+}
+
+/// The options of annealing.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Anneal {
+    /// How many moves at most, over all rounds and levels; none if left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub iterations: Option<u64>,
+    /// A descent ends when `movement_percent` falls below this.
+    pub tolerance: f64,
+    /// How many rounds on every level; fewer if all cells become cubes.
+    pub rounds: u64,
+    /// Steps of the descent that follows a disturbance.
+    pub steps: u64,
+    /// The greatest standard deviation of the noise, in sides of the mean cell.
+    pub noise: f64,
+    /// How the noise falls over the rounds: as (1 − round/rounds) to this power. 1 is linear, 0 not
+    /// at all.
+    pub fall: f64,
+    /// From which the noise comes.
+    pub seed: u64,
+    /// The most steps of a level's first and last descent.
+    pub first_steps: u64,
+    /// How many steps the model of the curvature remembers.
+    pub memory: usize,
+    /// A descent ends when no component of the projected gradient is larger than this share of
+    /// s^(2+p), s the side of the mean cell, times the mean density.
+    pub gradient_tolerance: f64,
+    /// How many of Lloyd's moves come first, on every level.
+    pub warm_up: u64,
+    /// Whether sites from crowded cells go to holes, with noise only where that does not help,
+    /// instead of noise everywhere that falls from round to round.
+    pub exchange: bool,
+}
+
+impl Default for Lloyd {
+    fn default() -> Self {
+        Self {
+            iterations: 50,
+            tolerance: 0.0,
+            minimizer: Minimizer::default(),
+            accelerate: false,
+        }
     }
-    Err(Error::value(
-        key,
-        "0 is too few; give at least 1".to_owned(),
-    ))
+}
+
+impl Default for QuasiNewton {
+    fn default() -> Self {
+        let descent = DescentOptions::default();
+        Self {
+            iterations: 200,
+            tolerance: 0.0,
+            gradient_tolerance: descent.gradient_tolerance,
+            memory: descent.memory,
+            warm_up: 0,
+        }
+    }
+}
+
+impl Default for Anneal {
+    fn default() -> Self {
+        Self::of_style(KickStyle::Anneal)
+    }
+}
+
+impl Anneal {
+    /// The defaults of a style.
+    pub(crate) fn of_style(style: KickStyle) -> Self {
+        let (kicks, descent) = (Kicks::default_of(style), DescentOptions::default());
+        Self {
+            iterations: None,
+            tolerance: 0.0,
+            rounds: kicks.rounds,
+            steps: kicks.steps,
+            noise: kicks.noise,
+            fall: kicks.fall,
+            seed: kicks.seed,
+            first_steps: FIRST_DESCENT,
+            memory: descent.memory,
+            gradient_tolerance: descent.gradient_tolerance,
+            warm_up: 0,
+            exchange: style == KickStyle::Exchange,
+        }
+    }
 }

@@ -1,28 +1,117 @@
-//! From a scene's `sites` to points, checked.
+//! From a scene's `sites` to points: drawn at random, on a grid, listed or read, then checked.
+//!
+//! Random sites are uniform over the domain, by rejection from its bounding box. A grid's box is
+//! the bounding box; grid cell (i, j, k) has its middle at min + ((i, j, k) + 1/2) · spacing, and a
+//! site is uniform in the box about the middle that is `jitter` grid cells wide. The last axis runs
+//! fastest. Sites that are not finite, outside the domain, or two at one place have no diagram.
+
+use std::cmp::Ordering;
+use std::fmt;
 
 use nalgebra::Point;
+use rayon::slice::ParallelSliceMut;
 
-use crate::scene::check;
+use crate::domain::domain::Domain;
+use crate::domain::planar::PlaneDomain;
+use crate::geometry::bounds::Bounds;
+use crate::geometry::random::Random;
 use crate::scene::error::Error;
-use crate::scene::region::Region;
-use crate::scene::sites::Sites;
-use crate::scene::{grid, random, site_file};
+use crate::scene::numbers::point;
+use crate::scene::site_file;
+use crate::scene::sites::{Grid, Sites};
+
+/// So many draws in a row may miss the domain: it then fills less than a millionth of its
+/// bounding box.
+const MISSES_ALLOWED: u64 = 10_000_000;
+
+/// Says whether a point lies in a closed domain.
+pub type Contains<'a, const D: usize> = Box<dyn Fn(&Point<f64, D>) -> bool + Sync + 'a>;
+
+/// The part of a domain that sites are placed in and checked against.
+pub struct Region<'a, const D: usize> {
+    /// The domain's bounding box.
+    pub bounds: Bounds<D>,
+    /// Along which axes the domain repeats itself.
+    pub periodic: [bool; D],
+    /// Whether the closed domain holds a point.
+    pub contains: Contains<'a, D>,
+}
+
+impl<const D: usize> Region<'_, D> {
+    /// The box `bounds` itself.
+    #[must_use]
+    pub fn of_box(bounds: Bounds<D>, periodic: [bool; D]) -> Self {
+        Self {
+            bounds,
+            periodic,
+            contains: Box::new(move |point| bounds.contains(point)),
+        }
+    }
+
+    /// The region of a domain in space.
+    #[must_use]
+    pub fn of_solid(domain: &dyn Domain) -> Region<'_, 3> {
+        Region {
+            bounds: domain.bounds(),
+            periodic: domain.periods().map(|period| period.is_some()),
+            contains: Box::new(|point| domain.contains(point)),
+        }
+    }
+
+    /// The region of a domain in the plane.
+    #[must_use]
+    pub fn of_plane(domain: &PlaneDomain) -> Region<'_, 2> {
+        Region {
+            bounds: domain.bounds(),
+            periodic: [false; 2],
+            contains: Box::new(|point| domain.contains(point)),
+        }
+    }
+
+    /// Whether the domain holds `point`.
+    #[must_use]
+    pub fn holds(&self, point: &Point<f64, D>) -> bool {
+        (self.contains)(point)
+    }
+
+    /// The image of `point` on the lower wall where it lies on the upper wall of a periodic axis.
+    #[must_use]
+    pub fn canonical(&self, point: &Point<f64, D>) -> Point<f64, D> {
+        let mut image = *point;
+        for axis in 0..D {
+            if self.periodic[axis] && image[axis] >= self.bounds.max[axis] {
+                image[axis] = self.bounds.min[axis];
+            }
+        }
+        image
+    }
+}
+
+impl<const D: usize> fmt::Debug for Region<'_, D> {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter
+            .debug_struct("Region")
+            .field("bounds", &self.bounds)
+            .field("periodic", &self.periodic)
+            .finish_non_exhaustive()
+    }
+}
 
 /// The points that `sites` names, in their order, each finite, in the region, and alone at its
-/// place. Where told to, those outside the region are left out.
+/// place. With `drop_outside`, those outside the region are left out.
 ///
 /// # Errors
-/// When a site file cannot be read, or [`check::sites`] refuses a point.
+/// When a site file cannot be read, or [`check()`] refuses a point.
 pub fn place<const D: usize>(
     sites: &Sites,
     region: &Region<'_, D>,
     drop_outside: bool,
 ) -> Result<Vec<Point<f64, D>>, Error> {
     let mut points: Vec<Point<f64, D>> = match sites {
-        Sites::Random(random) => random::sites(random.count, random.seed, region)?,
-        Sites::Grid(grid) => grid::sites(grid, region)?,
+        Sites::Random(random) => random_sites(random.count, random.seed, region)?,
+        Sites::Grid(grid) => grid_sites(grid, region)?,
         Sites::List(list) => list.iter().map(|row| point(row)).collect(),
-        Sites::File(path) => site_file::read::sites(path)?,
+        Sites::File(path) => site_file::read(path)?,
     };
     if drop_outside {
         points.retain(|point| region.holds(point));
@@ -30,11 +119,321 @@ pub fn place<const D: usize>(
             return Err(Error::AllOutside);
         }
     }
-    check::sites(&points, region)?;
+    check(&points, region)?;
     Ok(points)
 }
 
-/// `row` has `D` numbers: the scene has been validated.
-pub(crate) fn point<const D: usize>(row: &[f64]) -> Point<f64, D> {
-    Point::from(std::array::from_fn::<f64, D, _>(|axis| row[axis]))
+/// `count` sites uniform over the region, by rejection from its bounding box.
+///
+/// # Errors
+/// [`Error::NoRoom`] when the region fills next to nothing of its bounding box.
+fn random_sites<const D: usize>(
+    count: usize,
+    seed: u64,
+    region: &Region<'_, D>,
+) -> Result<Vec<Point<f64, D>>, Error> {
+    let mut uniform = Random::new(seed);
+    let mut sites = Vec::new();
+    let mut misses = 0;
+    while sites.len() < count {
+        let point = uniform.point(&region.bounds);
+        if region.holds(&point) {
+            sites.push(point);
+            misses = 0;
+        } else if misses < MISSES_ALLOWED {
+            misses += 1;
+        } else {
+            return Err(Error::NoRoom { draws: misses });
+        }
+    }
+    Ok(sites)
+}
+
+/// The grid's sites that the region holds.
+///
+/// # Errors
+/// [`Error::EmptyGrid`] when there is none.
+fn grid_sites<const D: usize>(
+    grid: &Grid,
+    region: &Region<'_, D>,
+) -> Result<Vec<Point<f64, D>>, Error> {
+    let mut uniform = Random::new(grid.seed);
+    let mut sites = Vec::new();
+    let mut at = [0; D];
+    loop {
+        let site = jittered(&at, grid, region, &mut uniform);
+        if region.holds(&site) {
+            sites.push(site);
+        }
+        if !advance(&mut at, &grid.counts) {
+            break;
+        }
+    }
+    if sites.is_empty() {
+        return Err(Error::EmptyGrid);
+    }
+    Ok(sites)
+}
+
+fn jittered<const D: usize>(
+    at: &[usize; D],
+    grid: &Grid,
+    region: &Region<'_, D>,
+    uniform: &mut Random,
+) -> Point<f64, D> {
+    let extent = region.bounds.extent();
+    let mut site = region.bounds.min;
+    for axis in 0..D {
+        let shift = grid.jitter * (uniform.uniform() - 0.5);
+        let steps = at[axis] as f64 + 0.5 + shift;
+        site[axis] += steps * extent[axis] / grid.counts[axis] as f64;
+    }
+    region.bounds.clamp(&site)
+}
+
+/// The next grid cell; false after the last.
+fn advance<const D: usize>(at: &mut [usize; D], counts: &[usize]) -> bool {
+    for axis in (0..D).rev() {
+        at[axis] += 1;
+        if at[axis] < counts[axis] {
+            return true;
+        }
+        at[axis] = 0;
+    }
+    false
+}
+
+/// Refuses sites that have no diagram.
+///
+/// # Errors
+/// [`Error::NotFinite`], [`Error::Outside`] or [`Error::Duplicate`], in that order, with the
+/// lowest index and the number of further ones.
+pub fn check<const D: usize>(sites: &[Point<f64, D>], region: &Region<'_, D>) -> Result<(), Error> {
+    finite(sites)?;
+    inside(sites, region)?;
+    distinct(sites, region)
+}
+
+/// A point as messages show it: `(0.5, 0.25, 1.0)`.
+fn shown<const D: usize>(point: &Point<f64, D>) -> String {
+    let numbers: Vec<String> = point.iter().map(|value| format!("{value:?}")).collect();
+    format!("({})", numbers.join(", "))
+}
+
+fn finite<const D: usize>(sites: &[Point<f64, D>]) -> Result<(), Error> {
+    let strange = |site: &Point<f64, D>| site.iter().any(|value| !value.is_finite());
+    match sites.iter().position(strange) {
+        Some(index) => Err(Error::NotFinite {
+            index,
+            point: shown(&sites[index]),
+        }),
+        None => Ok(()),
+    }
+}
+
+fn inside<const D: usize>(sites: &[Point<f64, D>], region: &Region<'_, D>) -> Result<(), Error> {
+    let outside = |&index: &usize| !region.holds(&sites[index]);
+    let mut strays = (0..sites.len()).filter(outside);
+    match strays.next() {
+        Some(index) => Err(Error::Outside {
+            index,
+            point: shown(&sites[index]),
+            others: strays.count(),
+        }),
+        None => Ok(()),
+    }
+}
+
+fn distinct<const D: usize>(sites: &[Point<f64, D>], region: &Region<'_, D>) -> Result<(), Error> {
+    let key = |index: usize| region.canonical(&sites[index]);
+    let mut order: Vec<usize> = (0..sites.len()).collect();
+    order.par_sort_unstable_by(|&a, &b| lexicographic(&key(a), &key(b)).then(a.cmp(&b)));
+    let twins = || {
+        order
+            .windows(2)
+            .filter(|pair| lexicographic(&key(pair[0]), &key(pair[1])) == Ordering::Equal)
+    };
+    match twins().min_by_key(|pair| pair[1]) {
+        Some(pair) => Err(Error::Duplicate {
+            first: pair[0],
+            second: pair[1],
+            point: shown(&sites[pair[1]]),
+            others: twins().count() - 1,
+        }),
+        None => Ok(()),
+    }
+}
+
+/// Compares finite points axis by axis; −0 equals 0.
+fn lexicographic<const D: usize>(a: &Point<f64, D>, b: &Point<f64, D>) -> Ordering {
+    let axes = a.iter().zip(b.iter());
+    axes.fold(Ordering::Equal, |order, (a, b)| {
+        order.then_with(|| a.partial_cmp(b).unwrap_or(Ordering::Equal))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::{Point2, Point3};
+    fn cube() -> Bounds<3> {
+        Bounds {
+            min: Point3::new(0.0, 0.0, 0.0),
+            max: Point3::new(1.0, 1.0, 1.0),
+        }
+    }
+
+    #[test]
+    fn a_seed_keeps_its_sites() {
+        let region = Region::of_box(cube(), [false; 3]);
+        let first = random_sites(2, 1, &region).expect("a cube has room");
+        assert_eq!(first, random_sites(2, 1, &region).expect("a cube has room"));
+        assert_ne!(first, random_sites(2, 2, &region).expect("a cube has room"));
+        assert_eq!(
+            format!("{:?}", first[0]),
+            PINNED,
+            "written down once, on x86-64"
+        );
+    }
+
+    const PINNED: &str = "[0.40248566366484806, 0.08038370892978197, 0.5965601809348549]";
+
+    #[test]
+    fn rejection_keeps_to_the_region() {
+        let triangle = |point: &Point2<f64>| point.x + point.y <= 1.0;
+        let region = Region {
+            bounds: Bounds {
+                min: Point2::new(0.0, 0.0),
+                max: Point2::new(1.0, 1.0),
+            },
+            periodic: [false; 2],
+            contains: Box::new(triangle),
+        };
+        let sites = random_sites(500, 1, &region).expect("half of the square is room");
+        assert_eq!(sites.len(), 500);
+        assert!(sites.iter().all(triangle));
+    }
+
+    #[test]
+    fn a_region_without_room_is_refused() {
+        let region = Region {
+            contains: Box::new(|_| false),
+            ..Region::of_box(cube(), [false; 3])
+        };
+        assert!(matches!(
+            random_sites(1, 1, &region),
+            Err(Error::NoRoom { .. })
+        ));
+    }
+
+    fn region() -> Region<'static, 2> {
+        let bounds = Bounds {
+            min: Point2::new(0.0, 1.0),
+            max: Point2::new(2.0, 2.0),
+        };
+        Region::of_box(bounds, [false; 2])
+    }
+
+    fn grid(jitter: f64) -> Grid {
+        Grid {
+            counts: vec![2, 2],
+            jitter,
+            seed: 1,
+        }
+    }
+
+    #[test]
+    fn without_jitter_sites_stand_in_the_middle() {
+        let sites = grid_sites(&grid(0.0), &region()).expect("a box holds its grid");
+        let expected = [[0.5, 1.25], [0.5, 1.75], [1.5, 1.25], [1.5, 1.75]];
+        assert_eq!(sites, expected.map(Point2::from));
+    }
+
+    #[test]
+    fn jitter_is_the_width_of_the_spread() {
+        let exact = grid_sites(&grid(0.0), &region()).expect("a box holds its grid");
+        let moved = grid_sites(&grid(0.5), &region()).expect("a box holds its grid");
+        for (from, to) in exact.iter().zip(&moved) {
+            let step = to - from;
+            assert!(step.x.abs() <= 0.25 && step.y.abs() <= 0.125, "{step}");
+            assert!(step.x != 0.0 && step.y != 0.0);
+        }
+    }
+
+    #[test]
+    fn the_grid_is_cropped_to_the_region() {
+        let left = Region {
+            contains: Box::new(|point: &Point2<f64>| point.x < 1.0),
+            ..region()
+        };
+        assert_eq!(grid_sites(&grid(0.0), &left).expect("two remain").len(), 2);
+        let nothing = Region {
+            contains: Box::new(|_| false),
+            ..region()
+        };
+        assert!(matches!(
+            grid_sites(&grid(0.0), &nothing),
+            Err(Error::EmptyGrid)
+        ));
+    }
+
+    fn checked(points: &[[f64; 2]], periodic: bool) -> Result<(), Error> {
+        let bounds = Bounds {
+            min: Point2::new(0.0, 0.0),
+            max: Point2::new(1.0, 1.0),
+        };
+        let points: Vec<Point2<f64>> = points.iter().copied().map(Point2::from).collect();
+        check(&points, &Region::of_box(bounds, [periodic, false]))
+    }
+
+    #[test]
+    fn good_sites_pass() {
+        checked(&[[0.0, 0.0], [1.0, 0.0], [0.5, 1.0]], false).expect("walls belong to the box");
+    }
+
+    #[test]
+    fn duplicates_are_named_by_both_indices() {
+        let points = [[0.5, 0.5], [0.1, 0.2], [0.3, 0.0], [0.1, 0.2], [0.3, -0.0]];
+        let error = checked(&points, false).unwrap_err().to_string();
+        assert_eq!(
+            error,
+            "sites 1 and 3 are at the same place (0.1, 0.2) (and 1 more such sites); \
+             remove one of them"
+        );
+    }
+
+    #[test]
+    fn opposite_walls_of_a_periodic_axis_are_one_place() {
+        let points = [[0.0, 0.5], [1.0, 0.5]];
+        checked(&points, false).expect("two walls");
+        let error = checked(&points, true).unwrap_err();
+        assert!(
+            matches!(
+                error,
+                Error::Duplicate {
+                    first: 0,
+                    second: 1,
+                    ..
+                }
+            ),
+            "{error}"
+        );
+    }
+
+    #[test]
+    fn strays_are_named_by_index_and_point() {
+        let error = checked(&[[0.5, 0.5], [1.5, 0.2], [-1.0, 0.0]], false).unwrap_err();
+        let text = error.to_string();
+        assert!(
+            text.starts_with("site 1 (1.5, 0.2) lies outside the domain (and 1 more"),
+            "{text}"
+        );
+    }
+
+    #[test]
+    fn strange_numbers_are_refused() {
+        let error = checked(&[[0.5, 0.5], [f64::NAN, 0.2]], false).unwrap_err();
+        assert_eq!(error.to_string(), "site 1 (NaN, 0.2) is not finite");
+        assert!(checked(&[[f64::INFINITY, 0.2]], false).is_err());
+    }
 }

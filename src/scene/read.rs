@@ -1,26 +1,22 @@
 //! Scene text into a scene, or into an error with file, line, column and the nearest known key.
-//!
-//! serde tells unknown keys in its message only ("unknown field `a`, expected one of `b`, `c`");
-//! `unknown_key` takes the words out of it again.
 
 use std::path::Path;
 
 use crate::scene::description::Scene;
-use crate::scene::error::Error;
-use crate::scene::validate;
+use crate::scene::error::{Error, UnknownKey, bare_message, unknown_key};
 
-/// Reads the scene at `path`: defaults filled in, paths absolute, every number judged.
+/// Reads the scene at `path`: defaults filled in, paths absolute, every number validated.
 ///
 /// # Errors
 /// When the file cannot be read, is not a scene ([`Error::Json`], [`Error::UnknownKey`]) or
 /// holds a number that makes no sense ([`Error::Value`]).
 pub fn scene(path: &Path) -> Result<Scene, Error> {
     let scene = unchecked(path)?;
-    validate::scene(&scene)?;
+    scene.validate()?;
     Ok(scene)
 }
 
-/// As [`scene()`], without judging the numbers: for a caller with overrides to apply first.
+/// As [`scene()`], without validating the numbers: for a caller with overrides to apply first.
 ///
 /// # Errors
 /// As [`scene()`], but for [`Error::Value`].
@@ -50,52 +46,27 @@ pub fn parse(text: &str, path: &Path) -> Result<Scene, Error> {
 
 fn describe(error: &serde_json::Error, text: &str, path: &Path) -> Error {
     let (line, column) = (error.line(), error.column());
-    let message = bare_message(error);
+    let (path, message) = (path.to_owned(), bare_message(error));
     match unknown_key(&message) {
-        Some((key, known)) => Error::UnknownKey {
-            path: path.to_owned(),
+        Some(UnknownKey {
+            key,
+            nearest,
+            known,
+        }) => Error::UnknownKey {
+            path,
             line,
             column: start_of(&key, text, line, column),
-            nearest: nearest(&key, &known),
-            known: known.join(", "),
+            nearest,
+            known,
             key,
         },
         None => Error::Json {
-            path: path.to_owned(),
+            path,
             line: line.max(1),
             column: column.max(1),
             message: mended(message, text),
         },
     }
-}
-
-/// The message without the position that serde_json appends.
-pub(crate) fn bare_message(error: &serde_json::Error) -> String {
-    let position = format!(" at line {} column {}", error.line(), error.column());
-    let message = error.to_string();
-    message
-        .strip_suffix(&position)
-        .unwrap_or(&message)
-        .to_owned()
-}
-
-/// The unknown word and the known ones, where the message is about such.
-fn unknown_key(message: &str) -> Option<(String, Vec<String>)> {
-    let rest = message
-        .strip_prefix("unknown field `")
-        .or_else(|| message.strip_prefix("unknown variant `"))?;
-    let (key, expected) = rest.split_once("`, expected ")?;
-    let known = expected.split('`').skip(1).step_by(2);
-    Some((key.to_owned(), known.map(str::to_owned).collect()))
-}
-
-fn nearest(key: &str, known: &[String]) -> String {
-    let distance = |word: &&String| strsim::damerau_levenshtein(key, word);
-    known
-        .iter()
-        .min_by_key(distance)
-        .cloned()
-        .unwrap_or_default()
 }
 
 /// serde_json points at the end of a key; this is its first column where it stands there.

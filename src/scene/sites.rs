@@ -1,4 +1,4 @@
-//! The scene's `sites`: where the points to relax come from.
+//! The scene's `sites`: the keys that name the points to relax.
 
 use std::path::{Path, PathBuf};
 
@@ -6,7 +6,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::scene::error::Error;
-use crate::scene::validate::dimensions_match;
+use crate::scene::numbers::dimensions_match;
 
 /// A source of sites by its scene key.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]

@@ -1,22 +1,27 @@
-//! The sites that `chebloyd bench` times: even and uneven ones, with the box they live in.
+//! The sites that `chebloyd bench` times, even and uneven, with the box that holds them.
 
 use std::path::Path;
 
 use clap::ValueEnum;
 use nalgebra::Point3;
 
-use chebloyd::domain::cuboid::Cuboid;
-use chebloyd::domain::shape::DomainShape;
-use chebloyd::export::sites::write_csv;
-use chebloyd::export::whole_file;
-use chebloyd::geometry::bounds::Bounds;
-use chebloyd::geometry::random::Random;
-use chebloyd::relax::space::Space;
-use chebloyd::relax::tessellation::Tessellation;
-use chebloyd::scene::site_file::read;
+use crate::domain::cuboid::Cuboid;
+use crate::domain::shape::DomainShape;
+use crate::export::sites::write_csv;
+use crate::geometry::bounds::Bounds;
+use crate::geometry::random::Random;
+use crate::relax::space::Space;
+use crate::relax::tessellation::{Minimizer, Norm, Question, Tessellation};
+use crate::scene::site_file;
 
-use crate::cli::bench::QUESTION;
-use crate::cli::failure::Failure;
+use crate::cli::failure::{Failure, write_file};
+
+/// What is evaluated in every cell.
+pub(crate) const QUESTION: Question = Question {
+    norm: Norm::Linf,
+    order: 1,
+    minimizer: Minimizer::Newton,
+};
 
 /// The log-normal density is constant in so many parts along each axis.
 const PARTS: usize = 16;
@@ -26,7 +31,7 @@ const PARTS: usize = 16;
 const LOG_DEVIATION: f64 = 1.0;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Kind {
+pub(crate) enum SiteKind {
     /// Uniform random sites
     Random,
     /// An exact cubic lattice of about as many sites
@@ -43,27 +48,27 @@ pub(crate) enum Kind {
     Long,
 }
 
-/// Sites and where they live.
+/// Sites and the box that holds them.
 #[derive(Debug)]
-pub(crate) struct Crowd {
+pub(crate) struct BenchSites {
     pub(crate) domain: Cuboid,
     pub(crate) sites: Vec<Point3<f64>>,
 }
 
-impl Crowd {
+impl BenchSites {
     /// Sites of a kind, about `count`, relaxed ones by so many moves.
-    pub(crate) fn new(kind: Kind, count: usize, moves: usize) -> Result<Self, Failure> {
+    pub(crate) fn new(kind: SiteKind, count: usize, moves: usize) -> Result<Self, Failure> {
         let mut random = Random::new(1);
         let mut domain = Cuboid::unit();
         let mut sites: Vec<_> = match kind {
-            Kind::Lattice => lattice(count),
-            Kind::Lognormal => lognormal(count, &mut random),
+            SiteKind::Lattice => lattice(count),
+            SiteKind::Lognormal => lognormal(count, &mut random),
             _ => (0..count).map(|_| random.point(&domain.bounds())).collect(),
         };
         match kind {
-            Kind::Crowded => stretch(&mut sites, [0.1; 3], [0.3, 0.4, 0.5]),
-            Kind::Planar => stretch(&mut sites, [1.0, 1.0, 0.0], [0.0, 0.0, 0.5]),
-            Kind::Long => {
+            SiteKind::Crowded => stretch(&mut sites, [0.1; 3], [0.3, 0.4, 0.5]),
+            SiteKind::Planar => stretch(&mut sites, [1.0, 1.0, 0.0], [0.0, 0.0, 0.5]),
+            SiteKind::Long => {
                 stretch(&mut sites, [1000.0, 1.0, 1.0], [0.0; 3]);
                 let bounds = Bounds {
                     min: Point3::origin(),
@@ -71,14 +76,14 @@ impl Crowd {
                 };
                 domain = Cuboid::new(bounds, [false; 3]).map_err(Failure::run)?;
             }
-            Kind::Relaxed => {
+            SiteKind::Relaxed => {
                 let space = Space::new(Box::new(domain));
                 for _ in 0..moves {
                     let cells = space.assess(&sites, QUESTION).map_err(Failure::run)?;
                     sites = cells.iter().map(|cell| cell.target).collect();
                 }
             }
-            Kind::Random | Kind::Lattice | Kind::Lognormal => {}
+            SiteKind::Random | SiteKind::Lattice | SiteKind::Lognormal => {}
         }
         Ok(Self { domain, sites })
     }
@@ -86,7 +91,7 @@ impl Crowd {
     /// The sites in a file, in the unit cube.
     pub(crate) fn read(file: &Path) -> Result<Self, Failure> {
         let domain = Cuboid::unit();
-        let sites = read::sites(file).map_err(Failure::input)?;
+        let sites = site_file::read(file).map_err(Failure::input)?;
         if let Some(site) = sites.iter().position(|site| !domain.contains(site)) {
             let place = file.display();
             return Err(Failure::input(format!(
@@ -98,8 +103,7 @@ impl Crowd {
 
     /// Writes the sites as comma-separated text.
     pub(crate) fn save(&self, file: &Path) -> Result<(), Failure> {
-        whole_file::write(file, |file| write_csv(&self.sites, file))
-            .map_err(|error| Failure::run(format!("cannot write {}: {error}", file.display())))
+        write_file(file, |file| write_csv(&self.sites, file)).map_err(Failure::run)
     }
 }
 

@@ -1,22 +1,55 @@
-//! Sites as text: comma-separated (`.csv`) or by white space (`.xyz`, `.txt`).
+//! Readers of files of sites, chosen by extension: `.csv`, `.npy`, `.xyz`, `.txt` and `.json`.
 //!
 //! A CSV file may begin with a header; if it does, the columns named x, y and z (in any case)
 //! are read, wherever they stand. Without one every line has exactly one number per axis. In
-//! both formats blank lines and what follows `#` are skipped.
+//! CSV and in text by white space (`.xyz`, `.txt`) blank lines and what follows `#` are skipped.
+//! A JSON file is an array of arrays of numbers. Errors name the line, or the site counted from zero.
 
 use std::path::Path;
 
 use nalgebra::Point;
 
-use crate::scene::error::Error;
+use crate::scene::error::{Error, bare_message};
+use crate::scene::npy;
 
 const AXES: [&str; 3] = ["x", "y", "z"];
+
+/// Reads the sites in `path`: `.csv`, `.npy`, `.xyz`, `.txt` or `.json`.
+///
+/// # Errors
+/// [`Error::UnknownFormat`], [`Error::Read`], or what is wrong with the file and where.
+pub fn read<const D: usize>(path: &Path) -> Result<Vec<Point<f64, D>>, Error> {
+    let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
+    let parse = match extension.to_str() {
+        Some("csv") => parse_csv::<D>,
+        Some("xyz" | "txt") => parse_words::<D>,
+        Some("json") => parse_json::<D>,
+        Some("npy") => npy::parse::<D>,
+        _ => {
+            return Err(Error::UnknownFormat {
+                path: path.to_owned(),
+            });
+        }
+    };
+    let bytes = std::fs::read(path).map_err(|source| Error::Read {
+        path: path.to_owned(),
+        source,
+    })?;
+    let sites = parse(&bytes, path)?;
+    if sites.is_empty() {
+        return Err(Error::File {
+            path: path.to_owned(),
+            message: "holds no sites".to_owned(),
+        });
+    }
+    Ok(sites)
+}
 
 /// Parses a `.csv` file; `path` is for messages only.
 ///
 /// # Errors
 /// [`Error::Line`] with the first line that is not a point.
-pub fn parse_csv<const D: usize>(bytes: &[u8], path: &Path) -> Result<Vec<Point<f64, D>>, Error> {
+fn parse_csv<const D: usize>(bytes: &[u8], path: &Path) -> Result<Vec<Point<f64, D>>, Error> {
     let fields = |line: &str| {
         line.split(',')
             .map(|field| field.trim().trim_matches('"').to_owned())
@@ -29,7 +62,7 @@ pub fn parse_csv<const D: usize>(bytes: &[u8], path: &Path) -> Result<Vec<Point<
 ///
 /// # Errors
 /// [`Error::Line`] with the first line that is not a point.
-pub fn parse_words<const D: usize>(bytes: &[u8], path: &Path) -> Result<Vec<Point<f64, D>>, Error> {
+fn parse_words<const D: usize>(bytes: &[u8], path: &Path) -> Result<Vec<Point<f64, D>>, Error> {
     let fields = |line: &str| line.split_whitespace().map(str::to_owned).collect();
     parse_lines(bytes, path, fields, false)
 }
@@ -139,6 +172,44 @@ fn not_text(bytes: &[u8], error: std::str::Utf8Error, path: &Path) -> Error {
     }
 }
 
+/// Parses a `.json` file; `path` is for messages only.
+///
+/// # Errors
+/// [`Error::Json`] where the text is no array of arrays, [`Error::File`] for a row of the wrong
+/// length.
+fn parse_json<const D: usize>(bytes: &[u8], path: &Path) -> Result<Vec<Point<f64, D>>, Error> {
+    let rows: Vec<Vec<f64>> = serde_json::from_slice(bytes).map_err(|error| Error::Json {
+        path: path.to_owned(),
+        line: error.line().max(1),
+        column: error.column().max(1),
+        message: format!(
+            "{}; expected an array of points such as [[0, 0, 0], …]",
+            bare_message(&error)
+        ),
+    })?;
+    rows.iter()
+        .enumerate()
+        .map(|(index, row)| json_point(row, index, path))
+        .collect()
+}
+
+fn json_point<const D: usize>(
+    row: &[f64],
+    index: usize,
+    path: &Path,
+) -> Result<Point<f64, D>, Error> {
+    match <[f64; D]>::try_from(row) {
+        Ok(coordinates) => Ok(Point::from(coordinates)),
+        Err(_) => Err(Error::File {
+            path: path.to_owned(),
+            message: format!(
+                "site {index} has {} coordinates where {D} are expected",
+                row.len()
+            ),
+        }),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -192,5 +263,31 @@ mod tests {
         let sites: Vec<Point2<f64>> =
             parse_words(text.as_bytes(), Path::new("p.xyz")).expect("two points");
         assert_eq!(sites, [Point2::new(0.5, 0.25), Point2::new(1.0, 2.0)]);
+    }
+
+    fn json(text: &str) -> Result<Vec<Point<f64, 3>>, Error> {
+        parse_json(text.as_bytes(), Path::new("p.json"))
+    }
+
+    #[test]
+    fn triples_are_points() {
+        let sites = json("[[0.5, 1, 2e-3],\n [1, 2, 3]]").expect("two points");
+        assert_eq!(
+            sites,
+            [Point::from([0.5, 1.0, 2e-3]), Point::from([1.0, 2.0, 3.0])]
+        );
+    }
+
+    #[test]
+    fn what_is_no_triple_is_named() {
+        let pair = json("[[0, 0, 0], [1, 2]]").unwrap_err().to_string();
+        assert_eq!(
+            pair,
+            "p.json: site 1 has 2 coordinates where 3 are expected"
+        );
+        let nan = json("[[0, 0, 0],\n[1, NaN, 2]]").unwrap_err().to_string();
+        assert!(nan.starts_with("p.json, line 2, column"), "{nan}");
+        assert!(json("[[0, 0, 0],").unwrap_err().to_string().contains("EOF"));
+        assert!(json("").is_err());
     }
 }

@@ -1,6 +1,6 @@
-//! Whether this processor has what the program was built for.
+//! Check that this processor has the instructions that the program was built for.
 //!
-//! Without a look, an older one would end the program in the middle of its work.
+//! Without it, an older one would end the program in the middle of its work.
 
 use std::fs::File;
 use std::io::{BufRead, BufReader};
@@ -14,10 +14,10 @@ const NEEDED: [(&str, bool); 3] = [
     ("fma", cfg!(target_feature = "fma")),
 ];
 
-/// Refuses a processor that the program was not built for, where the system tells (Linux on x86).
+/// Refuses a processor that the program was not built for, where the system lists its features (Linux on x86).
 pub(crate) fn check() -> Result<(), Failure> {
-    let told = File::open("/proc/cpuinfo").ok().map(BufReader::new);
-    match told.and_then(missing) {
+    let listed = File::open("/proc/cpuinfo").ok().map(BufReader::new);
+    match listed.and_then(missing) {
         Some(feature) => Err(Failure::run(format!(
             "this program was built for processors with {feature}, which this one lacks; build it \
              anew with `RUSTFLAGS= cargo build --release`"
@@ -26,10 +26,10 @@ pub(crate) fn check() -> Result<(), Failure> {
     }
 }
 
-/// The first feature that is needed and not among the flags that the system tells. Nothing is read
-/// after the first processor's: the system takes its time to tell of many.
-fn missing(told: impl BufRead) -> Option<&'static str> {
-    let mut lines = told.lines().map_while(Result::ok);
+/// The first feature that is needed and not among the flags of the first processor. Nothing is read after those: listing
+/// many processors takes time.
+fn missing(listed: impl BufRead) -> Option<&'static str> {
+    let mut lines = listed.lines().map_while(Result::ok);
     let flags = lines.find(|line| line.starts_with("flags"))?;
     let has = |feature: &str| flags.split_whitespace().any(|flag| flag == feature);
     let needed = NEEDED.iter().filter(|(_, is_needed)| *is_needed);
@@ -43,7 +43,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_processor_without_flags_is_told_what_it_lacks() {
+    fn the_first_missing_feature_is_named() {
         assert_eq!(
             missing("flags\t\t: fpu sse2 fma avx2 bmi2\n".as_bytes()),
             None

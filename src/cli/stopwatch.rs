@@ -1,4 +1,4 @@
-//! Stop watches of `chebloyd bench`.
+//! The time and the memory that `chebloyd bench` takes.
 
 use std::collections::HashMap;
 use std::ffi::OsString;
@@ -10,13 +10,13 @@ type Spent = HashMap<OsString, u64>;
 
 /// Measures the time passed, or the CPU time that all threads have spent.
 #[derive(Debug)]
-pub(crate) struct Watch {
+pub(crate) struct Stopwatch {
     began: Instant,
     spent: Option<Spent>,
 }
 
-impl Watch {
-    /// Starts a watch, for CPU time if asked to and able to.
+impl Stopwatch {
+    /// Starts a stopwatch: with `cpu`, for CPU time where the system counts it.
     pub(crate) fn start(cpu: bool) -> Self {
         Self {
             spent: if cpu { spent() } else { None },
@@ -36,7 +36,7 @@ impl Watch {
     }
 }
 
-/// Linux tells it by the nanosecond.
+/// The CPU time so far, where the system counts it (Linux).
 fn spent() -> Option<Spent> {
     let mut spent = Spent::new();
     for thread in fs::read_dir("/proc/self/task").ok()? {
@@ -49,4 +49,18 @@ fn spent() -> Option<Spent> {
         spent.insert(thread.file_name(), time);
     }
     (!spent.is_empty()).then_some(spent)
+}
+
+/// Lets the peak of memory begin anew, where the system can (Linux).
+pub(crate) fn forget_peak_memory() {
+    // Where it cannot, the peak is that since the start: more, never less.
+    let _ = fs::write("/proc/self/clear_refs", "5");
+}
+
+/// The most memory that was resident since then (bytes), where the system counts it.
+pub(crate) fn peak_memory() -> Option<u64> {
+    let status = fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;
+    let kibibytes: u64 = line.split_whitespace().nth(1)?.parse().ok()?;
+    Some(1024 * kibibytes)
 }

@@ -1,0 +1,140 @@
+//! Command-line options that several commands share: threads, the scene, and its method's keys.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use clap::builder::{PossibleValue, PossibleValuesParser};
+use serde::Serialize;
+use serde_json::{Map, Value, json};
+
+use crate::cli::failure::Failure;
+use crate::relax::space::Space;
+use crate::scene::description::Scene;
+use crate::scene::overrides::Overrides;
+use crate::scene::{read, run};
+
+const NORMS: [(&str, &str); 2] = [
+    ("linf", "Chebyshev: cells become near-cubic"),
+    ("l2", "Euclidean: the classical control"),
+];
+
+/// Options of every command.
+#[derive(Clone, Copy, Debug, Args)]
+pub(crate) struct Common {
+    /// How many threads compute; results do not depend on it [default: all cores]
+    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
+    pub(crate) threads: Option<u32>,
+    /// Print errors only
+    #[arg(long, short, global = true)]
+    pub(crate) quiet: bool,
+}
+
+/// Which tessellation: a scene, or other sites in it.
+#[derive(Debug, Args)]
+pub(crate) struct SceneOptions {
+    /// The scene [default: 1000 random sites in the unit cube]
+    #[arg(value_name = "SCENE.json")]
+    scene: Option<PathBuf>,
+    /// Take the sites from a .csv, .npy, .xyz, .txt or .json file
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["count", "seed"])]
+    sites: Option<PathBuf>,
+    /// Leave out sites outside the domain instead of refusing them
+    #[arg(long)]
+    drop_outside: bool,
+    /// Number of random sites
+    #[arg(long, value_name = "N")]
+    count: Option<usize>,
+    /// Seed of random sites, or of a grid's jitter
+    #[arg(long, value_name = "S")]
+    seed: Option<u64>,
+    /// The distance to integrate and to minimize
+    #[arg(long, value_name = "NORM", value_parser = named(&NORMS))]
+    norm: Option<String>,
+    /// The order p of the Chebyshev energy, the integral of the distance to the power p [default: 1]
+    #[arg(long, value_name = "P")]
+    order: Option<u32>,
+}
+
+/// Options that replace keys of the scene's method; each is named like its key.
+#[derive(Debug, Args, Serialize)]
+#[command(next_help_heading = "Options of methods")]
+pub(crate) struct MethodOptions {
+    /// lloyd: go three times as far where that ends lower
+    #[arg(long)]
+    accelerate: bool,
+    /// quasi-newton, anneal: how many of Lloyd's moves come first [default: 0]
+    #[arg(long, value_name = "K")]
+    warm_up: Option<u64>,
+    /// quasi-newton, anneal: steps that the curvature model remembers [default: 10]
+    #[arg(long, value_name = "M")]
+    memory: Option<usize>,
+    /// quasi-newton, anneal: end a descent when no component of the projected gradient is larger than
+    /// G s^(2+p), s the side of the mean cell [default: 1e-9]
+    #[arg(long, value_name = "G", value_parser = finite)]
+    gradient_tolerance: Option<f64>,
+    /// anneal: how many rounds [default: 60; for --goal cubes 200]
+    #[arg(long, value_name = "R")]
+    rounds: Option<u64>,
+    /// anneal: the greatest noise, in sides of the mean cell [default: 0.5; for --goal cubes 0.4]
+    #[arg(long, value_name = "A", value_parser = finite)]
+    noise: Option<f64>,
+}
+
+/// Names that an option takes, each with its help.
+pub(crate) fn named(names: &[(&'static str, &'static str)]) -> PossibleValuesParser {
+    let values = names
+        .iter()
+        .map(|&(name, help)| PossibleValue::new(name).help(help));
+    values.collect::<Vec<_>>().into()
+}
+
+/// A number that JSON can hold.
+pub(crate) fn finite(text: &str) -> Result<f64, String> {
+    let number = text.parse::<f64>().ok().filter(|number| number.is_finite());
+    number.ok_or_else(|| "a finite number is needed".to_owned())
+}
+
+/// Options as keys of a scene, those left out that were not given.
+pub(crate) fn given(options: impl Serialize) -> Map<String, Value> {
+    let Ok(Value::Object(mut keys)) = serde_json::to_value(options) else {
+        return Map::new();
+    };
+    keys.retain(|_, value| !(value.is_null() || *value == Value::Bool(false)));
+    keys
+}
+
+impl SceneOptions {
+    /// The scene, changed by these options and by `others`, and validated.
+    pub(crate) fn scene(&self, mut others: Overrides) -> Result<Scene, Failure> {
+        let mut scene = match &self.scene {
+            Some(path) => read::unchecked(path).map_err(Failure::input)?,
+            None => Scene::embedded(),
+        };
+        if let Some(file) = &self.sites {
+            others.set_site_file(file).map_err(Failure::input)?;
+        }
+        others
+            .sites
+            .extend(given(json!({ "count": self.count, "seed": self.seed })));
+        others.scene.extend(given(json!({
+            "drop_outside": self.drop_outside, "norm": self.norm, "order": self.order,
+        })));
+        change(&mut scene, &others)?;
+        Ok(scene)
+    }
+}
+
+/// Applies overrides and validates what comes of it.
+pub(crate) fn change(scene: &mut Scene, overrides: &Overrides) -> Result<(), Failure> {
+    overrides.apply(scene).map_err(Failure::input)?;
+    scene.validate().map_err(Failure::input)
+}
+
+/// The space of a scene. What was repaired in its mesh is printed on stderr.
+pub(crate) fn space(scene: &Scene) -> Result<Space, Failure> {
+    let (space, notes) = run::space(scene).map_err(Failure::input)?;
+    for note in notes {
+        eprintln!("note: {note}");
+    }
+    Ok(space)
+}

@@ -1,0 +1,318 @@
+//! A run of `chebloyd relax` in its directory: log, checkpoints, progress bar, Ctrl-C, final files.
+
+use std::fs::File;
+use std::io::{self, BufWriter, Write};
+use std::ops::ControlFlow;
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use indicatif::{ProgressBar, ProgressStyle};
+use nalgebra::Point;
+
+use crate::cli::cell_files::DrawCells;
+use crate::cli::failure::{Failure, print, write_file};
+use crate::cli::options::Common;
+use crate::export::log::read_log;
+use crate::export::run::description;
+use crate::export::run::directory::RunDirectory;
+use crate::export::run::error::RunError;
+use crate::export::sites;
+use crate::plot::convergence::{Run, convergence};
+use crate::plot::svg::svg;
+use crate::relax::figures::{CellFigures, Figures};
+use crate::relax::lloyd::Ended;
+use crate::relax::record::{Record, optimal_energy};
+use crate::relax::stand::Stand;
+use crate::scene::description::Scene;
+use crate::scene::run::{Progress, question, relax};
+
+/// How `run.json` calls the end that Ctrl-C brings.
+const INTERRUPTED: &str = "interrupted";
+
+const TEMPLATE: &str = "{bar:30} {pos}/{len}  {msg}  {elapsed} (left: {eta})";
+
+static IS_INTERRUPTED: AtomicBool = AtomicBool::new(false);
+
+/// The exit code of a program that Ctrl-C ended.
+const KILLED: i32 = 130;
+
+/// What `run.json` holds.
+pub(crate) type Description = description::Description<Scene, Figures>;
+
+/// A run that is about to begin or to go on.
+pub(crate) struct FiledRun<'a, const D: usize, S> {
+    space: &'a S,
+    directory: RunDirectory,
+    description: Description,
+    progress: Progress<D>,
+}
+
+impl<'a, const D: usize, S: DrawCells<D>> FiledRun<'a, D, S> {
+    /// A new run in the directory `out`.
+    pub(crate) fn start(space: &'a S, scene: Scene, out: &Path) -> Result<Self, Failure> {
+        let sites = space.place(&scene).map_err(Failure::input)?;
+        let volume = space.volume();
+        let description = Description {
+            program: env!("CARGO_PKG_NAME").to_owned(),
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            scene,
+            sites: sites.len(),
+            domain_volume: volume,
+            optimal_energy: optimal_energy::<D>(volume, sites.len(), 1),
+            initial: None,
+            last: None,
+            ended: None,
+            seconds: 0.0,
+            threads: rayon::current_num_threads(),
+        };
+        let directory = RunDirectory::create(out, &description).map_err(Failure::input)?;
+        Ok(Self {
+            space,
+            directory,
+            description,
+            progress: Progress::at_start(sites),
+        })
+    }
+
+    /// The run of `directory` from its last checkpoint, or from the start if it has none.
+    pub(crate) fn resume(
+        space: &'a S,
+        mut directory: RunDirectory,
+        mut description: Description,
+    ) -> Result<Self, Failure> {
+        let checkpoint = directory.checkpoint().map_err(Failure::input)?;
+        let progress = match checkpoint {
+            Some(checkpoint) => {
+                let wanted = description.scene.method.iterations();
+                if wanted < checkpoint.iteration {
+                    return Err(already_further(wanted, checkpoint.iteration));
+                }
+                let state = state(&checkpoint.memory)?;
+                let last = directory.log().rewind(checkpoint.iteration);
+                Progress {
+                    sites: checkpoint.sites,
+                    last: Some(last.map_err(Failure::input)?),
+                    state,
+                }
+            }
+            None => {
+                let sites = space.place(&description.scene).map_err(Failure::input)?;
+                directory.log().clear().map_err(Failure::input)?;
+                Progress::at_start(sites)
+            }
+        };
+        description.last = None;
+        description.ended = None;
+        description.threads = rayon::current_num_threads();
+        directory.describe(&description).map_err(Failure::input)?;
+        Ok(Self {
+            space,
+            directory,
+            description,
+            progress,
+        })
+    }
+
+    /// Runs to the end and leaves all files.
+    pub(crate) fn run(mut self, common: Common) -> Result<(), Failure> {
+        listen_for_interrupts()?;
+        if self.description.initial.is_none() {
+            self.description.initial = Some(self.figures(&self.cells()?));
+            self.directory
+                .describe(&self.description)
+                .map_err(Failure::run)?;
+        }
+        let ended = self.relax(common)?;
+        let cells = self.cells()?;
+        self.leave_files(&cells)?;
+        let last = self.progress.last.as_ref();
+        self.description.last = Some(self.figures(&cells));
+        self.description.ended = Some(ended.to_owned());
+        self.description.seconds = last.map_or(0.0, |record| record.seconds);
+        self.directory
+            .describe(&self.description)
+            .map_err(Failure::run)?;
+        if common.quiet {
+            return Ok(());
+        }
+        let done = last.map_or(0, |record| record.iteration);
+        print(summary(&self.description, done, self.directory.path()))
+    }
+
+    /// Moves the sites, keeping the log; returns why it ended.
+    fn relax(&mut self, common: Common) -> Result<&'static str, Failure> {
+        let scene = &self.description.scene;
+        let iterations = scene.method.iterations();
+        let last = self.progress.last.as_ref();
+        let bar = Bar::new(
+            iterations,
+            last.map_or(0, |record| record.iteration),
+            common,
+        );
+        let directory = &mut self.directory;
+        let mut failure: Option<RunError> = None;
+        let mut observe = |record: &Record, sites: &[Point<f64, D>], state: Option<&Stand>| {
+            bar.show(record);
+            failure = directory.record(record, sites, || numbers(state)).err();
+            let is_unfinished = record.iteration < iterations;
+            if failure.is_some() || (is_unfinished && is_interrupted()) {
+                return ControlFlow::Break(());
+            }
+            ControlFlow::Continue(())
+        };
+        let ended = relax(self.space, scene, &mut self.progress, &mut observe);
+        bar.finish();
+        if let Some(failure) = failure {
+            return Err(Failure::run(failure));
+        }
+        Ok(match ended.map_err(Failure::run)? {
+            Ended::Iterations => "iterations",
+            Ended::Tolerance => "tolerance",
+            Ended::Interrupted => INTERRUPTED,
+        })
+    }
+
+    /// The checkpoint, the sites, the cells and the curves.
+    fn leave_files(&mut self, cells: &[CellFigures<D>]) -> Result<(), Failure> {
+        let Progress { sites, last, state } = &self.progress;
+        if let Some(last) = last {
+            self.directory
+                .keep(last, sites, &numbers(state.as_ref()))
+                .map_err(Failure::run)?;
+        }
+        self.leave("sites.csv", |file| sites::write_csv(sites, file))?;
+        let output = &self.description.scene.output;
+        if output.cells {
+            self.space
+                .draw_cells(sites, cells, &self.directory)
+                .map_err(Failure::run)?;
+        }
+        if output.plot {
+            let records = read_log(&self.directory.file("log.jsonl")).map_err(Failure::run)?;
+            let runs = [Run {
+                name: "energy and movement",
+                records: &records,
+            }];
+            let figure = svg(&convergence(&runs));
+            self.leave("convergence.svg", |file| file.write_all(figure.as_bytes()))?;
+        }
+        Ok(())
+    }
+
+    fn leave(
+        &self,
+        name: &str,
+        content: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
+    ) -> Result<(), Failure> {
+        write_file(&self.directory.file(name), content).map_err(Failure::run)
+    }
+
+    fn cells(&self) -> Result<Vec<CellFigures<D>>, Failure> {
+        let question = question(&self.description.scene);
+        let cells = self.space.cells(&self.progress.sites, question);
+        cells.map_err(Failure::run)
+    }
+
+    fn figures(&self, cells: &[CellFigures<D>]) -> Figures {
+        Figures::of(self.space.volume(), cells)
+    }
+}
+
+/// A method's state as a checkpoint keeps it.
+fn numbers(state: Option<&Stand>) -> Vec<f64> {
+    state.map_or_else(Vec::new, Stand::tape)
+}
+
+/// The method's state that a checkpoint keeps, if any.
+fn state(numbers: &[f64]) -> Result<Option<Stand>, Failure> {
+    if numbers.is_empty() {
+        return Ok(None);
+    }
+    match Stand::from_tape(numbers) {
+        Some(state) => Ok(Some(state)),
+        None => Err(Failure::input("the checkpoint's memory is damaged")),
+    }
+}
+
+fn already_further(wanted: u64, done: u64) -> Failure {
+    Failure::input(format!(
+        "the run has {done} iterations already, more than the {wanted} asked for; \
+         --iterations counts from the start"
+    ))
+}
+
+/// The run in a few lines, after `done` moves; nothing of a run that has not ended.
+fn summary(run: &Description, done: u64, directory: &Path) -> String {
+    let [Some(from), Some(to)] = [&run.initial, &run.last] else {
+        return String::new();
+    };
+    let directory = directory.display();
+    let last_line = match run.ended.as_deref() {
+        Some(INTERRUPTED) => {
+            format!("interrupted; go on with: chebloyd relax --resume --out {directory}")
+        }
+        _ => format!("log, sites and cells are in {directory}"),
+    };
+    format!(
+        "{} sites, {done} iterations in {:.2} s\n\
+         energy              {:8.2} % → {:.2} %\n\
+         cubeness            {:8.3}   → {:.3}\n\
+         six-facet cells     {:8.1} % → {:.1} %\n\
+         axis-aligned area   {:8.3}   → {:.3}\n\
+         {last_line}\n",
+        to.sites,
+        run.seconds,
+        from.energy_percent,
+        to.energy_percent,
+        from.cubeness,
+        to.cubeness,
+        100.0 * from.six_facet_fraction,
+        100.0 * to.six_facet_fraction,
+        from.axis_aligned_area,
+        to.axis_aligned_area,
+    )
+}
+
+/// The progress bar: iterations, energy, movement. Silent where stderr is no terminal.
+struct Bar(ProgressBar);
+
+impl Bar {
+    /// The bar of a run of `iterations`, of which `done` are made.
+    fn new(iterations: u64, done: u64, common: Common) -> Self {
+        if common.quiet {
+            return Self(ProgressBar::hidden());
+        }
+        let bar = ProgressBar::new(iterations).with_position(done);
+        if let Ok(style) = ProgressStyle::with_template(TEMPLATE) {
+            bar.set_style(style);
+        }
+        bar.reset_eta();
+        Self(bar)
+    }
+
+    fn show(&self, record: &Record) {
+        self.0.set_position(record.iteration);
+        self.0.set_message(format!(
+            "energy {:.2} %  movement {:.3} %",
+            record.energy_percent, record.movement_percent
+        ));
+    }
+
+    fn finish(&self) {
+        self.0.finish_and_clear();
+    }
+}
+
+/// From now on the first SIGINT, SIGTERM or SIGHUP is only noted, for the run to end well.
+fn listen_for_interrupts() -> Result<(), Failure> {
+    ctrlc::set_handler(|| {
+        if IS_INTERRUPTED.swap(true, Ordering::SeqCst) {
+            std::process::exit(KILLED);
+        }
+    })
+    .map_err(|error| Failure::run(format!("cannot listen for Ctrl-C: {error}")))
+}
+
+fn is_interrupted() -> bool {
+    IS_INTERRUPTED.load(Ordering::SeqCst)
+}
