@@ -34,12 +34,14 @@ pub mod chebyshev;
 #[cfg(feature = "cli")]
 mod cli;
 pub mod domain;
+#[cfg(feature = "files")]
 pub mod export;
 pub mod geometry;
 pub mod integrals;
 pub mod mass;
 pub mod mesh;
 pub mod minimize;
+#[cfg(feature = "cli")]
 pub mod plot;
 pub mod relax;
 #[cfg(feature = "scene")]

@@ -1,6 +1,8 @@
-//! What a run leaves behind: sites, cells and run descriptions as files.
+//! Files of a run: sites, cells, records, checkpoints and descriptions.
 
+#[cfg(feature = "scene")]
 pub mod log;
+#[cfg(feature = "scene")]
 pub mod run;
 pub mod sites;
 mod spool;

@@ -9,6 +9,7 @@
 
 pub mod crossings;
 pub mod edges;
+#[cfg(feature = "files")]
 pub mod formats;
 pub(crate) mod nesting;
 pub(crate) mod orient;
