@@ -5,6 +5,7 @@ use std::ops::ControlFlow;
 use chebloyd::domain::convex::ConvexPolyhedron;
 use chebloyd::domain::cuboid::Cuboid;
 use chebloyd::domain::domain::Domain;
+use chebloyd::domain::shape::DomainShape;
 use chebloyd::geometry::bounds::Bounds;
 use chebloyd::geometry::half_space::HalfSpace;
 use chebloyd::geometry::random::Random;

@@ -137,7 +137,7 @@ fn part(
     if wedge.is_empty() {
         return part;
     }
-    domain.shape(site, wedge, scratch, &mut |piece| {
+    domain.outline(site, wedge, scratch, &mut |piece| {
         part.shell = Shell::from(piece).translated(&site.coords);
     });
     let mut walk = WalkScratch::default();
