@@ -1,5 +1,7 @@
 //! Half-spaces and polyhedra: the identities that every clip must keep.
 
+use std::collections::BTreeSet;
+
 use chebloyd::geometry::bounds::Bounds;
 use chebloyd::geometry::clip::{Clip, ClipScratch, clip};
 use chebloyd::geometry::half_space::HalfSpace;
@@ -87,13 +89,38 @@ fn lattice_half_space() -> impl Strategy<Value = HalfSpace> {
         })
 }
 
+/// Planes at any offset, the center on either side of them.
+fn offset_half_space() -> impl Strategy<Value = HalfSpace> {
+    (half_space(), -0.6..1.5).prop_map(|(plane, offset)| HalfSpace {
+        offset,
+        normal: plane.normalized().normal,
+    })
+}
+
 fn clipped(planes: &[HalfSpace]) -> Polyhedron {
+    clipped_in_order(planes.iter().enumerate())
+}
+
+/// The cube clipped by planes that are labelled by their numbers.
+fn clipped_in_order<'a>(planes: impl Iterator<Item = (usize, &'a HalfSpace)>) -> Polyhedron {
     let mut polyhedron = cube();
     let mut scratch = ClipScratch::default();
-    for (label, plane) in planes.iter().enumerate() {
+    for (label, plane) in planes {
         clip(&mut polyhedron, plane, label as u64, &mut scratch);
     }
     polyhedron
+}
+
+/// The labels of all facets, and of those with an area beyond rounding.
+fn labels_by_area(polyhedron: &Polyhedron) -> [BTreeSet<u64>; 2] {
+    let areas = || {
+        polyhedron
+            .facets()
+            .map(|f| (f.label(), f.area_vector().norm()))
+    };
+    let all = areas().map(|(label, _)| label).collect();
+    let large = areas().filter(|(_, area)| *area > 1e-9);
+    [all, large.map(|(label, _)| label).collect()]
 }
 
 /// As [`clipped`], in slots, as far as these suffice.
@@ -171,8 +198,30 @@ proptest! {
         planes in prop::collection::vec(prop_oneof![half_space(), lattice_half_space()], 0..12)
     ) {
         let forward = volume(&clipped(&planes));
-        let reversed: Vec<_> = planes.iter().rev().copied().collect();
-        prop_assert!((forward - volume(&clipped(&reversed))).abs() <= 1e-13);
+        let reversed = clipped_in_order(planes.iter().enumerate().rev());
+        prop_assert!((forward - volume(&reversed)).abs() <= 1e-13);
+    }
+
+    #[test]
+    fn the_order_of_clips_does_not_matter_to_labels_either(
+        planes in prop::collection::vec(offset_half_space(), 0..12)
+    ) {
+        let [all, large] = labels_by_area(&clipped(&planes));
+        let reversed = clipped_in_order(planes.iter().enumerate().rev());
+        let [reversed_all, reversed_large] = labels_by_area(&reversed);
+        prop_assert!(large.is_subset(&reversed_all), "{large:?} {reversed_all:?}");
+        prop_assert!(reversed_large.is_subset(&all), "{reversed_large:?} {all:?}");
+    }
+
+    #[test]
+    fn both_clippers_agree_on_planes_at_any_offset(
+        planes in prop::collection::vec(offset_half_space(), 0..16)
+    ) {
+        let (any_size, in_slots) = (clipped(&planes), clipped_in_slots(&planes));
+        let in_slots = in_slots.expect("sixteen planes need fewer slots");
+        prop_assert_eq!(check(&in_slots), Ok(()));
+        prop_assert_eq!(labels(&in_slots), labels(&any_size));
+        prop_assert!((volume(&in_slots) - volume(&any_size)).abs() <= 1e-14);
     }
 
     #[test]

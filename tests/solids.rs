@@ -10,7 +10,7 @@ use chebloyd::chebyshev::integrand::Integrand;
 use chebloyd::chebyshev::walk::WalkScratch;
 use chebloyd::domain::convex::ConvexPolyhedron;
 use chebloyd::domain::cuboid::Cuboid;
-use chebloyd::domain::domain::Domain;
+use chebloyd::domain::domain::{Domain, WeightedDomain};
 use chebloyd::domain::facet_kind::FacetKind;
 use chebloyd::domain::shape::{DomainShape, PieceScratch};
 use chebloyd::domain::tet_mesh::TetSolid;
@@ -89,6 +89,12 @@ fn solid(mesh: &SurfaceMesh) -> SurfaceSolid {
 
 fn tets(mesh: &TetMesh) -> TetSolid {
     TetSolid::new(&validate_tets(mesh).expect("the mesh is sound").0).expect("it bounds a solid")
+}
+
+/// The same solid, of which every cell is cut tetrahedron by tetrahedron.
+fn with_density_one(tets: TetSolid) -> WeightedDomain {
+    let ones = vec![1.0; tets.mesh().vertices.len()];
+    tets.with_density(&ones).expect("one is positive")
 }
 
 /// A model of the shared folder in the unit cube, or a message that it is not there.
@@ -287,11 +293,14 @@ fn the_unit_cube_is_the_same_in_every_form() {
         ]
     });
     let convex = ConvexPolyhedron::new(half_spaces.as_flattened()).expect("a cube");
-    let forms: [(&str, Box<dyn Domain>); 4] = [
+    let cut = |mesh: &TetMesh| Box::new(with_density_one(tets(mesh)));
+    let forms: [(&str, Box<dyn Domain>); 6] = [
         ("half-spaces", Box::new(convex)),
         ("surface", Box::new(solid(&unit_cube()))),
         ("five tets", Box::new(tets(&unit_cube_five_tets()))),
         ("many tets", Box::new(tets(&unit_cube_tets(3)))),
+        ("five tets, one by one", cut(&unit_cube_five_tets())),
+        ("many tets, one by one", cut(&unit_cube_tets(3))),
     ];
     let reference = Space::new(Box::new(Cuboid::unit()));
     let start = random_sites(reference.domain(), 60, 8);
@@ -482,6 +491,7 @@ fn a_tet_mesh_and_its_boundary_are_one_solid() {
     };
     let filled = TetSolid::new(&mesh).expect("it bounds a solid");
     let boundary = filled.boundary().clone();
+    let filled = with_density_one(filled);
     let sites = random_sites(&boundary, 300, 9);
     let [filled, bounded] = [Space::new(Box::new(filled)), Space::new(Box::new(boundary))]
         .map(|space| space.figures(&sites, LINF).expect("a diagram"));

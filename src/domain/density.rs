@@ -6,14 +6,12 @@
 //! middle of h's range there, again a polynomial. It is within half a percent of h^−(3+p), so that
 //! edges are right to a part in eight hundred, and integrals over it are as exact as over any other.
 
-use std::sync::Arc;
-
 use nalgebra::{Matrix3, Point3, Vector3};
 
 use crate::domain::error::DomainError;
 use crate::domain::facet_kind::FacetKind;
 use crate::domain::shape::{DomainShape, PieceScratch};
-use crate::domain::tet_mesh::{IndexedTets, TetSolid};
+use crate::domain::tet_mesh::IndexedTets;
 use crate::geometry::bounds::Bounds;
 use crate::geometry::brep::Piece;
 use crate::geometry::clip::{Clip, ClipScratch, clip};
@@ -54,7 +52,7 @@ enum Parts {
     /// Boxes that fill space, with densities in the domain's coordinates.
     Regions(Vec<Region>),
     /// Per tetrahedron the value at its first corner and the gradient.
-    Tets(Arc<IndexedTets>, Vec<(f64, Vector3<f64>)>),
+    Tets(IndexedTets, Vec<(f64, Vector3<f64>)>),
 }
 
 /// A box, open to infinity where it ends with the domain, and the density there.
@@ -95,8 +93,8 @@ impl Density {
     }
 
     /// The density that is linear on every tetrahedron and has these values at the vertices.
-    pub(crate) fn on_tets(solid: &TetSolid, values: &[f64]) -> Result<Self, DomainError> {
-        let mesh = solid.mesh();
+    pub(crate) fn on_tets(tets: IndexedTets, values: &[f64]) -> Result<Self, DomainError> {
+        let mesh = &tets.mesh;
         for (&value, vertex) in values.iter().zip(&mesh.vertices) {
             if !(value.is_finite() && value > 0.0) {
                 let position = (*vertex).into();
@@ -115,8 +113,8 @@ impl Density {
             linear.push((values[0], gradient));
         }
         Ok(Self {
-            parts: Parts::Tets(solid.indexed().clone(), linear),
-            mean: mass / solid.volume(),
+            mean: mass / mesh.volume(),
+            parts: Parts::Tets(tets, linear),
         })
     }
 

@@ -8,7 +8,7 @@ use nalgebra::Point3;
 use crate::domain::density::{Density, Region, check_positive, regions};
 use crate::domain::error::DomainError;
 use crate::domain::shape::{DomainShape, PieceScratch};
-use crate::domain::tet_mesh::TetSolid;
+use crate::domain::tet_mesh::{IndexedTets, TetSolid};
 use crate::geometry::brep::Piece;
 use crate::geometry::polyhedron::Polyhedron;
 use crate::integrals::polynomial::Polynomial;
@@ -113,9 +113,16 @@ impl TetSolid {
     /// # Panics
     /// If there are fewer values than vertices.
     pub fn with_density(self, values: &[f64]) -> Result<WeightedDomain, DomainError> {
-        let density = Density::on_tets(&self, values)?;
-        let domain = Box::new(self);
+        let (mesh, boundary) = self.into_parts();
+        let density = Density::on_tets(IndexedTets::new(mesh, &boundary), values)?;
+        let domain = Box::new(boundary);
         Ok(WeightedDomain { domain, density })
+    }
+}
+
+impl Domain for TetSolid {
+    fn shape(&self) -> &(dyn DomainShape + 'static) {
+        self.boundary()
     }
 }
 

@@ -1,23 +1,19 @@
-//! The solid filled with tetrahedra, as a domain.
+//! The solid filled with tetrahedra, and the parts of a cell in each of them.
 //!
-//! A cell that no boundary triangle touches is its own only piece. Any other is cut tetrahedron by
-//! tetrahedron: the cell is clipped by the four planes of every near one. Two tetrahedra at a facet
-//! are cut by the same plane from either side, so that nothing is lost or counted twice. Inside and
-//! outside, and the way out, are the boundary's affair.
+//! The solid is the one within the tetrahedra's boundary. Where they carry a density, a cell is cut
+//! tetrahedron by tetrahedron: it is clipped by the four planes of every near one. Two tetrahedra at
+//! a facet are cut by the same plane from either side, so that nothing is lost or counted twice.
 
 use std::collections::HashMap;
-use std::sync::Arc;
 
 use nalgebra::{Point3, Vector3};
 
 use crate::domain::candidates::visit_candidates;
 use crate::domain::error::DomainError;
 use crate::domain::facet_kind::FacetKind;
-use crate::domain::shape::{DomainShape, PieceScratch};
-use crate::domain::tri_surface::clip_cell::ClipStatus;
+use crate::domain::shape::PieceScratch;
 use crate::domain::tri_surface::solid::SurfaceSolid;
 use crate::geometry::bounds::Bounds;
-use crate::geometry::brep::Piece;
 use crate::geometry::bvh::Bvh;
 use crate::geometry::clip::{Clip, clip};
 use crate::geometry::half_space::HalfSpace;
@@ -29,9 +25,8 @@ use crate::mesh::validate::{ValidTetMesh, validate_surface};
 /// A solid given by tetrahedra that fill it.
 #[derive(Clone, Debug)]
 pub struct TetSolid {
-    tets: Arc<IndexedTets>,
+    mesh: TetMesh,
     boundary: SurfaceSolid,
-    volume: f64,
 }
 
 /// Tetrahedra, and what finds those near a cell.
@@ -62,21 +57,13 @@ impl TetSolid {
             )));
         }
         let boundary = SurfaceSolid::new(&surface)?;
-        Ok(Self {
-            volume: mesh.volume(),
-            tets: Arc::new(IndexedTets {
-                labels: labels(&mesh, &boundary),
-                bvh: Bvh::new(mesh.all_corners().map(|corners| Bounds::of(&corners))),
-                mesh,
-            }),
-            boundary,
-        })
+        Ok(Self { mesh, boundary })
     }
 
     /// The tetrahedra.
     #[must_use]
     pub fn mesh(&self) -> &TetMesh {
-        &self.tets.mesh
+        &self.mesh
     }
 
     /// The solid by its boundary.
@@ -85,13 +72,22 @@ impl TetSolid {
         &self.boundary
     }
 
-    /// The tetrahedra, to be held on to.
-    pub(crate) fn indexed(&self) -> &Arc<IndexedTets> {
-        &self.tets
+    /// The mesh and its boundary.
+    pub(crate) fn into_parts(self) -> (TetMesh, SurfaceSolid) {
+        (self.mesh, self.boundary)
     }
 }
 
 impl IndexedTets {
+    /// The tetrahedra of `mesh`, which has this boundary.
+    pub(crate) fn new(mesh: TetMesh, boundary: &SurfaceSolid) -> Self {
+        Self {
+            labels: labels(&mesh, boundary),
+            bvh: Bvh::new(mesh.all_corners().map(|corners| Bounds::of(&corners))),
+            mesh,
+        }
+    }
+
     /// Visits the parts of all tetrahedra in `cell`, each with its tetrahedron's number.
     pub(crate) fn visit_parts(
         &self,
@@ -156,58 +152,4 @@ fn labels(mesh: &TetMesh, boundary: &SurfaceSolid) -> Vec<[Label; 4]> {
     (0..mesh.tets.len())
         .map(|tet| FACETS.map(|corners| label(tet, corners)))
         .collect()
-}
-
-impl DomainShape for TetSolid {
-    fn bounds(&self) -> Bounds<3> {
-        self.boundary.bounds()
-    }
-
-    fn volume(&self) -> f64 {
-        self.volume
-    }
-
-    fn contains(&self, point: &Point3<f64>) -> bool {
-        self.boundary.contains(point)
-    }
-
-    fn start(&self, site: &Point3<f64>, index: u32, cell: &mut Polyhedron) {
-        self.boundary.start(site, index, cell);
-    }
-
-    fn is_convex(&self) -> bool {
-        false
-    }
-
-    fn signed_pieces(
-        &self,
-        site: &Point3<f64>,
-        part: &Polyhedron,
-        holds_site: bool,
-        scratch: &mut PieceScratch,
-        visit: &mut dyn FnMut(f64, Piece<'_>),
-    ) {
-        let surface = self.boundary.indexed();
-        if holds_site && scratch.clipped.clip(surface, site, part) == ClipStatus::Disjoint {
-            visit(1.0, Piece::Convex(part));
-        } else {
-            self.tets.visit_parts(site, part, scratch, |_, part| {
-                visit(1.0, Piece::Convex(part));
-            });
-        }
-    }
-
-    fn outline(
-        &self,
-        site: &Point3<f64>,
-        cell: &Polyhedron,
-        scratch: &mut PieceScratch,
-        visit: &mut dyn FnMut(Piece<'_>),
-    ) {
-        self.boundary.outline(site, cell, scratch, visit);
-    }
-
-    fn first_exit(&self, site: &Point3<f64>, step: &Vector3<f64>) -> f64 {
-        self.boundary.first_exit(site, step)
-    }
 }
