@@ -5,7 +5,7 @@ mod common;
 use std::collections::BTreeMap;
 use std::fs;
 
-use chebloyd::export::log::{LogError, read_log};
+use chebloyd::export::run::log::{LogError, read_log};
 use chebloyd::export::vtu::{CellGeometry, VtuWriter, write_cells};
 use chebloyd::geometry::shell::Shell;
 use common::{cell, grid_sites, random_sites};

@@ -3,9 +3,9 @@
 use std::error::Error;
 use std::io::Write;
 
+use chebloyd::export::atomic_write;
 use chebloyd::export::run::directory::RunDirectory;
 use chebloyd::export::vtu::CellGeometry;
-use chebloyd::export::whole_file;
 use chebloyd::geometry::shell::Shell;
 use chebloyd::plot::color::{Best, ColorScale};
 use chebloyd::plot::figure::Figure;
@@ -79,6 +79,6 @@ pub(crate) fn save_png(bytes: &[u8], directory: &RunDirectory) -> Result<(), Box
 
 fn save(name: &str, bytes: &[u8], directory: &RunDirectory) -> Result<(), Box<dyn Error>> {
     let path = directory.file(name);
-    whole_file::write(&path, |file| file.write_all(bytes))
+    atomic_write::write(&path, |file| file.write_all(bytes))
         .map_err(|error| format!("cannot write {}: {error}", path.display()).into())
 }

@@ -7,8 +7,8 @@ use nalgebra::Point3;
 
 use chebloyd::domain::cuboid::Cuboid;
 use chebloyd::domain::space::Domain;
+use chebloyd::export::atomic_write;
 use chebloyd::export::sites::write_csv;
-use chebloyd::export::whole_file;
 use chebloyd::geometry::bounds::Bounds;
 use chebloyd::relax::space::Space;
 use chebloyd::relax::tessellation::Tessellation;
@@ -98,7 +98,7 @@ impl Crowd {
 
     /// Writes the sites as comma-separated text.
     pub(crate) fn save(&self, file: &Path) -> Result<(), Failure> {
-        whole_file::write(file, |file| write_csv(&self.sites, file))
+        atomic_write::write(file, |file| write_csv(&self.sites, file))
             .map_err(|error| Failure::run(format!("cannot write {}: {error}", file.display())))
     }
 }

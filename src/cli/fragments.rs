@@ -13,8 +13,8 @@ use chebloyd::chebyshev::sector::Sector;
 use chebloyd::chebyshev::walk::WalkScratch;
 use chebloyd::domain::beyond::Beyond;
 use chebloyd::domain::space::{Domain, PieceScratch};
+use chebloyd::export::atomic_write;
 use chebloyd::export::vtu::{CellGeometry, write_cells};
-use chebloyd::export::whole_file;
 use chebloyd::geometry::polyhedron::Polyhedron;
 use chebloyd::geometry::shell::Shell;
 use chebloyd::plot::exploded::{Fragment, FragmentedCell, exploded};
@@ -162,7 +162,7 @@ fn draw(path: &Path, site: usize, position: &Point3<f64>, parts: &[Part]) -> Res
         fragments: Sector::ALL.into_iter().zip(parts).map(fragment).collect(),
     };
     let bytes = exploded(&[cell]).map_err(Failure::run)?;
-    whole_file::write(path, |file| file.write_all(&bytes))
+    atomic_write::write(path, |file| file.write_all(&bytes))
         .map_err(|error| Failure::input(format!("cannot write {}: {error}", path.display())))
 }
 

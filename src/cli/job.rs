@@ -5,11 +5,11 @@ use std::path::Path;
 
 use nalgebra::Point;
 
-use chebloyd::export::log::read_log;
-use chebloyd::export::run::description;
+use chebloyd::export::run::directory;
 use chebloyd::export::run::directory::RunDirectory;
 use chebloyd::export::run::error::RunError;
-use chebloyd::export::{sites, whole_file};
+use chebloyd::export::run::log::read_log;
+use chebloyd::export::{atomic_write, sites};
 use chebloyd::plot::convergence::{Run, convergence};
 use chebloyd::plot::svg::svg;
 use chebloyd::relax::figures::{CellFigures, Figures};
@@ -22,14 +22,13 @@ use chebloyd::scene::plan::plan;
 use crate::cli::arguments::Common;
 use crate::cli::failure::Failure;
 use crate::cli::ground::Ground;
-use crate::cli::interrupt;
 use crate::cli::progress::Progress;
 use crate::cli::question::question;
-use crate::cli::stdout;
 use crate::cli::summary::{INTERRUPTED, summary};
+use crate::cli::{interrupt, stdout};
 
 /// What `run.json` holds.
-pub(crate) type Description = description::Description<Scene, Figures>;
+pub(crate) type Description = directory::Description<Scene, Figures>;
 
 /// A run that is about to begin or to go on.
 pub(crate) struct Job<'a, const D: usize, G> {
@@ -230,7 +229,7 @@ impl<'a, const D: usize, G: Ground<D>> Job<'a, D, G> {
         content: impl FnOnce(&mut std::io::BufWriter<std::fs::File>) -> std::io::Result<()>,
     ) -> Result<(), Failure> {
         let path = self.directory.file(name);
-        whole_file::write(&path, content)
+        atomic_write::write(&path, content)
             .map_err(|error| Failure::run(format!("cannot write {}: {error}", path.display())))
     }
 

@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use chebloyd::export::log::read_log;
-use chebloyd::export::whole_file;
+use chebloyd::export::atomic_write;
+use chebloyd::export::run::log::read_log;
 use chebloyd::plot::convergence::{Run, convergence};
 use chebloyd::plot::figure::Figure;
 use chebloyd::plot::{png, svg};
@@ -42,7 +42,7 @@ pub(crate) fn run(options: &Options, common: Common) -> Result<(), Failure> {
         .map(|(name, records)| Run { name, records })
         .collect();
     let bytes = format.draw(&convergence(&runs))?;
-    whole_file::write(&options.output, |file| file.write_all(&bytes)).map_err(|error| {
+    atomic_write::write(&options.output, |file| file.write_all(&bytes)).map_err(|error| {
         Failure::input(format!(
             "cannot write {}: {error}",
             options.output.display()

@@ -1,8 +1,6 @@
-//! What a run leaves behind: sites, cells and run descriptions as files.
+//! Writers of sites, cells and run directories.
 
-pub mod log;
+pub mod atomic_write;
 pub mod run;
 pub mod sites;
-mod spool;
 pub mod vtu;
-pub mod whole_file;
