@@ -5,7 +5,7 @@ mod common;
 use std::collections::BTreeMap;
 use std::fs;
 
-use chebloyd::export::log::{LogError, read_log};
+use chebloyd::export::run::log::{LogError, read_log};
 use chebloyd::export::vtu::{CellGeometry, VtuWriter, write_cells};
 use chebloyd::geometry::brep::Piece;
 use chebloyd::geometry::shell::Shell;

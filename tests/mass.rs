@@ -1,5 +1,8 @@
 //! What must hold of bodies: transfer of axes, cutting, profiles, three ways to one mass.
 
+#[path = "common/models.rs"]
+mod models;
+
 use chebloyd::geometry::bounds::Bounds;
 use chebloyd::geometry::moments::Moments;
 use chebloyd::integrals::mesh_moments;
@@ -17,9 +20,9 @@ use chebloyd::mesh::similarity::Similarity;
 use chebloyd::mesh::surface::SurfaceMesh;
 use chebloyd::mesh::tets::{TetMesh, VertexData};
 use chebloyd::mesh::validate::{Solid, validate_surface, validate_tets};
+use models::shared_model;
 use nalgebra::{Matrix3, Point3, Rotation3, Vector3};
 use proptest::prelude::*;
-use std::path::Path;
 
 fn close(got: f64, expected: f64, relative: f64, what: &str) {
     assert!(
@@ -454,33 +457,33 @@ fn generated_shapes_weigh_the_same_three_ways() {
     three_ways(&icosphere(2), "icosphere");
 }
 
-/// A model from ../shared/models, or `None` with a message.
-fn model(name: &str) -> Option<Solid> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let places = ["../shared/models", "../../shared/models"];
-    let paths = places.map(|place| root.join(place).join(name));
-    let Some(path) = paths.iter().find(|path| path.exists()) else {
-        println!("skipped: ../shared/models/{name} is absent");
-        return None;
-    };
-    Some(load(path).unwrap())
-}
-
 #[test]
+#[ignore = "needs ../shared/models, whose licenses are not told"]
 fn casting_and_rocker_arm_weigh_the_same_three_ways() {
     for name in ["casting.off", "rocker-arm.obj"] {
-        if let Some(Solid::Surface(closed, _)) = model(name) {
-            three_ways(closed.mesh(), name);
-        }
+        let Solid::Surface(closed, _) = load(&shared_model(name)).unwrap() else {
+            panic!("{name} is a surface");
+        };
+        three_ways(closed.mesh(), name);
     }
 }
 
 #[test]
+fn a_cube_in_tetrahedra_weighs_what_its_surface_encloses() {
+    assert_weighs_what_its_boundary_does(unit_cube_tets(3));
+}
+
+#[test]
+#[ignore = "needs ../shared/models, whose licenses are not told"]
 fn the_bunny_in_tetrahedra_weighs_what_its_surface_encloses() {
-    let Some(Solid::Tets(sound, _)) = model("bunny.mesh") else {
-        return;
+    let Solid::Tets(tets, _) = load(&shared_model("bunny.mesh")).unwrap() else {
+        panic!("the bunny is made of tetrahedra");
     };
-    let mut mesh = sound.mesh().clone();
+    assert_weighs_what_its_boundary_does(tets.into_mesh());
+}
+
+/// Weights by tetrahedra and by their boundary are equal for densities of every kind.
+fn assert_weighs_what_its_boundary_does(mut mesh: TetMesh) {
     for axis in 0..3 {
         Similarity::to_unit_height(&mesh.bounds(), axis).move_all(&mut mesh.vertices);
         let extent = mesh.bounds();

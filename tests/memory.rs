@@ -12,7 +12,6 @@ use chebloyd::domain::shape::PieceScratch;
 use chebloyd::export::run::directory::RunDirectory;
 use chebloyd::export::sites::write_csv;
 use chebloyd::export::vtu::{CellGeometry, VtuWriter};
-use chebloyd::export::whole_file;
 use chebloyd::geometry::shell::Shell;
 use chebloyd::relax::figures::Figures;
 use chebloyd::relax::lloyd::{LloydOptions, lloyd};
@@ -75,7 +74,7 @@ fn relax(space: &Space, sites: &mut [Point3<f64>], options: &LloydOptions, folde
         ControlFlow::Continue(())
     };
     lloyd(space, sites, options, None, &mut keep).unwrap();
-    whole_file::write(&folder.join("sites.csv"), |file| write_csv(sites, file)).unwrap();
+    atomic_write::write(&folder.join("sites.csv"), |file| write_csv(sites, file)).unwrap();
     write_cells(space, sites, &folder.join("cells.vtu"));
     directory.describe(&figures(space, sites)).unwrap();
 }

@@ -1,8 +1,10 @@
 //! Cells in solids: meshes as domains.
 
+#[path = "common/models.rs"]
+mod models;
+
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
-use std::path::PathBuf;
 
 use chebloyd::chebyshev::center::Minimizer;
 use chebloyd::chebyshev::energy::{SignedPiece, energy};
@@ -36,6 +38,7 @@ use chebloyd::relax::outline::shell;
 use chebloyd::relax::space::Space;
 use chebloyd::relax::tessellation::{Norm, Question};
 use chebloyd::voronoi::diagram::Diagram;
+use models::shared_model;
 use nalgebra::{Point3, Vector3};
 
 /// The closed models of the shared folder.
@@ -97,26 +100,20 @@ fn with_density_one(tets: TetSolid) -> WeightedDomain {
     tets.with_density(&ones).expect("one is positive")
 }
 
-/// A model of the shared folder in the unit cube, or a message that it is not there.
-fn model(name: &str) -> Option<Solid> {
-    let here = PathBuf::from(env!("CARGO_MANIFEST_DIR"));
-    let folders = ["../shared/models", "../../shared/models"].map(|folder| here.join(folder));
-    let Some(folder) = folders.iter().find(|folder| folder.exists()) else {
-        eprintln!("skipped: there is no {}", folders[0].display());
-        return None;
-    };
-    let mut solid = load(&folder.join(name)).expect("the model is sound");
+/// A model of the shared folder in the unit cube.
+fn model(name: &str) -> Solid {
+    let mut solid = load(&shared_model(name)).expect("the model is sound");
     let bounds = match &solid {
         Solid::Surface(surface, _) => surface.mesh().bounds(),
         Solid::Tets(tets, _) => tets.mesh().bounds(),
     };
     solid.transform(&Similarity::into_unit_cube(&bounds));
-    Some(solid)
+    solid
 }
 
-fn surface_model(name: &str) -> Option<SurfaceSolid> {
-    match model(name)? {
-        Solid::Surface(surface, _) => Some(SurfaceSolid::new(&surface).expect("it has a volume")),
+fn surface_model(name: &str) -> SurfaceSolid {
+    match model(name) {
+        Solid::Surface(surface, _) => SurfaceSolid::new(&surface).expect("it has a volume"),
         Solid::Tets(..) => panic!("{name} is no surface"),
     }
 }
@@ -469,27 +466,34 @@ fn is_watertight(shell: &Shell) -> bool {
 }
 
 #[test]
+#[ignore = "needs ../shared/models, whose licenses are not told"]
 fn cells_fill_the_closed_models() {
     for name in MODELS {
-        let Some(domain) = surface_model(name) else {
-            return;
-        };
+        let domain = surface_model(name);
         assert_filled(&domain, &random_sites(&domain, 1000, 1), name);
     }
     for name in ["femur.off", "fandisk.off"] {
-        let Some(domain) = surface_model(name) else {
-            return;
-        };
+        let domain = surface_model(name);
         assert_filled(&domain, &random_sites(&domain, 10_000, 1), name);
     }
 }
 
 #[test]
 fn a_tet_mesh_and_its_boundary_are_one_solid() {
-    let Some(Solid::Tets(mesh, _)) = model("bunny.mesh") else {
-        return;
+    assert_one_with_its_boundary(tets(&unit_cube_tets(2)));
+}
+
+#[test]
+#[ignore = "needs ../shared/models, whose licenses are not told"]
+fn the_tetrahedral_bunny_and_its_boundary_are_one_solid() {
+    let Solid::Tets(mesh, _) = model("bunny.mesh") else {
+        panic!("the bunny is made of tetrahedra");
     };
-    let filled = TetSolid::new(&mesh).expect("it bounds a solid");
+    assert_one_with_its_boundary(TetSolid::new(&mesh).expect("it bounds a solid"));
+}
+
+/// Cells of the tetrahedra and of their boundary are worth the same.
+fn assert_one_with_its_boundary(filled: TetSolid) {
     let boundary = filled.boundary().clone();
     let filled = with_density_one(filled);
     let sites = random_sites(&boundary, 300, 9);
@@ -507,12 +511,10 @@ fn a_tet_mesh_and_its_boundary_are_one_solid() {
 }
 
 #[test]
-#[ignore = "minutes: ten thousand cells in every model"]
+#[ignore = "needs ../shared/models, whose licenses are not told, and minutes"]
 fn ten_thousand_cells_fill_every_closed_model() {
     for name in MODELS {
-        let Some(domain) = surface_model(name) else {
-            return;
-        };
+        let domain = surface_model(name);
         assert_filled(&domain, &random_sites(&domain, 10_000, 1), name);
     }
 }
@@ -536,17 +538,14 @@ fn chebyshev_runs_in_solids_end_below_euclidean_ones() {
     // A thin tube needs more sites than one a cross-section before cells are more than slices.
     assert_chebyshev_ends_lower("trefoil", solid(&trefoil(0.4, 64, 8)), 400);
     assert_chebyshev_ends_lower("bracket", solid(&bracket(4)), 150);
-    if let Some(femur) = surface_model("femur.off") {
-        assert_chebyshev_ends_lower("femur.off", femur, 200);
-    }
 }
 
 #[test]
+#[ignore = "needs ../shared/models, whose licenses are not told"]
 fn chebyshev_runs_end_lower_in_every_closed_model() {
+    assert_chebyshev_ends_lower("femur.off", surface_model("femur.off"), 200);
     for name in MODELS {
-        let Some(domain) = surface_model(name) else {
-            return;
-        };
+        let domain = surface_model(name);
         assert_chebyshev_ends_lower(name, domain, 300);
     }
 }

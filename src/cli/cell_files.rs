@@ -12,7 +12,7 @@ use crate::export::vtu::{CellGeometry, VtuWriter};
 use crate::geometry::bounds::Bounds;
 use crate::geometry::shell::Shell;
 use crate::plot::color::{Best, ColorScale};
-use crate::plot::cut::Cut;
+use crate::plot::patches::Cut;
 use crate::plot::cutaway::{CutawayPicture, Removed};
 use crate::plot::figure::Figure;
 use crate::plot::patches::{Patch, picture};

@@ -6,7 +6,7 @@ use std::io::{self, BufWriter, ErrorKind, Write};
 use std::path::Path;
 use std::process::ExitCode;
 
-use crate::export::whole_file;
+use crate::export::atomic_write;
 
 /// Why a command failed.
 #[derive(Debug)]
@@ -61,6 +61,6 @@ pub(crate) fn write_file(
     path: &Path,
     content: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
 ) -> Result<(), String> {
-    whole_file::write(path, content)
+    atomic_write::write(path, content)
         .map_err(|error| format!("cannot write {}: {error}", path.display()))
 }

@@ -8,7 +8,7 @@ use clap::Args;
 use crate::cli::cell_files::PNG_SCALE;
 use crate::cli::failure::{Failure, print, write_file};
 use crate::cli::options::Common;
-use crate::export::log::read_log;
+use crate::export::run::log::read_log;
 use crate::plot::convergence::{Run, convergence};
 use crate::plot::figure::Figure;
 use crate::plot::{png, svg};

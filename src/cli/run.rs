@@ -12,8 +12,8 @@ use nalgebra::Point;
 use crate::cli::cell_files::DrawCells;
 use crate::cli::failure::{Failure, print, write_file};
 use crate::cli::options::Common;
-use crate::export::log::read_log;
-use crate::export::run::description;
+use crate::export::run::log::read_log;
+use crate::export::run::directory;
 use crate::export::run::directory::RunDirectory;
 use crate::export::run::error::RunError;
 use crate::export::sites;
@@ -37,7 +37,7 @@ static IS_INTERRUPTED: AtomicBool = AtomicBool::new(false);
 const KILLED: i32 = 130;
 
 /// What `run.json` holds.
-pub(crate) type Description = description::Description<Scene, Figures>;
+pub(crate) type Description = directory::Description<Scene, Figures>;
 
 /// A run that is about to begin or to go on.
 pub(crate) struct FiledRun<'a, const D: usize, S> {

@@ -1,10 +1,7 @@
-//! Files of a run: sites, cells, records, checkpoints and descriptions.
+//! Writers of sites, cells and run directories.
 
-#[cfg(feature = "scene")]
-pub mod log;
+pub mod atomic_write;
 #[cfg(feature = "scene")]
 pub mod run;
 pub mod sites;
-mod spool;
 pub mod vtu;
-pub mod whole_file;

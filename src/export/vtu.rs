@@ -13,11 +13,12 @@
 //! Every cell has its own points: neighbors do not share them.
 
 use std::fs::File;
-use std::io::{self, BufWriter, Write};
+use std::io::{self, BufWriter, Read, Seek, Write};
 use std::path::{Path, PathBuf};
 
-use crate::export::spool::Spool;
-use crate::export::whole_file;
+use tempfile::{SpooledTempFile, spooled_tempfile_in};
+
+use crate::export::atomic_write;
 use crate::geometry::shell::Shell;
 
 /// A cell and what is told about it.
@@ -109,7 +110,7 @@ impl VtuWriter {
     pub fn finish(mut self) -> Result<u64, VtuError> {
         let (cells, points) = (self.cells, self.points);
         let arrays = &mut self.arrays;
-        whole_file::write(&self.path, |file| assemble(file, cells, points, arrays))
+        atomic_write::write(&self.path, |file| assemble(file, cells, points, arrays))
             .map_err(|source| self.refuse(source))?;
         Ok(cells)
     }
@@ -289,4 +290,59 @@ fn assemble(
         spool.pour_into(file)?;
     }
     write!(file, "\n</AppendedData>\n</VTKFile>\n")
+}
+
+/// An array longer than this (bytes) moves from memory to a nameless scratch file, which the
+/// system removes even after a kill.
+const IN_MEMORY: usize = 1 << 20;
+
+/// One array, little-endian, of a length that shows at the end.
+#[derive(Debug)]
+struct Spool {
+    file: BufWriter<SpooledTempFile>,
+    bytes: u64,
+}
+
+impl Spool {
+    /// An empty array that may spill to a scratch file in `folder`.
+    fn new(folder: &Path) -> Self {
+        Self {
+            file: BufWriter::new(spooled_tempfile_in(IN_MEMORY, folder)),
+            bytes: 0,
+        }
+    }
+
+    /// The array's length so far.
+    fn bytes(&self) -> u64 {
+        self.bytes
+    }
+
+    fn real(&mut self, value: f64) -> io::Result<()> {
+        self.push(&value.to_le_bytes())
+    }
+
+    fn integer(&mut self, value: i64) -> io::Result<()> {
+        self.push(&value.to_le_bytes())
+    }
+
+    fn byte(&mut self, value: u8) -> io::Result<()> {
+        self.push(&[value])
+    }
+
+    fn push(&mut self, bytes: &[u8]) -> io::Result<()> {
+        self.bytes += bytes.len() as u64;
+        self.file.write_all(bytes)
+    }
+
+    /// Copies the array, behind its length in bytes, to the end of `file`.
+    fn pour_into(&mut self, file: &mut impl Write) -> io::Result<()> {
+        file.write_all(&self.bytes.to_le_bytes())?;
+        self.file.rewind()?;
+        let copied = io::copy(&mut self.file.get_mut().take(self.bytes), file)?;
+        if copied == self.bytes {
+            Ok(())
+        } else {
+            Err(io::ErrorKind::UnexpectedEof.into())
+        }
+    }
 }

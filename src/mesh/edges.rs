@@ -1,4 +1,4 @@
-//! Which triangles meet at which edge.
+//! The table of edges: the triangles at each edge of a surface.
 //!
 //! A *side* is a corner of a triangle read as the directed edge from it to the next corner:
 //! side `3 t + k` runs from corner k to corner k + 1 of triangle t. An *edge* is the

@@ -1,4 +1,4 @@
-//! Which component of a surface lies inside which.
+//! Nesting of the components of a surface.
 //!
 //! A component inside an even number of others bounds a part of the solid from outside, one
 //! inside an odd number bounds a cavity. Inside is decided by the winding number, the sum of
@@ -12,7 +12,7 @@ use crate::mesh::orient::{Orientation, Places};
 use crate::mesh::report::SurfaceReport;
 use crate::mesh::surface::{SurfaceMesh, cone_volume};
 
-/// How many vertices of a component are asked at most. One suffices unless it lies on the
+/// The number of vertices of a component that are tested at most. One suffices unless it lies on the
 /// other component: then the one with the clearest answer counts.
 const PROBES: usize = 5;
 
@@ -27,12 +27,12 @@ pub(crate) fn turn_outward(
     let Sides { volumes, cavities } = sides(surface, orientation);
     report.components = orientation.components;
     report.cavities = cavities.iter().filter(|&&is_cavity| is_cavity).count();
-    let mut told = vec![false; orientation.components];
+    let mut reported = vec![false; orientation.components];
     for (at, triangle) in surface.triangles.iter_mut().enumerate() {
         let component = orientation.component[at] as usize;
         if (volumes[component] < 0.0) != cavities[component] {
             triangle.swap(1, 2);
-            if !std::mem::replace(&mut told[component], true) {
+            if !std::mem::replace(&mut reported[component], true) {
                 report.inverted.add(places.numbers[at]);
             }
         }

@@ -1,4 +1,4 @@
-//! What a check found: counts, first places, sentences.
+//! Reports of mesh validation: counts, first places, sentences, refusals.
 
 use std::fmt;
 
@@ -107,24 +107,24 @@ impl SurfaceReport {
                 format!("{} pairs of triangles cross, the first {one} and {other}; what is enclosed twice counts twice, mend the overlap with a Boolean union", tally.count)
             })
         });
-        let told = [
-            told(
+        let notes = [
+            note(
                 self.collapsed,
                 "triangles with a repeated vertex were dropped",
             ),
-            told(self.duplicates, "duplicate triangles were dropped"),
-            told(
+            note(self.duplicates, "duplicate triangles were dropped"),
+            note(
                 self.reoriented,
                 "triangles were turned to agree with their neighbors",
             ),
-            told(self.inverted, "components were turned inside out"),
-            told(self.flat, "triangles have no area; kept"),
-            told_vertices(self.isolated),
+            note(self.inverted, "components were turned inside out"),
+            note(self.flat, "triangles have no area; kept"),
+            unused_note(self.isolated),
         ];
-        let told = told.into_iter().flatten();
+        let notes = notes.into_iter().flatten();
         welded
             .into_iter()
-            .chain(told)
+            .chain(notes)
             .chain(touching)
             .chain(crossings)
             .collect()
@@ -149,17 +149,17 @@ impl TetReport {
     /// One sentence for each thing that a user should know; none for a flawless mesh.
     #[must_use]
     pub fn notes(&self) -> Vec<String> {
-        let told = [
-            told(self.inverted, "inverted tetrahedra were turned"),
-            told(self.flat, "tetrahedra without volume were dropped"),
-            told(self.duplicates, "duplicate tetrahedra were dropped"),
-            told_vertices(self.isolated),
+        let notes = [
+            note(self.inverted, "inverted tetrahedra were turned"),
+            note(self.flat, "tetrahedra without volume were dropped"),
+            note(self.duplicates, "duplicate tetrahedra were dropped"),
+            unused_note(self.isolated),
         ];
-        told.into_iter().flatten().collect()
+        notes.into_iter().flatten().collect()
     }
 }
 
-fn told(tally: Tally<u32>, what: &str) -> Option<String> {
+fn note(tally: Tally<u32>, what: &str) -> Option<String> {
     let first = tally.first?;
     Some(format!(
         "{} {what}, the first at element {first}",
@@ -167,7 +167,7 @@ fn told(tally: Tally<u32>, what: &str) -> Option<String> {
     ))
 }
 
-fn told_vertices(tally: Tally<u32>) -> Option<String> {
+fn unused_note(tally: Tally<u32>) -> Option<String> {
     let first = tally.first?;
     Some(format!(
         "{} vertices belong to no element and were dropped, the first is vertex {first}",

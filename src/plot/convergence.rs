@@ -191,7 +191,7 @@ fn draw_curve(figure: &mut Figure, panel: &Panel, curve: &Curve, stroke: Stroke)
             radius: 3.0,
             fill: stroke.color,
         }),
-        _ => figure.shapes.push(Shape::Polyline { points, stroke }),
+        _ => figure.polyline(points, stroke),
     }
 }
 

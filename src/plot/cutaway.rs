@@ -9,11 +9,10 @@ use crate::geometry::bounds::Bounds;
 use crate::geometry::shell::Shell;
 use crate::plot::camera::TOWARD;
 use crate::plot::color::ColorScale;
-use crate::plot::color_bar;
 use crate::plot::figure::{Anchor, Figure};
-use crate::plot::panel::TITLE_SIZE;
+use crate::plot::panel::{BAR_ROOM, TITLE_SIZE, draw_color_bar};
 use crate::plot::png::PngError;
-use crate::plot::stage::Stage;
+use crate::plot::z_buffer::ZBuffer;
 
 /// What is taken away.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -78,7 +77,7 @@ const BAR_SHARE: f64 = 0.7;
 /// A picture in the making.
 #[derive(Debug)]
 pub struct CutawayPicture {
-    stage: Stage,
+    buffer: ZBuffer,
     middle: Point3<f64>,
     removed: Removed,
     scale: ColorScale,
@@ -100,10 +99,10 @@ impl CutawayPicture {
             let pick = |axis: usize| [bounds.min, bounds.max][corner >> axis & 1][axis];
             Point3::new(pick(0), pick(1), pick(2))
         });
-        let mut stage = Stage::new(WIDTH, HEIGHT)?;
-        stage.aim(corners, 0, WIDTH);
+        let mut buffer = ZBuffer::new(WIDTH, HEIGHT)?;
+        buffer.aim(corners, 0, WIDTH);
         Ok(Self {
-            stage,
+            buffer,
             middle: bounds.center(),
             removed,
             scale,
@@ -121,7 +120,7 @@ impl CutawayPicture {
     pub fn push(&mut self, shell: &Shell, site: &Point3<f64>, value: f64) {
         if self.shows(site) {
             let color = self.scale.color(value);
-            self.stage.draw(shell, |_| color);
+            self.buffer.draw(shell, |_| color);
         }
     }
 
@@ -132,7 +131,7 @@ impl CutawayPicture {
     pub fn finish(self) -> Result<Vec<u8>, PngError> {
         let size = [WIDTH, HEIGHT].map(|pixels| pixels as f64 / SCALE);
         let mut figure = Figure::new(
-            size[0] + 2.0 * MARGIN + BAR_GAP + color_bar::ROOM,
+            size[0] + 2.0 * MARGIN + BAR_GAP + BAR_ROOM,
             size[1] + 2.0 * MARGIN + TITLE_ROOM,
         );
         let corner = Point2::new(MARGIN, MARGIN + TITLE_ROOM);
@@ -142,7 +141,7 @@ impl CutawayPicture {
             MARGIN + size[0] + BAR_GAP,
             corner.y + 0.5 * (1.0 - BAR_SHARE) * size[1],
         );
-        color_bar::draw(&mut figure, bar, BAR_SHARE * size[1], &self.scale);
-        self.stage.develop(&figure, corner, SCALE)
+        draw_color_bar(&mut figure, bar, BAR_SHARE * size[1], &self.scale);
+        self.buffer.to_png(&figure, corner, SCALE)
     }
 }

@@ -11,7 +11,7 @@ use crate::plot::color::Color;
 use crate::plot::figure::{Anchor, Figure};
 use crate::plot::panel::{LABEL_SIZE, TITLE_SIZE};
 use crate::plot::png::PngError;
-use crate::plot::stage::Stage;
+use crate::plot::z_buffer::ZBuffer;
 
 /// One fragment of a cell.
 #[derive(Clone, Debug, PartialEq)]
@@ -64,9 +64,9 @@ pub fn exploded(cells: &[FragmentedCell]) -> Result<Vec<u8>, PngError> {
     let side = SIDE as f64 / SCALE;
     let width = side * cells.len() as f64;
     let mut figure = Figure::new(width + 2.0 * MARGIN, side + 2.0 * MARGIN + CAPTION_ROOM);
-    let mut stage = Stage::new(SIDE * cells.len(), SIDE)?;
+    let mut buffer = ZBuffer::new(SIDE * cells.len(), SIDE)?;
     for (number, cell) in cells.iter().enumerate() {
-        draw_cell(&mut stage, cell, number);
+        draw_cell(&mut buffer, cell, number);
         let below = Point2::new(
             MARGIN + (number as f64 + 0.5) * side,
             MARGIN + side + CAPTION_ROOM,
@@ -74,11 +74,11 @@ pub fn exploded(cells: &[FragmentedCell]) -> Result<Vec<u8>, PngError> {
         figure.text(below, &cell.caption, TITLE_SIZE, Anchor::Middle);
     }
     draw_legend(&mut figure);
-    stage.develop(&figure, Point2::new(MARGIN, MARGIN), SCALE)
+    buffer.to_png(&figure, Point2::new(MARGIN, MARGIN), SCALE)
 }
 
-/// Draws a cell in part `number` of the stage.
-fn draw_cell(stage: &mut Stage, cell: &FragmentedCell, number: usize) {
+/// Draws a cell in part `number` of the buffer.
+fn draw_cell(buffer: &mut ZBuffer, cell: &FragmentedCell, number: usize) {
     let corners = || {
         cell.fragments
             .iter()
@@ -93,13 +93,13 @@ fn draw_cell(stage: &mut Stage, cell: &FragmentedCell, number: usize) {
     let places = moved
         .iter()
         .flat_map(|(shift, fragment)| fragment.shell.vertices().iter().map(move |v| v + shift));
-    stage.aim(places, number * SIDE, SIDE);
+    buffer.aim(places, number * SIDE, SIDE);
     let farthest = corners()
         .map(|corner| (corner - cell.center).amax())
         .fold(0.0, f64::max);
     for (shift, fragment) in &moved {
         let axis = fragment.axis.min(2);
-        stage.draw(&fragment.shell.translated(shift), |place| {
+        buffer.draw(&fragment.shell.translated(shift), |place| {
             let distance = (place - shift - cell.center)[axis].abs();
             PALE.mix(AXES[axis], distance / farthest)
         });

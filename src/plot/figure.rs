@@ -63,21 +63,16 @@ pub struct Text {
 /// One shape of a figure.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Shape {
-    /// Closed contours, filled by the even-odd rule and outlined.
-    Polygon {
-        /// The contours' corners.
+    /// Contours, filled by the even-odd rule and drawn as lines.
+    Path {
+        /// The contours' corners in order.
         contours: Vec<Vec<Point2<f64>>>,
+        /// Whether every contour ends where it begins.
+        closed: bool,
         /// The filling, if any.
         fill: Option<Color>,
-        /// The outline, if any.
+        /// The line's look, if any.
         stroke: Option<Stroke>,
-    },
-    /// An open line through points.
-    Polyline {
-        /// The points in order.
-        points: Vec<Point2<f64>>,
-        /// The line's look.
-        stroke: Stroke,
     },
     /// A filled circle.
     Disc {
@@ -116,8 +111,17 @@ impl Figure {
 
     /// Adds a straight line.
     pub fn line(&mut self, from: Point2<f64>, to: Point2<f64>, stroke: Stroke) {
-        let points = vec![from, to];
-        self.shapes.push(Shape::Polyline { points, stroke });
+        self.polyline(vec![from, to], stroke);
+    }
+
+    /// Adds an open line through points.
+    pub fn polyline(&mut self, points: Vec<Point2<f64>>, stroke: Stroke) {
+        self.shapes.push(Shape::Path {
+            contours: vec![points],
+            closed: false,
+            fill: None,
+            stroke: Some(stroke),
+        });
     }
 
     /// Adds a rectangle given by two opposite corners.
@@ -133,8 +137,9 @@ impl Figure {
             max,
             Point2::new(min.x, max.y),
         ];
-        self.shapes.push(Shape::Polygon {
+        self.shapes.push(Shape::Path {
             contours: vec![corners],
+            closed: true,
             fill,
             stroke,
         });

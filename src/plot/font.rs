@@ -1,6 +1,6 @@
 //! The typeface of all pictures: widths and outlines of its glyphs.
 //!
-//! A subset of DejaVu Sans (Latin, Greek, a few mathematical signs; licence beside it) is part of
+//! A subset of DejaVu Sans (Latin, Greek, a few mathematical signs; license beside it) is part of
 //! the crate, so that a PNG looks the same on every machine. SVG files name the typeface and leave
 //! the choice of a substitute to the viewer.
 

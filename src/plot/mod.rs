@@ -7,10 +7,7 @@
 pub mod axis;
 pub mod camera;
 pub mod color;
-pub mod color_bar;
 pub mod convergence;
-pub(crate) mod creases;
-pub mod cut;
 pub mod cutaway;
 pub mod exploded;
 pub mod figure;
@@ -18,5 +15,5 @@ pub mod font;
 pub mod panel;
 pub mod patches;
 pub mod png;
-pub mod stage;
 pub mod svg;
+pub mod z_buffer;

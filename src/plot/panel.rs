@@ -1,9 +1,9 @@
-//! A framed area with axes, and the sizes of texts in all pictures.
+//! Framed areas with axes, color bars, and the sizes of texts in all pictures.
 
 use nalgebra::Point2;
 
 use crate::plot::axis::Axis;
-use crate::plot::color::Color;
+use crate::plot::color::{Color, ColorScale};
 use crate::plot::figure::{Anchor, Figure, Stroke};
 use crate::plot::font;
 
@@ -91,4 +91,42 @@ impl Panel {
         let left = min.x - STANDOFF - widest.fold(0.0, f64::max) - 9.0;
         figure.upward_text(Point2::new(left, middle.y), y_name, LABEL_SIZE);
     }
+}
+
+/// The bar's width; ticks, their labels and the scale's name need [`BAR_ROOM`] in all.
+const BAR_WIDTH: f64 = 14.0;
+
+/// The space that a bar takes to the right of its left edge.
+pub const BAR_ROOM: f64 = 92.0;
+
+/// Steps of color along the bar: more than the eye can tell apart.
+const BAR_STEPS: usize = 128;
+
+/// Draws the bar of `scale` downward from its upper left corner.
+pub fn draw_color_bar(figure: &mut Figure, corner: Point2<f64>, height: f64, scale: &ColorScale) {
+    let end = Point2::new(corner.x + BAR_WIDTH, corner.y + height);
+    for step in 0..BAR_STEPS {
+        // Every step reaches up to the top, so that no seam shows between two.
+        let share = step as f64 / BAR_STEPS as f64;
+        let floor = Point2::new(end.x, end.y - share * height);
+        let value = scale.min + (share + 0.5 / BAR_STEPS as f64) * (scale.max - scale.min);
+        figure.rectangle([corner, floor], Some(scale.color(value)), None);
+    }
+    figure.rectangle([corner, end], None, Some(Stroke::solid(Color::INK, 0.8)));
+    let axis = Axis::within(scale.min, scale.max);
+    let mut widest = 0.0_f64;
+    for tick in &axis.ticks {
+        let y = end.y - axis.share(tick.value) * height;
+        let ink = Stroke::solid(Color::INK, 0.8);
+        figure.line(Point2::new(end.x, y), Point2::new(end.x + 4.0, y), ink);
+        let beside = Point2::new(end.x + 8.0, y + 0.36 * TICK_SIZE);
+        figure.text(beside, &tick.label, TICK_SIZE, Anchor::Start);
+        widest = widest.max(font::width(&tick.label, TICK_SIZE));
+    }
+    let name = Point2::new(
+        end.x + 8.0 + widest + 8.0 + LABEL_SIZE,
+        0.5 * (corner.y + end.y),
+    );
+    let label = font::elided(&scale.label, LABEL_SIZE, height);
+    figure.upward_text(name, &label, LABEL_SIZE);
 }

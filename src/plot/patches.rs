@@ -1,15 +1,17 @@
 //! Flat pictures of cells: polygons colored by a value, with thin outlines and a color bar.
 //!
 //! The cells of a diagram in the plane, or the polygons in which a plane cuts those in space
-//! ([`crate::plot::cut`]).
+//! ([`Cut`]).
 
-use nalgebra::Point2;
+use nalgebra::{Point2, Point3, Vector3};
 
 use crate::geometry::bounds::Bounds;
+use crate::geometry::half_space::HalfSpace;
+use crate::geometry::section::section;
+use crate::geometry::shell::Shell;
 use crate::plot::color::{Color, ColorScale};
-use crate::plot::color_bar;
 use crate::plot::figure::{Anchor, Figure, Shape, Stroke};
-use crate::plot::panel::TITLE_SIZE;
+use crate::plot::panel::{BAR_ROOM, TITLE_SIZE, draw_color_bar};
 
 /// What a flat picture shows of one cell.
 #[derive(Clone, Debug, PartialEq)]
@@ -43,7 +45,7 @@ const BRIGHT: f64 = 110.0;
 pub fn picture(patches: &[Patch], scale: &ColorScale, title: &str) -> Figure {
     let frame = Frame::around(patches);
     let mut figure = Figure::new(
-        frame.size[0] + 2.0 * MARGIN + BAR_GAP + color_bar::ROOM,
+        frame.size[0] + 2.0 * MARGIN + BAR_GAP + BAR_ROOM,
         frame.size[1] + 2.0 * MARGIN + TITLE_ROOM,
     );
     let diameter = (frame.size[0] * frame.size[1] / patches.len().max(1) as f64).sqrt();
@@ -51,8 +53,9 @@ pub fn picture(patches: &[Patch], scale: &ColorScale, title: &str) -> Figure {
     let outline = Stroke::solid(Color::INK, sized(OUTLINE));
     for patch in patches {
         let place = |contour: &Vec<_>| contour.iter().map(|point| frame.place(point)).collect();
-        figure.shapes.push(Shape::Polygon {
+        figure.shapes.push(Shape::Path {
             contours: patch.contours.iter().map(place).collect(),
+            closed: true,
             fill: Some(scale.color(patch.value)),
             stroke: Some(outline),
         });
@@ -71,7 +74,7 @@ pub fn picture(patches: &[Patch], scale: &ColorScale, title: &str) -> Figure {
     let above = Point2::new(MARGIN + 0.5 * frame.size[0], MARGIN + 0.8 * TITLE_SIZE);
     figure.text(above, title, TITLE_SIZE, Anchor::Middle);
     let corner = Point2::new(MARGIN + frame.size[0] + BAR_GAP, MARGIN + TITLE_ROOM);
-    color_bar::draw(&mut figure, corner, frame.size[1], scale);
+    draw_color_bar(&mut figure, corner, frame.size[1], scale);
     figure
 }
 
@@ -110,5 +113,65 @@ impl Frame {
             MARGIN + 0.5 * self.size[0] + arm.x,
             MARGIN + TITLE_ROOM + 0.5 * self.size[1] - arm.y,
         )
+    }
+}
+
+/// A plane with two directions in it: what is right and what is up for someone who looks at it
+/// against its normal.
+#[derive(Clone, Copy, Debug)]
+pub struct Cut {
+    plane: HalfSpace,
+    right: Vector3<f64>,
+    up: Vector3<f64>,
+}
+
+impl Cut {
+    /// The cut along the border of `plane`, seen from where its normal points. Up is the direction
+    /// nearest to +z; for a horizontal plane it is +y and right is +x.
+    ///
+    /// A plane without a normal cuts nothing.
+    #[must_use]
+    pub fn new(plane: HalfSpace) -> Self {
+        let plane = plane.normalized();
+        let normal = plane.normal;
+        let horizontal = normal.x.hypot(normal.y) < 1e-9 * normal.z.abs();
+        let upward = if horizontal {
+            Vector3::y()
+        } else {
+            Vector3::z()
+        };
+        let up = upward - upward.dot(&normal) * normal;
+        let up = up.try_normalize(0.0).unwrap_or(upward);
+        Self {
+            plane,
+            right: up.cross(&normal),
+            up,
+        }
+    }
+
+    /// The horizontal cut at height `z`, seen from above.
+    #[must_use]
+    pub fn horizontal(z: f64) -> Self {
+        Self::new(HalfSpace {
+            normal: Vector3::z(),
+            offset: z,
+        })
+    }
+
+    /// What the cut shows of a cell; `None` where it misses it.
+    #[must_use]
+    pub fn patch(&self, shell: &Shell, value: f64) -> Option<Patch> {
+        let flat = |point: &Point3<f64>| {
+            Point2::new(self.right.dot(&point.coords), self.up.dot(&point.coords))
+        };
+        let contours: Vec<Vec<Point2<f64>>> = section(shell, &self.plane)
+            .iter()
+            .map(|contour| contour.iter().map(flat).collect())
+            .collect();
+        (!contours.is_empty()).then_some(Patch {
+            contours,
+            value,
+            site: None,
+        })
     }
 }

@@ -73,20 +73,19 @@ pub(crate) fn draw(figure: &Figure, scale: f64, sheet: &mut Pixmap) {
 fn draw_shape(sheet: &mut Pixmap, shape: &Shape, to_pixels: Transform) {
     let mut path = PathBuilder::new();
     match shape {
-        Shape::Polygon {
+        Shape::Path {
             contours,
+            closed,
             fill,
             stroke,
         } => {
             for contour in contours {
                 add_points(&mut path, contour);
-                path.close();
+                if *closed {
+                    path.close();
+                }
             }
             paint(sheet, path, *fill, stroke.as_ref(), to_pixels);
-        }
-        Shape::Polyline { points, stroke } => {
-            add_points(&mut path, points);
-            paint(sheet, path, None, Some(stroke), to_pixels);
         }
         Shape::Disc {
             center,

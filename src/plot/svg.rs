@@ -26,15 +26,16 @@ pub fn svg(figure: &Figure) -> String {
 
 fn push_shape(out: &mut String, shape: &Shape) {
     match shape {
-        Shape::Polygon {
+        Shape::Path {
             contours,
+            closed,
             fill,
             stroke,
         } => {
             out.push_str("<path d=\"");
             for contour in contours {
                 push_path(out, contour);
-                out.push('Z');
+                out.push_str(if *closed { "Z" } else { "" });
             }
             out.push('"');
             push_fill(out, *fill);
@@ -42,14 +43,6 @@ fn push_shape(out: &mut String, shape: &Shape) {
                 out.push_str(" fill-rule=\"evenodd\"");
             }
             push_stroke(out, stroke.as_ref());
-            out.push_str("/>\n");
-        }
-        Shape::Polyline { points, stroke } => {
-            out.push_str("<path d=\"");
-            push_path(out, points);
-            out.push('"');
-            push_fill(out, None);
-            push_stroke(out, Some(stroke));
             out.push_str("/>\n");
         }
         Shape::Disc {

@@ -13,8 +13,8 @@ use std::time::{Duration, Instant};
 use nalgebra::Point;
 use serde::{Deserialize, Serialize};
 
+use crate::export::atomic_write;
 use crate::export::run::error::RunError;
-use crate::export::whole_file;
 
 /// The version of the file's layout.
 const FORMAT: u32 = 1;
@@ -65,7 +65,7 @@ pub fn write<const D: usize>(
         iteration,
         memory: memory.len(),
     };
-    let written = whole_file::write(path, |file| {
+    let written = atomic_write::write(path, |file| {
         serde_json::to_writer(&mut *file, &header).map_err(io::Error::from)?;
         file.write_all(b"\n")?;
         let coordinates = sites.iter().flat_map(|site| site.iter());

@@ -1,4 +1,4 @@
-//! The directory of one run, held by one process at a time.
+//! The directory of one run, held by one process at a time, and its `run.json`.
 
 use std::fs::{self, TryLockError};
 use std::io;
@@ -6,13 +6,13 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use nalgebra::Point;
-use serde::Serialize;
 use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
 
+use crate::export::atomic_write;
 use crate::export::run::checkpoint::{self, Checkpoint, Pace};
 use crate::export::run::error::RunError;
 use crate::export::run::log::Log;
-use crate::export::whole_file;
 use crate::relax::record::Record;
 
 const LOG: &str = "log.jsonl";
@@ -137,7 +137,7 @@ impl RunDirectory {
     /// [`RunError::File`].
     pub fn describe(&self, description: &impl Serialize) -> Result<(), RunError> {
         let path = self.file(DESCRIPTION);
-        whole_file::write(&path, |file| {
+        atomic_write::write(&path, |file| {
             serde_json::to_writer_pretty(&mut *file, description)?;
             io::Write::write_all(file, b"\n")
         })
@@ -203,4 +203,34 @@ impl RunDirectory {
             _ => Ok(()),
         }
     }
+}
+
+/// What `run.json` says. It is there from the first moment of a run, with `ended` empty.
+///
+/// `S` is the scene and `M` the measures of a tessellation, as they read and write themselves.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Description<S, M> {
+    /// The program's name.
+    pub program: String,
+    /// The program's version.
+    pub version: String,
+    /// The scene with every default filled in.
+    pub scene: S,
+    /// How many sites there are.
+    pub sites: usize,
+    /// The domain's volume (L^D).
+    pub domain_volume: f64,
+    /// The p = 1 Chebyshev energy of a cube of the mean volume (L^(D+1)).
+    pub optimal_energy: f64,
+    /// The tessellation that the run began with.
+    pub initial: Option<M>,
+    /// The tessellation that the run ended with.
+    #[serde(rename = "final")]
+    pub last: Option<M>,
+    /// Why the run ended; nothing while it goes on, or when it was killed.
+    pub ended: Option<String>,
+    /// Wall time since the start (s), earlier parts of a resumed run included.
+    pub seconds: f64,
+    /// How many threads computed.
+    pub threads: usize,
 }

@@ -3,13 +3,12 @@
 //! [`directory`] takes the directory for one process at a time and refuses to overwrite a run.
 //! [`log`] appends a record per iteration. [`checkpoint`] keeps the sites of some iteration, from
 //! which everything later follows again bit by bit: a resumed run drops the records after its
-//! checkpoint and recomputes them. [`description`] is `run.json`.
+//! checkpoint and recomputes them. [`directory::Description`] is `run.json`.
 //!
 //! The order of writing makes every moment safe to be killed in: the record of iteration k is in
 //! the log, synced, before the checkpoint of k replaces an older one.
 
 pub mod checkpoint;
-pub mod description;
 pub mod directory;
 pub mod error;
 pub mod log;

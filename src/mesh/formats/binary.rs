@@ -18,6 +18,23 @@ pub(crate) enum Scalar {
 }
 
 impl Scalar {
+    /// The type with this name in PLY (both generations) or, in small letters, VTK's XML.
+    pub(crate) fn named(name: &[u8]) -> Option<Self> {
+        Some(match name {
+            b"char" | b"int8" => Self::Int8,
+            b"uchar" | b"uint8" => Self::UInt8,
+            b"short" | b"int16" => Self::Int16,
+            b"ushort" | b"uint16" => Self::UInt16,
+            b"int" | b"int32" => Self::Int32,
+            b"uint" | b"uint32" => Self::UInt32,
+            b"int64" => Self::Int64,
+            b"uint64" => Self::UInt64,
+            b"float" | b"float32" => Self::Float32,
+            b"double" | b"float64" => Self::Float64,
+            _ => return None,
+        })
+    }
+
     /// Bytes per number.
     pub(crate) fn width(self) -> usize {
         match self {

@@ -1,9 +1,12 @@
-//! What can be wrong with a mesh file, where, and what to do about it.
+//! Errors of mesh files: the place, what is wrong there, and the mend.
 
 use std::fmt;
 use std::path::PathBuf;
 
 use thiserror::Error;
+
+/// The greatest number of vertices or triangles: sides (3 per triangle) must fit 32 bits.
+pub(crate) const ELEMENT_LIMIT: usize = (u32::MAX / 4) as usize;
 
 /// A mesh file that could not be read.
 #[derive(Debug, Error)]
@@ -45,6 +48,11 @@ impl ParseError {
     pub fn whole(kind: ErrorKind) -> Self {
         let place = Place::Whole;
         Self { place, kind }
+    }
+
+    /// A file without the wanted elements `what`.
+    pub(crate) fn missing(what: &'static str, mend: &'static str) -> Self {
+        Self::whole(ErrorKind::Missing { what, mend })
     }
 }
 
@@ -146,4 +154,56 @@ pub enum ErrorKind {
         /// The greatest count that can be indexed.
         limit: usize,
     },
+}
+
+impl ErrorKind {
+    /// [`ErrorKind::Expected`] with what stands there instead.
+    pub(crate) fn expected(expected: &'static str, found: impl Into<String>) -> Self {
+        let found = found.into();
+        Self::Expected { expected, found }
+    }
+
+    /// [`ErrorKind::Unsupported`] with the way to export the mesh instead.
+    pub(crate) fn unsupported(what: impl Into<String>, mend: &'static str) -> Self {
+        let what = what.into();
+        Self::Unsupported { what, mend }
+    }
+
+    /// [`ErrorKind::OutOfRange`] unless `vertex`, numbered from `first`, is one of `vertices`; its
+    /// zero-based index.
+    pub(crate) fn check_vertex(index: i64, vertices: usize, first: i64) -> Result<u32, Self> {
+        let zero_based = index.checked_sub(first).and_then(|i| u32::try_from(i).ok());
+        zero_based
+            .filter(|&vertex| (vertex as usize) < vertices)
+            .ok_or(Self::OutOfRange {
+                index,
+                vertices,
+                first,
+            })
+    }
+
+    /// [`ErrorKind::WrongCount`] unless as many `what` were found as announced.
+    pub(crate) fn check_count(
+        what: &'static str,
+        announced: usize,
+        found: usize,
+    ) -> Result<(), Self> {
+        if announced == found {
+            return Ok(());
+        }
+        Err(Self::WrongCount {
+            what,
+            announced,
+            found,
+        })
+    }
+
+    /// [`ErrorKind::TooMany`] above the greatest count that is indexed.
+    pub(crate) fn check_limit(what: &'static str, count: usize) -> Result<usize, Self> {
+        let limit = ELEMENT_LIMIT;
+        if count <= limit {
+            return Ok(count);
+        }
+        Err(Self::TooMany { what, limit })
+    }
 }

@@ -7,10 +7,8 @@
 
 use std::collections::HashMap;
 
-use nalgebra::Point3;
-
 use crate::mesh::formats::error::{ErrorKind, ParseError};
-use crate::mesh::formats::mesh::{Collected, Mesh, no_tetrahedron};
+use crate::mesh::formats::mesh::{Mesh, MeshParts, no_tetrahedron};
 use crate::mesh::formats::words::{Words, shown};
 use crate::mesh::polygon::triangulate;
 use crate::mesh::tets::VertexData;
@@ -25,7 +23,7 @@ pub fn parse(bytes: &[u8]) -> Result<Mesh, ParseError> {
         words: Words::new(bytes, None),
         version: Version::Four,
         tags: HashMap::new(),
-        mesh: Collected::default(),
+        mesh: MeshParts::default(),
     };
     while let Some(section) = file.words.word() {
         match section {
@@ -52,7 +50,7 @@ struct File<'a> {
     version: Version,
     /// Node tag → vertex.
     tags: HashMap<usize, u32>,
-    mesh: Collected,
+    mesh: MeshParts,
 }
 
 impl File<'_> {
@@ -64,17 +62,14 @@ impl File<'_> {
             _ => {
                 let what = format!("Gmsh's format {}", shown(version));
                 let mend = "export version 4.1 or 2.2 (gmsh -save -format msh41)";
-                return Err(self.words.error(ErrorKind::Unsupported { what, mend }));
+                return Err(self.words.unsupported(what, mend));
             }
         };
         if self.words.count("0 for a text file")? == 0 {
             return Ok(());
         }
-        let (what, mend) = (
-            "a binary .msh file".into(),
-            "export it as text (Mesh.Binary = 0)",
-        );
-        Err(self.words.error(ErrorKind::Unsupported { what, mend }))
+        let mend = "export it as text (Mesh.Binary = 0)";
+        Err(self.words.unsupported("a binary .msh file", mend))
     }
 
     fn read_nodes(&mut self) -> Result<(), ParseError> {
@@ -94,7 +89,7 @@ impl File<'_> {
             self.read_node_block()?;
         }
         let found = self.mesh.vertices.len();
-        self.check_count("nodes", announced, found)
+        self.words.check_count("nodes", announced, found)
     }
 
     fn read_node_block(&mut self) -> Result<(), ParseError> {
@@ -118,17 +113,13 @@ impl File<'_> {
         if self.tags.insert(tag, vertex as u32).is_none() {
             return Ok(());
         }
-        Err(self
-            .words
-            .unexpected("a node number not used before", tag.to_string().as_bytes()))
+        let expected = "a node number not used before";
+        Err(self.words.unexpected(expected, tag.to_string().as_bytes()))
     }
 
     /// Reads the coordinates of a vertex; parameters after them on the line are passed over.
     fn add_vertex(&mut self) -> Result<(), ParseError> {
-        let x = self.words.number("a coordinate")?;
-        let mut coordinate = || self.words.number_on_line("a coordinate");
-        let point = Point3::new(x, coordinate()?, coordinate()?);
-        self.mesh.vertices.push(point);
+        self.mesh.vertices.push(self.words.point_on_line()?);
         self.words.next_line();
         Ok(())
     }
@@ -161,7 +152,7 @@ impl File<'_> {
             }
             found += count;
         }
-        self.check_count("elements", announced, found)
+        self.words.check_count("elements", announced, found)
     }
 
     /// Reads an element's nodes: type 2 is a triangle, 3 a quadrangle, 4 a tetrahedron.
@@ -192,26 +183,23 @@ impl File<'_> {
     fn read_corners<const N: usize>(&mut self) -> Result<[u32; N], ParseError> {
         let mut corners = [0; N];
         for corner in &mut corners {
-            let word = self.words.some_word_on_line("a node's number")?;
-            let tag = self.words.parse_count(word, "a node's number")?;
+            let tag = self.words.count_on_line("a node's number")?;
             *corner = self.vertex(tag)?;
         }
         Ok(corners)
     }
 
     fn vertex(&self, tag: usize) -> Result<u32, ParseError> {
-        let out_of_range = || {
-            let (index, vertices) = (tag as i64, self.mesh.vertices.len());
-            self.words.error(ErrorKind::OutOfRange {
-                index,
-                vertices,
-                first: 1,
-            })
-        };
+        let vertices = self.mesh.vertices.len();
         let vertex = self.tags.get(&tag).copied();
+        let out_of_range = ErrorKind::OutOfRange {
+            index: tag as i64,
+            vertices,
+            first: 1,
+        };
         vertex
-            .filter(|&vertex| (vertex as usize) < self.mesh.vertices.len())
-            .ok_or_else(out_of_range)
+            .filter(|&vertex| (vertex as usize) < vertices)
+            .ok_or_else(|| self.words.error(out_of_range))
     }
 
     /// Reads a scalar field; vectors and tensors are passed over.
@@ -273,21 +261,5 @@ impl File<'_> {
             }
             self.words.next_line();
         }
-    }
-
-    fn check_count(
-        &self,
-        what: &'static str,
-        announced: usize,
-        found: usize,
-    ) -> Result<(), ParseError> {
-        if announced == found {
-            return Ok(());
-        }
-        Err(self.words.error(ErrorKind::WrongCount {
-            what,
-            announced,
-            found,
-        }))
     }
 }

@@ -7,10 +7,8 @@
 
 use std::fmt::Write;
 
-use nalgebra::Point3;
-
-use crate::mesh::formats::error::{ErrorKind, ParseError};
-use crate::mesh::formats::mesh::{Collected, Mesh, no_tetrahedron};
+use crate::mesh::formats::error::ParseError;
+use crate::mesh::formats::mesh::{Mesh, MeshParts, no_tetrahedron};
 use crate::mesh::formats::words::{Words, shown};
 use crate::mesh::polygon::triangulate;
 use crate::mesh::tets::TetMesh;
@@ -22,7 +20,7 @@ use crate::mesh::tets::TetMesh;
 /// The line and what is wrong there.
 pub fn parse(bytes: &[u8]) -> Result<Mesh, ParseError> {
     let mut words = Words::new(bytes, Some(b'#'));
-    let mut mesh = Collected::default();
+    let mut mesh = MeshParts::default();
     while let Some(word) = words.word() {
         match word {
             b"MeshVersionFormatted" => drop(words.count("a version")?),
@@ -72,18 +70,14 @@ fn read_dimension(words: &mut Words<'_>) -> Result<(), ParseError> {
         return Ok(());
     }
     let what = format!("a mesh of dimension {dimension}");
-    let mend = "export it with three coordinates a vertex";
-    Err(words.error(ErrorKind::Unsupported { what, mend }))
+    Err(words.unsupported(what, "export it with three coordinates a vertex"))
 }
 
-fn read_vertices(words: &mut Words<'_>, mesh: &mut Collected) -> Result<(), ParseError> {
-    let count = words.count("the number of vertices")?;
-    let count = words.check_limit("vertices", count)?;
+fn read_vertices(words: &mut Words<'_>, mesh: &mut MeshParts) -> Result<(), ParseError> {
+    let count = words.size("the number of vertices", "vertices")?;
     mesh.vertices.reserve(words.room_for(count, 6));
     for _ in 0..count {
-        let mut coordinate = || words.number("a coordinate");
-        let point = Point3::new(coordinate()?, coordinate()?, coordinate()?);
-        mesh.vertices.push(point);
+        mesh.vertices.push(words.point()?);
         words.number("a reference")?;
     }
     Ok(())
@@ -91,11 +85,10 @@ fn read_vertices(words: &mut Words<'_>, mesh: &mut Collected) -> Result<(), Pars
 
 fn read_elements<const N: usize>(
     words: &mut Words<'_>,
-    mesh: &mut Collected,
-    add: impl Fn(&mut Collected, [u32; N]),
+    mesh: &mut MeshParts,
+    add: impl Fn(&mut MeshParts, [u32; N]),
 ) -> Result<(), ParseError> {
-    let count = words.count("the number of elements")?;
-    let count = words.check_limit("elements", count)?;
+    let count = words.size("the number of elements", "elements")?;
     for _ in 0..count {
         let mut element = [0; N];
         for vertex in &mut element {

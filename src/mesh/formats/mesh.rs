@@ -1,4 +1,4 @@
-//! A mesh of either kind, and how files that may hold both become one.
+//! A mesh of either kind, and the parts of a file that may hold both.
 
 use nalgebra::Point3;
 
@@ -17,39 +17,36 @@ pub enum Mesh {
 
 /// What a file holds that may hold both kinds.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Collected {
+pub(crate) struct MeshParts {
     pub(crate) vertices: Vec<Point3<f64>>,
     pub(crate) triangles: Vec<[u32; 3]>,
     pub(crate) tets: Vec<[u32; 4]>,
     pub(crate) vertex_data: Vec<VertexData>,
 }
 
-impl Collected {
+impl MeshParts {
     /// The tetrahedra if there are any (triangles beside them are their boundary or inner
     /// walls), else the triangles.
     pub(crate) fn into_mesh(self) -> Result<Mesh, ParseError> {
-        let Self {
-            vertices,
-            triangles,
-            tets,
-            vertex_data,
-        } = self;
-        if !tets.is_empty() {
+        let vertices = self.vertices;
+        if !self.tets.is_empty() {
+            let (tets, vertex_data) = (self.tets, self.vertex_data);
             return Ok(Mesh::Tets(TetMesh {
                 vertices,
                 tets,
                 vertex_data,
             }));
         }
-        if !triangles.is_empty() {
-            return Ok(Mesh::Surface(SurfaceMesh {
-                vertices,
-                triangles,
-            }));
+        if self.triangles.is_empty() {
+            let what = "triangles, polygons or tetrahedra";
+            return Err(ParseError::missing(
+                what,
+                "export the mesh with its elements",
+            ));
         }
-        Err(ParseError::whole(ErrorKind::Missing {
-            what: "triangles, polygons or tetrahedra",
-            mend: "export the mesh with its elements",
+        Ok(Mesh::Surface(SurfaceMesh {
+            vertices,
+            triangles: self.triangles,
         }))
     }
 }
@@ -57,8 +54,6 @@ impl Collected {
 /// The error of volume elements that are not plain tetrahedra: leaving them out would leave
 /// holes in the solid.
 pub(crate) fn no_tetrahedron(kind: impl std::fmt::Display) -> ErrorKind {
-    ErrorKind::Unsupported {
-        what: format!("volume elements of type {kind}"),
-        mend: "export first-order tetrahedra only, or the solid's surface",
-    }
+    let mend = "export first-order tetrahedra only, or the solid's surface";
+    ErrorKind::unsupported(format!("volume elements of type {kind}"), mend)
 }

@@ -36,8 +36,10 @@ pub fn parse(bytes: &[u8]) -> Result<SurfaceMesh, ParseError> {
         words.next_line();
     }
     if mesh.triangles.is_empty() {
-        let (what, mend) = ("faces", "export the mesh with its faces");
-        return Err(ParseError::whole(ErrorKind::Missing { what, mend }));
+        return Err(ParseError::missing(
+            "faces",
+            "export the mesh with its faces",
+        ));
     }
     Ok(mesh)
 }
@@ -61,20 +63,18 @@ fn face(words: &mut Words<'_>, vertices: usize, polygon: &mut Vec<u32>) -> Resul
             .unwrap_or(word.len());
         let index = integer(&word[..end]);
         let index = index.ok_or_else(|| words.unexpected("a vertex index", word))?;
-        let zero_based = if index < 0 {
-            index + vertices as i64
+        let absolute = if index < 0 {
+            index + vertices as i64 + 1
         } else {
-            index - 1
+            index
         };
-        if !(0..vertices as i64).contains(&zero_based) {
-            let first = 1;
-            return Err(words.error(ErrorKind::OutOfRange {
-                index,
-                vertices,
-                first,
-            }));
-        }
-        polygon.push(zero_based as u32);
+        let out_of_range = ErrorKind::OutOfRange {
+            index,
+            vertices,
+            first: 1,
+        };
+        let vertex = ErrorKind::check_vertex(absolute, vertices, 1);
+        polygon.push(vertex.map_err(|_| words.error(out_of_range))?);
     }
     if polygon.len() < 3 {
         return Err(words.line_ended("a face of at least 3 vertices"));

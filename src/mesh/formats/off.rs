@@ -6,8 +6,6 @@
 
 use std::fmt::Write;
 
-use nalgebra::Point3;
-
 use crate::mesh::formats::error::{ErrorKind, ParseError};
 use crate::mesh::formats::words::{Words, integer, shown};
 use crate::mesh::polygon::triangulate;
@@ -21,9 +19,8 @@ use crate::mesh::surface::SurfaceMesh;
 pub fn parse(bytes: &[u8]) -> Result<SurfaceMesh, ParseError> {
     let mut words = Words::new(bytes, Some(b'#'));
     header(&mut words)?;
-    let vertices = words.count("the number of vertices")?;
+    let vertices = words.size("the number of vertices", "vertices")?;
     let faces = words.count("the number of faces")?;
-    words.check_limit("vertices", vertices)?;
     words.next_line();
     let mut mesh = SurfaceMesh::default();
     read_vertices(&mut words, vertices, &mut mesh)?;
@@ -66,14 +63,9 @@ fn header(words: &mut Words<'_>) -> Result<(), ParseError> {
     }
     let next = words.clone().word_on_line();
     if next == Some(b"BINARY") || word.contains(&b'4') || word.contains(&b'n') {
-        return Err(words.error(ErrorKind::Unsupported {
-            what: format!(
-                "the dialect {} {}",
-                shown(word),
-                shown(next.unwrap_or_default())
-            ),
-            mend: "export plain OFF: text, three coordinates a vertex",
-        }));
+        let (word, next) = (shown(word), shown(next.unwrap_or_default()));
+        let mend = "export plain OFF: text, three coordinates a vertex";
+        return Err(words.unsupported(format!("the dialect {word} {next}"), mend));
     }
     Ok(())
 }
@@ -85,10 +77,7 @@ fn read_vertices(
 ) -> Result<(), ParseError> {
     mesh.vertices.reserve(words.room_for(count, 6));
     for _ in 0..count {
-        let x = words.number("a coordinate")?;
-        let y = words.number_on_line("a coordinate")?;
-        let z = words.number_on_line("a coordinate")?;
-        mesh.vertices.push(Point3::new(x, y, z));
+        mesh.vertices.push(words.point_on_line()?);
         words.next_line();
     }
     Ok(())
@@ -128,13 +117,6 @@ fn at_end(words: &mut Words<'_>, announced: usize) -> Result<(), ParseError> {
     while words.next_line() && words.word().is_some() {
         found += 1;
     }
-    let what = "faces";
-    Err(ParseError::on_line(
-        line,
-        ErrorKind::WrongCount {
-            what,
-            announced,
-            found,
-        },
-    ))
+    ErrorKind::check_count("faces", announced, found)
+        .map_err(|kind| ParseError::on_line(line, kind))
 }

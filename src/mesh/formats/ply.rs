@@ -7,9 +7,8 @@
 use nalgebra::Point3;
 
 use crate::mesh::formats::binary::{Bytes, Scalar};
-use crate::mesh::formats::error::{ErrorKind, ParseError};
-use crate::mesh::formats::ply_header::{Element, Encoding, Header, Property, read_header};
-use crate::mesh::formats::words::{ELEMENT_LIMIT, Words};
+use crate::mesh::formats::error::{ELEMENT_LIMIT, ErrorKind, ParseError};
+use crate::mesh::formats::words::{Words, shown};
 use crate::mesh::polygon::triangulate;
 use crate::mesh::surface::SurfaceMesh;
 
@@ -29,13 +28,124 @@ pub fn parse(bytes: &[u8]) -> Result<SurfaceMesh, ParseError> {
     let mesh = read_body(&header, &mut source)?;
     source.check_end()?;
     if mesh.triangles.is_empty() {
-        let (what, mend) = (
+        return Err(ParseError::missing(
             "faces",
             "export the mesh with its faces, not as a point cloud or strips",
-        );
-        return Err(ParseError::whole(ErrorKind::Missing { what, mend }));
+        ));
     }
     Ok(mesh)
+}
+
+/// How the numbers are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Encoding {
+    Text,
+    Little,
+    Big,
+}
+
+/// All that stands before the data.
+#[derive(Clone, Debug)]
+struct Header {
+    encoding: Encoding,
+    elements: Vec<Element>,
+}
+
+/// A kind of element, such as `vertex`.
+#[derive(Clone, Debug)]
+struct Element {
+    name: String,
+    count: usize,
+    properties: Vec<Property>,
+}
+
+/// A property of an element: a number, or a list preceded by its length of type `list`.
+#[derive(Clone, Debug)]
+struct Property {
+    name: String,
+    list: Option<Scalar>,
+    kind: Scalar,
+}
+
+/// Reads up to and including the line `end_header`.
+fn read_header(words: &mut Words<'_>) -> Result<Header, ParseError> {
+    let magic = words.some_word("the header ply")?;
+    if magic != b"ply" {
+        return Err(words.unexpected("the header ply", magic));
+    }
+    let mut encoding = None;
+    let mut elements = Vec::new();
+    loop {
+        words.next_line();
+        let word = words.some_word("end_header")?;
+        match word {
+            b"end_header" => break,
+            b"comment" | b"obj_info" => {}
+            b"format" => encoding = Some(read_encoding(words)?),
+            b"element" => elements.push(read_element(words)?),
+            b"property" => read_property(words, &mut elements)?,
+            _ => return Err(words.unexpected("a header line", word)),
+        }
+    }
+    let missing = || words.unexpected("a line `format`", b"end_header");
+    let encoding = encoding.ok_or_else(missing)?;
+    words.next_line();
+    Ok(Header { encoding, elements })
+}
+
+fn read_encoding(words: &mut Words<'_>) -> Result<Encoding, ParseError> {
+    let word = words.some_word_on_line("a format")?;
+    match word {
+        b"ascii" => Ok(Encoding::Text),
+        b"binary_little_endian" => Ok(Encoding::Little),
+        b"binary_big_endian" => Ok(Encoding::Big),
+        _ => Err(words.unexpected("ascii, binary_little_endian or binary_big_endian", word)),
+    }
+}
+
+fn read_element(words: &mut Words<'_>) -> Result<Element, ParseError> {
+    let name = shown(words.some_word_on_line("an element's name")?);
+    let count = words.count_on_line("an element's count")?;
+    let count = words.check_limit("elements", count)?;
+    if name == "tristrips" {
+        let mend = "export it with the element `face`";
+        return Err(words.unsupported("a PLY file of triangle strips", mend));
+    }
+    let properties = Vec::new();
+    Ok(Element {
+        name,
+        count,
+        properties,
+    })
+}
+
+fn read_property(words: &mut Words<'_>, elements: &mut [Element]) -> Result<(), ParseError> {
+    let is_list = words.clone().word_on_line() == Some(b"list");
+    let list = if is_list {
+        words.word_on_line();
+        Some(read_kind(words, "a number type")?)
+    } else {
+        None
+    };
+    let kind = read_kind(
+        words,
+        if is_list {
+            "a list's type"
+        } else {
+            "a property's type"
+        },
+    )?;
+    let name = shown(words.some_word_on_line("a property's name")?);
+    let Some(element) = elements.last_mut() else {
+        return Err(words.unexpected("a line `element` before", b"property"));
+    };
+    element.properties.push(Property { name, list, kind });
+    Ok(())
+}
+
+fn read_kind(words: &mut Words<'_>, expected: &'static str) -> Result<Scalar, ParseError> {
+    let word = words.some_word_on_line(expected)?;
+    Scalar::named(word).ok_or_else(|| words.unexpected("a number type", word))
 }
 
 fn read_body(header: &Header, source: &mut Source<'_>) -> Result<SurfaceMesh, ParseError> {
@@ -93,8 +203,10 @@ fn read_vertices(
         })
         .collect();
     if (0..3).any(|axis| !axes.contains(&Some(axis))) {
-        let (what, mend) = ("vertex properties x, y, z", "export vertex positions");
-        return Err(ParseError::whole(ErrorKind::Missing { what, mend }));
+        return Err(ParseError::missing(
+            "vertex properties x, y, z",
+            "export vertex positions",
+        ));
     }
     vertices.reserve(source.room_for(element.count));
     for _ in 0..element.count {
@@ -140,8 +252,10 @@ fn read_corners(
 ) -> Result<(), ParseError> {
     let corners = source.length(length)?;
     if corners < 3 {
-        let (expected, found) = ("a face of at least 3 vertices", corners.to_string());
-        return Err(source.error(ErrorKind::Expected { expected, found }));
+        return Err(source.error(ErrorKind::expected(
+            "a face of at least 3 vertices",
+            corners.to_string(),
+        )));
     }
     for _ in 0..corners {
         polygons
@@ -193,21 +307,12 @@ impl Source<'_> {
     }
 
     fn length(&mut self, kind: Scalar) -> Result<usize, ParseError> {
-        self.whole(kind, "a list's length")
-            .map(|length| length as usize)
+        Ok(self.whole(kind, "a list's length")? as usize)
     }
 
     fn index(&mut self, kind: Scalar, vertices: usize) -> Result<u32, ParseError> {
         let vertex = self.whole(kind, "a vertex index")?;
-        if (vertex as usize) < vertices {
-            return Ok(vertex);
-        }
-        let (index, first) = (i64::from(vertex), 0);
-        Err(self.error(ErrorKind::OutOfRange {
-            index,
-            vertices,
-            first,
-        }))
+        ErrorKind::check_vertex(i64::from(vertex), vertices, 0).map_err(|kind| self.error(kind))
     }
 
     /// A non-negative integer of at most 32 bits.
@@ -219,8 +324,7 @@ impl Source<'_> {
         if number >= 0.0 && number <= f64::from(u32::MAX) && number.fract() == 0.0 {
             return Ok(number as u32);
         }
-        let found = number.to_string();
-        Err(self.error(ErrorKind::Expected { expected, found }))
+        Err(self.error(ErrorKind::expected(expected, number.to_string())))
     }
 
     fn skip(&mut self, kind: Scalar) -> Result<(), ParseError> {

@@ -37,12 +37,9 @@ pub fn read(path: &Path) -> Result<Mesh, ReadError> {
         Some(Format::TetGen) => read_pair(path).map(Mesh::Tets),
         Some(format) => format.parse(&bytes).map_err(|error| in_file(path, error)),
         None => {
-            let what = "a mesh format told neither by the first bytes nor the extension".into();
-            let mend = KNOWN;
-            Err(in_file(
-                path,
-                ParseError::whole(ErrorKind::Unsupported { what, mend }),
-            ))
+            let what = "a mesh format told neither by the first bytes nor the extension";
+            let kind = ErrorKind::unsupported(what, KNOWN);
+            Err(in_file(path, ParseError::whole(kind)))
         }
     }
 }
@@ -68,11 +65,8 @@ pub fn read_tets(path: &Path) -> Result<TetMesh, ReadError> {
     match read(path)? {
         Mesh::Tets(mesh) => Ok(mesh),
         Mesh::Surface(_) => {
-            let (what, mend) = ("tetrahedra", "use it as a surface, which needs none");
-            Err(in_file(
-                path,
-                ParseError::whole(ErrorKind::Missing { what, mend }),
-            ))
+            let mend = "use it as a surface, which needs none";
+            Err(in_file(path, ParseError::missing("tetrahedra", mend)))
         }
     }
 }
@@ -186,11 +180,9 @@ impl Format {
             Self::Vtk => vtk::parse(bytes),
             Self::Vtu => vtu::parse(bytes),
             Self::TetGen => {
-                let (what, mend) = (
-                    "one of TetGen's two files alone".into(),
-                    "name the .ele file",
-                );
-                Err(ParseError::whole(ErrorKind::Unsupported { what, mend }))
+                let what = "one of TetGen's two files alone";
+                let kind = ErrorKind::unsupported(what, "name the .ele file");
+                Err(ParseError::whole(kind))
             }
         }
     }

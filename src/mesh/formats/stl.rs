@@ -9,7 +9,7 @@ use nalgebra::Point3;
 
 use crate::mesh::formats::binary::{Bytes, Scalar};
 use crate::mesh::formats::error::{ErrorKind, ParseError};
-use crate::mesh::formats::words::{ELEMENT_LIMIT, Words};
+use crate::mesh::formats::words::Words;
 use crate::mesh::repair::Welder;
 use crate::mesh::surface::SurfaceMesh;
 
@@ -31,8 +31,7 @@ pub fn parse(bytes: &[u8]) -> Result<SurfaceMesh, ParseError> {
         parse_binary(bytes)?
     };
     if mesh.triangles.is_empty() {
-        let (what, mend) = ("triangles", "export the mesh again");
-        return Err(ParseError::whole(ErrorKind::Missing { what, mend }));
+        return Err(ParseError::missing("triangles", "export the mesh again"));
     }
     Ok(mesh)
 }
@@ -61,24 +60,16 @@ fn parse_binary(bytes: &[u8]) -> Result<SurfaceMesh, ParseError> {
             ErrorKind::Truncated { expected },
         ));
     };
-    let (what, found) = ("triangles", (bytes.len() - HEADER) / RECORD);
     if bytes.len() != HEADER + RECORD * announced {
-        return Err(ParseError::at_byte(
-            HEADER - 4,
-            ErrorKind::WrongCount {
-                what,
-                announced,
-                found,
-            },
-        ));
+        let kind = ErrorKind::WrongCount {
+            what: "triangles",
+            announced,
+            found: (bytes.len() - HEADER) / RECORD,
+        };
+        return Err(ParseError::at_byte(HEADER - 4, kind));
     }
-    if announced > ELEMENT_LIMIT {
-        let limit = ELEMENT_LIMIT;
-        return Err(ParseError::at_byte(
-            HEADER - 4,
-            ErrorKind::TooMany { what, limit },
-        ));
-    }
+    ErrorKind::check_limit("triangles", announced)
+        .map_err(|kind| ParseError::at_byte(HEADER - 4, kind))?;
     let mut soup = Soup::with_capacity(announced);
     let mut cursor = Bytes::new(bytes, HEADER, false);
     for _ in 0..announced {
@@ -128,8 +119,7 @@ fn read_facet(words: &mut Words<'_>, soup: &mut Soup) -> Result<(), ParseError> 
     keyword(words, "loop")?;
     for _ in 0..3 {
         keyword(words, "vertex")?;
-        let mut coordinate = || words.number("a coordinate");
-        soup.corner(&Point3::new(coordinate()?, coordinate()?, coordinate()?));
+        soup.corner(&words.point()?);
     }
     keyword(words, "endloop")?;
     keyword(words, "endfacet")?;

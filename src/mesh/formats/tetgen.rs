@@ -5,7 +5,7 @@
 
 use nalgebra::Point3;
 
-use crate::mesh::formats::error::{ErrorKind, ParseError};
+use crate::mesh::formats::error::ParseError;
 use crate::mesh::formats::mesh::no_tetrahedron;
 use crate::mesh::formats::words::Words;
 use crate::mesh::tets::{TetMesh, VertexData};
@@ -28,15 +28,12 @@ pub struct Nodes {
 /// The line and what is wrong there.
 pub fn parse_nodes(bytes: &[u8]) -> Result<Nodes, ParseError> {
     let mut words = Words::new(bytes, Some(b'#'));
-    let count = words.count("the number of vertices")?;
-    let count = words.check_limit("vertices", count)?;
-    let attributes = read_layout(&mut words)?;
+    let count = words.size("the number of vertices", "vertices")?;
     let mut nodes = Nodes {
         first: 0,
-        vertices: Vec::new(),
-        vertex_data: attributes,
+        vertices: Vec::with_capacity(words.room_for(count, 8)),
+        vertex_data: read_layout(&mut words)?,
     };
-    nodes.vertices.reserve(words.room_for(count, 8));
     for number in 0..count as i64 {
         words.next_line();
         let written = words.integer("a vertex number")?;
@@ -44,15 +41,12 @@ pub fn parse_nodes(bytes: &[u8]) -> Result<Nodes, ParseError> {
             nodes.first = 1;
         }
         if written != number + nodes.first {
-            return Err(words.unexpected(
-                "vertices numbered without gaps from 0 or 1",
-                written.to_string().as_bytes(),
-            ));
+            let expected = "vertices numbered without gaps from 0 or 1";
+            return Err(words.unexpected(expected, written.to_string().as_bytes()));
         }
         let mut value = || words.number_on_line("a coordinate");
-        nodes
-            .vertices
-            .push(Point3::new(value()?, value()?, value()?));
+        let point = Point3::new(value()?, value()?, value()?);
+        nodes.vertices.push(point);
         for field in &mut nodes.vertex_data {
             field.values.push(words.number_on_line("an attribute")?);
         }
@@ -69,8 +63,7 @@ pub fn parse_nodes(bytes: &[u8]) -> Result<Nodes, ParseError> {
 /// The line and what is wrong there.
 pub fn parse_elements(bytes: &[u8], nodes: Nodes) -> Result<TetMesh, ParseError> {
     let mut words = Words::new(bytes, Some(b'#'));
-    let count = words.count("the number of tetrahedra")?;
-    let count = words.check_limit("tetrahedra", count)?;
+    let count = words.size("the number of tetrahedra", "tetrahedra")?;
     let corners = words.count_on_line("4 corners per tetrahedron")?;
     if corners != 4 {
         return Err(words.error(no_tetrahedron(format!("{corners}-node tetrahedron"))));
@@ -85,18 +78,12 @@ pub fn parse_elements(bytes: &[u8], nodes: Nodes) -> Result<TetMesh, ParseError>
     words.next_line();
     check_end(&mut words, "tetrahedra", count)?;
     if tets.is_empty() {
-        let (what, mend) = ("tetrahedra", "run TetGen again");
-        return Err(ParseError::whole(ErrorKind::Missing { what, mend }));
+        return Err(ParseError::missing("tetrahedra", "run TetGen again"));
     }
-    let Nodes {
-        vertices,
-        vertex_data,
-        ..
-    } = nodes;
     Ok(TetMesh {
-        vertices,
+        vertices: nodes.vertices,
         tets,
-        vertex_data,
+        vertex_data: nodes.vertex_data,
     })
 }
 
@@ -105,8 +92,7 @@ fn read_layout(words: &mut Words<'_>) -> Result<Vec<VertexData>, ParseError> {
     let dimension = words.count_on_line("a dimension")?;
     if dimension != 3 {
         let what = format!("a mesh of dimension {dimension}");
-        let mend = "export it with three coordinates a vertex";
-        return Err(words.error(ErrorKind::Unsupported { what, mend }));
+        return Err(words.unsupported(what, "export it with three coordinates a vertex"));
     }
     let attributes = match words.word_on_line() {
         None => 0,
@@ -126,13 +112,6 @@ fn check_end(
     what: &'static str,
     announced: usize,
 ) -> Result<(), ParseError> {
-    if words.word().is_none() {
-        return Ok(());
-    }
-    let found = announced + 1;
-    Err(words.error(ErrorKind::WrongCount {
-        what,
-        announced,
-        found,
-    }))
+    let found = announced + usize::from(words.word().is_some());
+    words.check_count(what, announced, found)
 }

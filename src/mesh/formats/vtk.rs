@@ -5,12 +5,10 @@
 //! each cell (versions up to 4.2) and OFFSETS with CONNECTIVITY (5.1). Format: "VTK File
 //! Formats", Kitware.
 
-use nalgebra::Point3;
-
 use crate::mesh::formats::error::{ErrorKind, ParseError};
-use crate::mesh::formats::mesh::{Collected, Mesh};
-use crate::mesh::formats::vtk_cells::{add_cell, cell_ranges};
+use crate::mesh::formats::mesh::{Mesh, MeshParts, no_tetrahedron};
 use crate::mesh::formats::words::{Words, shown};
+use crate::mesh::polygon::triangulate;
 use crate::mesh::tets::VertexData;
 
 /// VTK's number for polygons.
@@ -27,15 +25,12 @@ pub fn parse(bytes: &[u8]) -> Result<Mesh, ParseError> {
     words.next_line();
     let encoding = words.some_word("ASCII")?;
     if !encoding.eq_ignore_ascii_case(b"ascii") {
-        let (what, mend) = (
-            format!("a {} .vtk file", shown(encoding)),
-            "export it as ASCII or as .vtu",
-        );
-        return Err(words.error(ErrorKind::Unsupported { what, mend }));
+        let what = format!("a {} .vtk file", shown(encoding));
+        return Err(words.unsupported(what, "export it as ASCII or as .vtu"));
     }
     let mut file = File {
         words,
-        mesh: Collected::default(),
+        mesh: MeshParts::default(),
         cells: Vec::new(),
         kinds: Vec::new(),
         tuples: None,
@@ -56,7 +51,7 @@ struct Tuples {
 
 struct File<'a> {
     words: Words<'a>,
-    mesh: Collected,
+    mesh: MeshParts,
     cells: Vec<Vec<u32>>,
     kinds: Vec<u32>,
     tuples: Option<Tuples>,
@@ -96,18 +91,15 @@ impl File<'_> {
         }
         let what = format!("a VTK data set of kind {}", shown(kind));
         let mend = "export an UNSTRUCTURED_GRID of tetrahedra or POLYDATA";
-        Err(self.words.error(ErrorKind::Unsupported { what, mend }))
+        Err(self.words.unsupported(what, mend))
     }
 
     fn read_points(&mut self) -> Result<(), ParseError> {
-        let count = self.words.count("the number of points")?;
-        let count = self.words.check_limit("points", count)?;
+        let count = self.words.size("the number of points", "points")?;
         self.words.some_word_on_line("a number type")?;
         self.mesh.vertices.reserve(self.words.room_for(count, 6));
         for _ in 0..count {
-            let mut coordinate = || self.words.number("a coordinate");
-            let point = Point3::new(coordinate()?, coordinate()?, coordinate()?);
-            self.mesh.vertices.push(point);
+            self.mesh.vertices.push(self.words.point()?);
         }
         Ok(())
     }
@@ -125,15 +117,9 @@ impl File<'_> {
             cells.push(self.read_cell(corners)?);
             found += corners + 1;
         }
-        if found == second {
-            return Ok(cells);
-        }
-        let (what, announced) = ("numbers in the cell list", second);
-        Err(self.words.error(ErrorKind::WrongCount {
-            what,
-            announced,
-            found,
-        }))
+        let what = "numbers in the cell list";
+        self.words.check_count(what, second, found)?;
+        Ok(cells)
     }
 
     fn read_cell(&mut self, corners: usize) -> Result<Vec<u32>, ParseError> {
@@ -278,17 +264,42 @@ impl File<'_> {
     }
 
     fn into_mesh(mut self) -> Result<Mesh, ParseError> {
-        if self.cells.len() != self.kinds.len() {
-            let (what, announced, found) = ("cell types", self.cells.len(), self.kinds.len());
-            return Err(ParseError::whole(ErrorKind::WrongCount {
-                what,
-                announced,
-                found,
-            }));
-        }
+        ErrorKind::check_count("cell types", self.cells.len(), self.kinds.len())
+            .map_err(ParseError::whole)?;
         for (cell, &kind) in self.cells.iter().zip(&self.kinds) {
             add_cell(&mut self.mesh, kind, cell).map_err(ParseError::whole)?;
         }
         self.mesh.into_mesh()
     }
+}
+
+/// Adds a cell of VTK's type number `kind` over the vertices `cell`: tetrahedra (10), triangles
+/// (5), polygons (7), quads (9), pixels (8). Vertices and lines (1 to 4) are passed over, all
+/// else is refused.
+pub(crate) fn add_cell(mesh: &mut MeshParts, kind: u32, cell: &[u32]) -> Result<(), ErrorKind> {
+    match (kind, cell) {
+        (10, &[a, b, c, d]) => mesh.tets.push([a, b, c, d]),
+        (8, &[a, b, c, d]) => triangulate(&mesh.vertices, &[a, b, d, c], &mut mesh.triangles),
+        (5 | 7 | 9, _) if cell.len() >= 3 => {
+            triangulate(&mesh.vertices, cell, &mut mesh.triangles);
+        }
+        (1..=4, _) => {}
+        (5 | 7..=10, _) => {
+            return Err(ErrorKind::expected(
+                "a cell with the vertices of its type",
+                format!("type {kind} with {} vertices", cell.len()),
+            ));
+        }
+        _ => return Err(no_tetrahedron(format!("VTK {kind}"))),
+    }
+    Ok(())
+}
+
+/// The cells of a list `offsets` (n + 1 ascending positions, from 0) into `connectivity`;
+/// `None` if an offset is out of order or range.
+pub(crate) fn cell_ranges(offsets: &[usize], connectivity: usize) -> Option<Vec<[usize; 2]>> {
+    let ordered = |pair: &[usize]| {
+        (pair[0] <= pair[1] && pair[1] <= connectivity).then_some([pair[0], pair[1]])
+    };
+    offsets.windows(2).map(ordered).collect()
 }

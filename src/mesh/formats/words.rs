@@ -3,13 +3,12 @@
 //! Words are separated by blanks; an optional comment mark hides the rest of its line. No word
 //! is copied: a file of two million triangles is read in a fraction of a second.
 
+use nalgebra::Point3;
+
 use crate::mesh::formats::error::{ErrorKind, ParseError};
 
 /// Words longer than this are shortened in messages.
 const SHOWN: usize = 40;
-
-/// The greatest number of vertices or triangles: sides (3 per triangle) must fit 32 bits.
-pub(crate) const ELEMENT_LIMIT: usize = (u32::MAX / 4) as usize;
 
 /// A cursor over the words of a text.
 #[derive(Clone, Debug)]
@@ -189,17 +188,51 @@ impl<'a> Words<'a> {
         Err(self.error(ErrorKind::NotFinite { found }))
     }
 
+    /// Three coordinates, on this or later lines.
+    pub(crate) fn point(&mut self) -> Result<Point3<f64>, ParseError> {
+        let mut coordinate = || self.number("a coordinate");
+        Ok(Point3::new(coordinate()?, coordinate()?, coordinate()?))
+    }
+
+    /// Three coordinates, on one line.
+    pub(crate) fn point_on_line(&mut self) -> Result<Point3<f64>, ParseError> {
+        let x = self.number("a coordinate")?;
+        let mut coordinate = || self.number_on_line("a coordinate");
+        Ok(Point3::new(x, coordinate()?, coordinate()?))
+    }
+
+    /// The announced number of `what`, which must not be more than can be indexed.
+    pub(crate) fn size(
+        &mut self,
+        expected: &'static str,
+        what: &'static str,
+    ) -> Result<usize, ParseError> {
+        let count = self.count(expected)?;
+        self.check_limit(what, count)
+    }
+
     /// Refuses more elements than can be indexed.
     pub(crate) fn check_limit(
         &self,
         what: &'static str,
         count: usize,
     ) -> Result<usize, ParseError> {
-        if count <= ELEMENT_LIMIT {
-            return Ok(count);
-        }
-        let limit = ELEMENT_LIMIT;
-        Err(self.error(ErrorKind::TooMany { what, limit }))
+        ErrorKind::check_limit(what, count).map_err(|kind| self.error(kind))
+    }
+
+    /// Refuses another count than the announced one.
+    pub(crate) fn check_count(
+        &self,
+        what: &'static str,
+        announced: usize,
+        found: usize,
+    ) -> Result<(), ParseError> {
+        ErrorKind::check_count(what, announced, found).map_err(|kind| self.error(kind))
+    }
+
+    /// A dialect that is not read, at the cursor.
+    pub(crate) fn unsupported(&self, what: impl Into<String>, mend: &'static str) -> ParseError {
+        self.error(ErrorKind::unsupported(what, mend))
     }
 
     /// `kind` on the cursor's line.
@@ -209,8 +242,7 @@ impl<'a> Words<'a> {
 
     /// The error of `found` standing where `expected` should.
     pub(crate) fn unexpected(&self, expected: &'static str, found: &[u8]) -> ParseError {
-        let found = shown(found);
-        self.error(ErrorKind::Expected { expected, found })
+        self.error(ErrorKind::expected(expected, shown(found)))
     }
 
     /// The error of the text ending where `expected` should stand.
@@ -231,15 +263,7 @@ impl<'a> Words<'a> {
 
     fn parse_vertex(&self, word: &[u8], vertices: usize, first: i64) -> Result<u32, ParseError> {
         let index = integer(word).ok_or_else(|| self.unexpected("a vertex index", word))?;
-        let zero_based = index.checked_sub(first).and_then(|i| u32::try_from(i).ok());
-        match zero_based {
-            Some(zero_based) if (zero_based as usize) < vertices => Ok(zero_based),
-            _ => Err(self.error(ErrorKind::OutOfRange {
-                index,
-                vertices,
-                first,
-            })),
-        }
+        ErrorKind::check_vertex(index, vertices, first).map_err(|kind| self.error(kind))
     }
 }
 

@@ -1,12 +1,12 @@
-//! Files that are there whole or not at all.
+//! Atomic writing: a file is replaced as a whole or not at all.
 
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-/// Writes `path` through `content` so that whoever opens it, even after a kill or a crash of the
-/// machine, finds what was there before or all of what is there now: the bytes go to a partial
-/// file beside it, are synced to the disk, and take the name last.
+/// Writes `path` through `content` so that a reader, even after a kill or a crash of the machine, finds
+/// the old or the complete new content: the bytes go to a partial file beside it, are synced to
+/// the disk, and the file is renamed last.
 ///
 /// # Errors
 /// What the system says; `path` is then as it was.

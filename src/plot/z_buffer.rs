@@ -5,6 +5,11 @@
 //! crease of the facet's own rim than half a line's width it gets the line's color: lines are
 //! exactly as visible as their facets. The buffer is finer than the picture and averaged at the
 //! end, which smooths all edges.
+//!
+//! An edge gets a line where the surface bends, and where it turns away from the viewer: a cell's
+//! part of a solid's surface consists of the surface's triangles, and a facet with a hole may be
+//! one loop that runs along a bridge twice. Lines between such parts of one wall would hide the
+//! cells.
 
 use std::ops::Range;
 
@@ -13,9 +18,8 @@ use tiny_skia::{Pixmap, PremultipliedColorU8};
 
 use crate::geometry::bounds::Bounds;
 use crate::geometry::shell::Shell;
-use crate::plot::camera::Camera;
+use crate::plot::camera::{Camera, TOWARD};
 use crate::plot::color::Color;
-use crate::plot::creases::creases;
 use crate::plot::figure::Figure;
 use crate::plot::png::{self, PngError};
 
@@ -36,7 +40,7 @@ const LINE: f64 = 1.7;
 
 /// A picture of facets in the making.
 #[derive(Debug)]
-pub struct Stage {
+pub struct ZBuffer {
     camera: Camera,
     width: usize,
     height: usize,
@@ -49,7 +53,7 @@ pub struct Stage {
 }
 
 /// A facet as the camera sees it.
-struct Seen<'a> {
+struct ProjectedFacet<'a> {
     /// Its corners in buffer pixels, with their depths.
     rim: &'a [Point3<f64>],
     /// Its edges that get a line.
@@ -62,8 +66,8 @@ struct Seen<'a> {
     shade: f64,
 }
 
-impl Stage {
-    /// An empty white stage of so many picture pixels, to be [aimed](Stage::aim) next.
+impl ZBuffer {
+    /// An empty white buffer of so many picture pixels, to be [aimed](ZBuffer::aim) next.
     ///
     /// # Errors
     /// [`PngError::Size`] as [`png::png`].
@@ -117,7 +121,7 @@ impl Stage {
     ///
     /// # Errors
     /// [`PngError`] as [`png::png`].
-    pub fn develop(
+    pub fn to_png(
         &self,
         figure: &Figure,
         corner: Point2<f64>,
@@ -153,7 +157,7 @@ impl Stage {
         let creased = edges(&rim).zip(creases).filter(|(_, is)| **is);
         lines.extend(creased.map(|((a, b), _)| [a.xy(), b.xy()]));
         let bounds = Bounds::of(&rim);
-        let facet = Seen {
+        let facet = ProjectedFacet {
             rim: &rim,
             lines: &lines,
             slopes,
@@ -175,7 +179,7 @@ impl Stage {
     /// Fills a part of a row with a facet wherever nothing nearer is there yet.
     fn fill(
         &mut self,
-        facet: &Seen<'_>,
+        facet: &ProjectedFacet<'_>,
         row: usize,
         columns: Range<usize>,
         paint: &impl Fn(&Point3<f64>) -> Color,
@@ -272,4 +276,79 @@ fn is_near(lines: &[[Point2<f64>; 2]], pixel: &Point2<f64>) -> bool {
         let share = (arm.dot(&along) / along.norm_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
         (arm - share * along).norm_squared() < reach * reach
     })
+}
+
+/// The cosine below which two facets meet in a crease: 25°, more than a well-made surface bends
+/// between its triangles, less than a corner that anyone would cut.
+const CREASE: f64 = 0.9;
+
+/// A side of a facet: the edge's lower and higher vertex, the facet, the side's place.
+type Side = ([u32; 2], u32, usize);
+
+/// For every corner of every facet, one facet after the other, whether the edge from it to the next
+/// is a crease.
+fn creases(shell: &Shell) -> Vec<bool> {
+    let mut normals: Vec<Vector3<f64>> = Vec::with_capacity(shell.facet_count());
+    let mut sides: Vec<Side> = Vec::new();
+    for (facet, corners) in (0..).zip(shell.facets()) {
+        let rim: Vec<_> = corners
+            .iter()
+            .map(|&k| shell.vertices()[k as usize])
+            .collect();
+        normals.push(normal(&rim).unwrap_or_default());
+        for (k, &from) in corners.iter().enumerate() {
+            let to = corners[(k + 1) % corners.len()];
+            sides.push(([from.min(to), from.max(to)], facet, sides.len()));
+        }
+    }
+    let mut creases = vec![true; sides.len()];
+    sides.sort_unstable();
+    for edge in sides.chunk_by(|one, other| one.0 == other.0) {
+        let bends = |one: &Side| edge.iter().any(|other| bend(&normals, one.1, other.1));
+        let is_crease = edge.len() < 2 || edge.iter().any(bends);
+        for &(_, _, place) in edge {
+            creases[place] = is_crease;
+        }
+    }
+    creases
+}
+
+fn bend(normals: &[Vector3<f64>], one: u32, other: u32) -> bool {
+    let [one, other] = [one, other].map(|facet| normals[facet as usize]);
+    let faces = |normal: &Vector3<f64>| normal.dot(&TOWARD) > 0.0;
+    one.dot(&other) < CREASE || faces(&one) != faces(&other)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A prism over a square whose top is cut in two along a diagonal, the middle raised.
+    fn creases_of_top(raised: f64) -> usize {
+        let square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+        let mut vertices: Vec<Point3<f64>> = square
+            .iter()
+            .map(|[x, y]| Point3::new(*x, *y, 0.0))
+            .collect();
+        let lift = |k: usize| if k.is_multiple_of(2) { raised } else { 0.0 };
+        let top = square.iter().enumerate();
+        vertices.extend(top.map(|(k, [x, y])| Point3::new(*x, *y, 1.0 + lift(k))));
+        let facets: Vec<Vec<u32>> = vec![
+            vec![0, 3, 2, 1],
+            vec![4, 5, 6],
+            vec![4, 6, 7],
+            vec![0, 1, 5, 4],
+            vec![1, 2, 6, 5],
+            vec![2, 3, 7, 6],
+            vec![3, 0, 4, 7],
+        ];
+        let shell = Shell::new(&vertices, facets).expect("corners are there");
+        creases(&shell).into_iter().filter(|&is| is).count()
+    }
+
+    #[test]
+    fn a_wall_of_two_triangles_has_no_line_between_them() {
+        assert_eq!(creases_of_top(0.0), 24);
+        assert_eq!(creases_of_top(0.6), 26);
+    }
 }
