@@ -23,7 +23,7 @@ use crate::scene::overrides::Overrides;
 use crate::scene::run::RunSpace;
 use crate::voronoi::diagram::Diagram;
 
-use crate::cli::failure::{Failure, print, write_file};
+use crate::cli::failure::{Failure, format_of, print, write_file};
 use crate::cli::options::{Common, SceneOptions, space};
 
 /// Take one cell apart into its six fragments, as a picture or as polyhedra
@@ -48,7 +48,7 @@ pub(crate) fn run(options: &Options, common: Common) -> Result<(), Failure> {
         let message = "fragments are drawn of cells in space only: choose \"dimension\": 3";
         return Err(Failure::input(message));
     }
-    let is_picture = is_picture(&options.output)?;
+    let is_picture = format_of(&options.output, ["png", "vtu"])? == "png";
     let space = space(&scene)?;
     let sites = space.place(&scene).map_err(Failure::input)?;
     let site = options.site.unwrap_or_else(|| middle(&space, &sites));
@@ -68,18 +68,6 @@ pub(crate) fn run(options: &Options, common: Common) -> Result<(), Failure> {
         return Ok(());
     }
     print(format!("{}\n", options.output.display()))
-}
-
-fn is_picture(path: &Path) -> Result<bool, Failure> {
-    let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
-    match extension.to_str() {
-        Some("png") => Ok(true),
-        Some("vtu") => Ok(false),
-        _ => Err(Failure::input(format!(
-            "cannot tell the format of {}: name it .png or .vtu",
-            path.display()
-        ))),
-    }
 }
 
 /// The site nearest the middle of the domain's box.

@@ -53,10 +53,8 @@ pub(crate) struct Options {
 struct Report {
     #[serde(skip_serializing_if = "Option::is_none")]
     units: Option<String>,
-    volume: f64,
-    surface_area: f64,
-    mass: f64,
-    center_of_mass: [f64; 3],
+    #[serde(flatten)]
+    totals: Totals,
     inertia_origin: [[f64; 3]; 3],
     inertia_center: [[f64; 3]; 3],
     principal_moments: [f64; 3],
@@ -73,10 +71,28 @@ struct Report {
 #[derive(Debug, Serialize)]
 struct Part {
     file: String,
+    #[serde(flatten)]
+    totals: Totals,
+}
+
+/// What parts and the whole have in common.
+#[derive(Debug, Serialize)]
+struct Totals {
     volume: f64,
     surface_area: f64,
     mass: f64,
     center_of_mass: [f64; 3],
+}
+
+impl From<&Body> for Totals {
+    fn from(body: &Body) -> Self {
+        Self {
+            volume: body.volume,
+            surface_area: body.surface_area,
+            mass: body.mass,
+            center_of_mass: body.center_of_mass().into(),
+        }
+    }
 }
 
 /// A line in space.
@@ -160,10 +176,7 @@ fn report(options: &Options, solids: &[Solid], bodies: &[Body], body: &Body) -> 
     let named = |file: &Path| file.display().to_string();
     let parts = options.files.iter().zip(bodies).map(|(file, body)| Part {
         file: named(file),
-        volume: body.volume,
-        surface_area: body.surface_area,
-        mass: body.mass,
-        center_of_mass: body.center_of_mass().into(),
+        totals: body.into(),
     });
     let notes = options.files.iter().zip(solids).flat_map(|(file, solid)| {
         let notes = solid.notes().into_iter();
@@ -171,10 +184,7 @@ fn report(options: &Options, solids: &[Solid], bodies: &[Body], body: &Body) -> 
     });
     Report {
         units: options.units.clone(),
-        volume: body.volume,
-        surface_area: body.surface_area,
-        mass: body.mass,
-        center_of_mass: body.center_of_mass().into(),
+        totals: body.into(),
         inertia_origin: rows(&body.inertia_origin()),
         inertia_center: rows(&body.inertia_center()),
         principal_moments: principal.moments.into(),
@@ -202,10 +212,11 @@ impl Report {
             let numbers: String = numbers.iter().map(|&number| figure(number)).collect();
             text += &format!("{name:<24}{numbers}\n");
         };
-        line("volume", &[self.volume]);
-        line("surface area", &[self.surface_area]);
-        line("mass", &[self.mass]);
-        line("center of mass", &self.center_of_mass);
+        let totals = &self.totals;
+        line("volume", &[totals.volume]);
+        line("surface area", &[totals.surface_area]);
+        line("mass", &[totals.mass]);
+        line("center of mass", &totals.center_of_mass);
         let tensors = [
             ("inertia about origin", &self.inertia_origin),
             ("inertia about center", &self.inertia_center),
@@ -226,8 +237,8 @@ impl Report {
             text += &format!("{:<24}  {units}\n", "units");
         }
         for part in &self.parts {
-            let [x, y, z] = part.center_of_mass.map(figure);
-            let mass = figure(part.mass);
+            let [x, y, z] = part.totals.center_of_mass.map(figure);
+            let mass = figure(part.totals.mass);
             text += &format!("part {}: mass{mass}, center{x}{y}{z}\n", part.file);
         }
         for note in &self.notes {

@@ -6,11 +6,10 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use crate::cli::cell_files::PNG_SCALE;
-use crate::cli::failure::{Failure, print, write_file};
+use crate::cli::failure::{Failure, format_of, print, write_file};
 use crate::cli::options::Common;
 use crate::export::run::log::read_log;
 use crate::plot::convergence::{Run, convergence};
-use crate::plot::figure::Figure;
 use crate::plot::{png, svg};
 use crate::relax::record::Record;
 
@@ -26,7 +25,7 @@ pub(crate) struct Options {
 }
 
 pub(crate) fn run(options: &Options, common: Common) -> Result<(), Failure> {
-    let format = Format::of(&options.output)?;
+    let format = format_of(&options.output, ["svg", "png"])?;
     let logs: Vec<PathBuf> = options.logs.iter().map(|path| log_in(path)).collect();
     let records = logs
         .iter()
@@ -38,39 +37,16 @@ pub(crate) fn run(options: &Options, common: Common) -> Result<(), Failure> {
         .zip(&records)
         .map(|(name, records)| Run { name, records })
         .collect();
-    let bytes = format.draw(&convergence(&runs))?;
+    let figure = convergence(&runs);
+    let bytes = match format {
+        "svg" => svg::svg(&figure).into_bytes(),
+        _ => png::png(&figure, PNG_SCALE).map_err(Failure::run)?,
+    };
     write_file(&options.output, |file| file.write_all(&bytes)).map_err(Failure::input)?;
     if common.quiet {
         return Ok(());
     }
     print(format!("{}\n", options.output.display()))
-}
-
-#[derive(Clone, Copy)]
-enum Format {
-    Svg,
-    Png,
-}
-
-impl Format {
-    fn of(path: &Path) -> Result<Self, Failure> {
-        let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
-        match extension.to_str() {
-            Some("svg") => Ok(Self::Svg),
-            Some("png") => Ok(Self::Png),
-            _ => Err(Failure::input(format!(
-                "cannot tell the format of {}: name it .svg or .png",
-                path.display()
-            ))),
-        }
-    }
-
-    fn draw(self, figure: &Figure) -> Result<Vec<u8>, Failure> {
-        match self {
-            Self::Svg => Ok(svg::svg(figure).into_bytes()),
-            Self::Png => png::png(figure, PNG_SCALE).map_err(Failure::run),
-        }
-    }
 }
 
 /// The log itself where `path` is a run's directory.

@@ -48,52 +48,36 @@ impl Density {
         domain: &Domain,
         order: u32,
     ) -> Result<(Box<dyn space::Domain>, Vec<String>), Error> {
-        match (self, domain) {
-            (Self::Text(text), Domain::Tets(mesh)) => {
+        let (text, of_value): (&str, &dyn Fn(f64) -> f64) = match self {
+            Self::Text(text) | Self::Polynomial { polynomial: text } => (text, &|value| value),
+            Self::Data { data } => (data, &|value| value),
+            Self::Size { size } => (size, &|h: f64| h.powi(-3 - order as i32)),
+        };
+        let (domain, notes): (Box<dyn space::Domain>, _) = match (self, domain) {
+            (Self::Text(_) | Self::Data { .. } | Self::Size { .. }, Domain::Tets(mesh)) => {
                 let (tets, notes) = mesh.tet_solid()?;
-                if tets.mesh().data(text).is_none() {
-                    return Ok((Box::new(weighted(Box::new(tets), text)?), notes));
+                if matches!(self, Self::Data { .. }) || tets.mesh().data(text).is_some() {
+                    return Ok((Box::new(by_data(tets, text, of_value)?), notes));
                 }
-                Ok((Box::new(by_data(tets, text, |value| value)?), notes))
-            }
-            (Self::Text(text) | Self::Polynomial { polynomial: text }, _) => {
-                let (domain, notes) = domain.solid()?;
-                Ok((Box::new(weighted(domain, text)?), notes))
-            }
-            (Self::Data { data }, Domain::Tets(mesh)) => {
-                let (tets, notes) = mesh.tet_solid()?;
-                Ok((Box::new(by_data(tets, data, |value| value)?), notes))
-            }
-            (Self::Size { size }, Domain::Tets(mesh)) => {
-                let (tets, notes) = mesh.tet_solid()?;
-                if tets.mesh().data(size).is_none() {
-                    return Ok((Box::new(sized(Box::new(tets), size, order)?), notes));
-                }
-                let density = |h: f64| h.powi(-3 - order as i32);
-                Ok((Box::new(by_data(tets, size, density)?), notes))
-            }
-            (Self::Size { size }, _) => {
-                let (domain, notes) = domain.solid()?;
-                Ok((Box::new(sized(domain, size, order)?), notes))
+                (Box::new(tets), notes)
             }
             (Self::Data { .. }, _) => {
-                let message = "values at vertices tell of a solid's interior only where \
-                               tetrahedra fill it, {\"tets\": …}; for other domains give a \
-                               polynomial, or {\"size\": polynomial}";
-                Err(Error::value("density", message))
+                let message = "vertex data give the density of a solid only where tetrahedra fill \
+                               it, {\"tets\": …}; for other domains give a polynomial, or \
+                               {\"size\": polynomial}";
+                return Err(Error::value("density", message));
             }
-        }
+            _ => domain.solid()?,
+        };
+        let polynomial: Polynomial = text
+            .parse()
+            .map_err(|error| Error::value("density", format!("`{text}`: {error}")))?;
+        let weighted = match self {
+            Self::Size { .. } => WeightedDomain::sized(domain, &polynomial, order)?,
+            _ => WeightedDomain::new(domain, polynomial)?,
+        };
+        Ok((Box::new(weighted), notes))
     }
-}
-
-/// The domain with the density that the text says.
-fn weighted(domain: Box<dyn space::Domain>, text: &str) -> Result<WeightedDomain, Error> {
-    Ok(WeightedDomain::new(domain, polynomial(text)?)?)
-}
-
-/// The domain with the density for cells of the size that the text says.
-fn sized(domain: Box<dyn space::Domain>, text: &str, order: u32) -> Result<WeightedDomain, Error> {
-    Ok(WeightedDomain::sized(domain, &polynomial(text)?, order)?)
 }
 
 /// The tetrahedra with a function of their data as density.
@@ -117,9 +101,4 @@ fn by_data(
     };
     let values: Vec<f64> = values.iter().map(|&value| density(value)).collect();
     Ok(tets.with_density(&values)?)
-}
-
-fn polynomial(text: &str) -> Result<Polynomial, Error> {
-    text.parse()
-        .map_err(|error| Error::value("density", format!("`{text}`: {error}")))
 }

@@ -1,7 +1,7 @@
 //! The scene's `domain`, read as numbers or mesh files and made a domain of the plane or of space.
 //!
-//! Numbers are validated here one by one, and together by [`crate::domain`] when [`Domain::solid`]
-//! or [`Domain::plane`] builds from them.
+//! How many numbers there are is validated here; what they are worth together, by [`crate::domain`]
+//! when [`Domain::solid`] or [`Domain::plane`] builds from them.
 
 use std::path::{Path, PathBuf};
 
@@ -18,7 +18,7 @@ use crate::geometry::half_plane::HalfPlane;
 use crate::geometry::half_space::HalfSpace;
 use crate::scene::error::Error;
 use crate::scene::mesh_domain::{MeshDomain, ScaleTo};
-use crate::scene::numbers::{all_finite, dimensions_match, point};
+use crate::scene::numbers::{dimensions_match, point, rows_match};
 
 /// A domain by its scene key.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -147,7 +147,7 @@ impl Domain {
         }
     }
 
-    /// Judges the numbers as far as they can be judged one by one.
+    /// Validates the shape of the numbers.
     pub(crate) fn validate(&self, dimension: usize) -> Result<(), Error> {
         match self {
             Self::Box(domain) => domain.validate(dimension),
@@ -221,8 +221,6 @@ impl BoxDomain {
         dimensions_match("domain.box.min", self.min.len(), dimension)?;
         dimensions_match("domain.box.max", self.max.len(), dimension)?;
         dimensions_match("domain.box.periodic", self.periodic.len(), dimension)?;
-        all_finite("domain.box.min", &self.min)?;
-        all_finite("domain.box.max", &self.max)?;
         for (axis, (min, max)) in self.min.iter().zip(&self.max).enumerate() {
             if min >= max {
                 return Err(Error::value(
@@ -271,18 +269,6 @@ fn validate_half_spaces(rows: &[Vec<f64>], dimension: usize) -> Result<(), Error
             );
             return Err(Error::value(key, message));
         }
-        all_finite(&key, row)?;
-        if row[..dimension].iter().all(|&n| n == 0.0) {
-            return Err(Error::value(key, "the normal is zero"));
-        }
-    }
-    if rows.len() <= dimension {
-        let message = format!(
-            "{} half-spaces bound no volume in {dimension} dimensions; give at least {}",
-            rows.len(),
-            dimension + 1
-        );
-        return Err(Error::value("domain.half_spaces", message));
     }
     Ok(())
 }
@@ -293,22 +279,10 @@ fn polygon_in_space() -> Error {
 }
 
 fn validate_polygon(corners: &[Vec<f64>], dimension: usize) -> Result<(), Error> {
-    const KEY: &str = "domain.polygon";
     if dimension != 2 {
         return Err(polygon_in_space());
     }
-    for (index, corner) in corners.iter().enumerate() {
-        let key = format!("{KEY}[{index}]");
-        dimensions_match(&key, corner.len(), 2)?;
-        all_finite(&key, corner)?;
-    }
-    if corners.len() < 3 {
-        return Err(Error::value(
-            KEY,
-            format!("{} corners bound no area", corners.len()),
-        ));
-    }
-    Ok(())
+    rows_match("domain.polygon", corners, 2)
 }
 
 #[cfg(test)]

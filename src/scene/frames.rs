@@ -10,7 +10,6 @@ use crate::domain::domain::Domain;
 use crate::relax::boundary_frames::boundary_frames;
 use crate::relax::frames::Frames;
 use crate::scene::error::Error;
-use crate::scene::numbers::all_finite;
 use crate::scene::site_file;
 
 /// The frames of cells: one for all, or one for each.
@@ -71,18 +70,17 @@ impl FrameChoice {
 
     pub(crate) fn validate(&self, dimension: usize) -> Result<(), Error> {
         if dimension != 3 {
-            let message = "frames are for sites in space only".to_owned();
+            let message = "frames are for sites in space only";
             return Err(Error::value("frames", message));
         }
         let Self::Turn(turn) = self else {
             return Ok(());
         };
-        all_finite("frames.axis", &turn.axis)?;
-        all_finite("frames.degrees", &[turn.degrees])?;
-        if Vector3::from(turn.axis).norm() > 0.0 {
+        let length = Vector3::from(turn.axis).norm();
+        if length > 0.0 && length.is_finite() && turn.degrees.is_finite() {
             return Ok(());
         }
-        let message = "an axis of length zero points nowhere".to_owned();
+        let message = "an axis of length zero points nowhere, and all numbers must be finite";
         Err(Error::value("frames.axis", message))
     }
 

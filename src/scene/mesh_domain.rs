@@ -14,7 +14,7 @@ use crate::mesh::report::SurfaceReport;
 use crate::mesh::similarity::Similarity;
 use crate::mesh::validate::{Solid, validate_surface};
 use crate::scene::error::Error;
-use crate::scene::numbers::{all_finite, dimensions_match, point};
+use crate::scene::numbers::{dimensions_match, point};
 
 /// A mesh file and the box into which its solid is fitted.
 #[derive(Clone, Debug, PartialEq)]
@@ -172,7 +172,6 @@ impl ScaleTo {
         if let Self::Box(ScaleBox { min, max }) = self {
             for (key, corner) in [("domain.scale_to.min", min), ("domain.scale_to.max", max)] {
                 dimensions_match(key, corner.len(), 3)?;
-                all_finite(key, corner)?;
             }
         }
         let extent = self.bounds().extent();

@@ -2,7 +2,7 @@
 //!
 //! A scene is a JSON object ([`description`]) whose larger parts have a file each: [`domain`] with
 //! [`mesh_domain`], [`density`], [`sites`], [`method`], [`frames`]; every part validates its own
-//! numbers ([`numbers`]), the scene what they exclude together. [`read`] turns text into a scene or
+//! numbers, the scene what they exclude together. [`read`] turns text into a scene or
 //! into an [`error`] with file, line, column and the nearest known key; [`overrides`] replace keys.
 //! A scene that passed is *resolved*: every default is filled in and every path absolute, so that it
 //! can be written into a run's description and read again.

@@ -26,28 +26,20 @@ fn rows<const D: usize>(bytes: &[u8]) -> Result<Vec<Point<f64, D>>, String> {
     let (header, data) = split(bytes).ok_or("not a .npy file: it does not begin with a header")?;
     let damaged = || format!("not a .npy file: its header {header:?} is damaged");
     let header = Header::parse(header).ok_or_else(damaged)?;
-    let number = header.number()?;
+    let (values, rest) = header.numbers(data)?;
     let count = header.row_count::<D>()?;
     let expected = count.saturating_mul(D);
-    let values = data.len() / number.width;
-    if values < expected {
-        return Err(format!("ends after {values} of {expected} numbers"));
+    if values.len() < expected {
+        return Err(format!("ends after {} of {expected} numbers", values.len()));
     }
-    if data.len() > expected * number.width {
-        let more = data.len() - expected * number.width;
-        return Err(format!(
-            "holds {more} bytes more than its {expected} numbers"
-        ));
+    if values.len() > expected || !rest.is_empty() {
+        return Err(format!("holds more than its {expected} numbers"));
     }
-    let value = |row: usize, axis: usize| {
-        let place = match header.is_fortran {
-            false => row * D + axis,
-            true => axis * count + row,
-        };
-        number.read(&data[place * number.width..][..number.width])
-    };
     let point = |row: usize| {
-        let coordinates: [f64; D] = std::array::from_fn(|axis| value(row, axis));
+        let coordinates: [f64; D] = std::array::from_fn(|axis| match header.is_fortran {
+            false => values[row * D + axis],
+            true => values[axis * count + row],
+        });
         match coordinates.iter().all(|value| value.is_finite()) {
             true => Ok(Point::from(coordinates)),
             false => Err(format!(
@@ -104,23 +96,18 @@ impl<'a> Header<'a> {
         (keys == ["descr", "fortran_order", "shape"]).then_some(header)
     }
 
-    fn number(&self) -> Result<Number, String> {
-        let (is_big_endian, width) = match self.descr.trim_matches(['\'', '"']) {
-            "<f8" => (false, 8),
-            ">f8" => (true, 8),
-            "<f4" => (false, 4),
-            ">f4" => (true, 4),
-            _ => {
-                return Err(format!(
-                    "the array's type is {} where f8 or f4 is expected",
-                    self.descr
-                ));
-            }
-        };
-        Ok(Number {
-            is_big_endian,
-            width,
-        })
+    /// The numbers in storage order, as many as there are, and the bytes after them.
+    fn numbers<'b>(&self, data: &'b [u8]) -> Result<(Vec<f64>, &'b [u8]), String> {
+        match self.descr.trim_matches(['\'', '"']) {
+            "<f8" => Ok(numbers(data, f64::from_le_bytes)),
+            ">f8" => Ok(numbers(data, f64::from_be_bytes)),
+            "<f4" => Ok(numbers(data, |bytes| f32::from_le_bytes(bytes).into())),
+            ">f4" => Ok(numbers(data, |bytes| f32::from_be_bytes(bytes).into())),
+            _ => Err(format!(
+                "the array's type is {} where f8 or f4 is expected",
+                self.descr
+            )),
+        }
     }
 
     fn row_count<const D: usize>(&self) -> Result<usize, String> {
@@ -161,28 +148,13 @@ fn tuple(text: &str) -> Option<Vec<u64>> {
     numbers.map(|number| number.trim().parse().ok()).collect()
 }
 
-/// How a number is stored.
-#[derive(Clone, Copy, Debug)]
-struct Number {
-    is_big_endian: bool,
-    width: usize,
-}
-
-impl Number {
-    /// The number in `bytes`, of which there are four or eight.
-    fn read(self, bytes: &[u8]) -> f64 {
-        let byte = |place: usize| {
-            bytes[if self.is_big_endian {
-                bytes.len() - 1 - place
-            } else {
-                place
-            }]
-        };
-        match bytes.len() {
-            4 => f64::from(f32::from_le_bytes(std::array::from_fn(byte))),
-            _ => f64::from_le_bytes(std::array::from_fn(byte)),
-        }
-    }
+/// As many numbers as the bytes hold, and those that remain.
+fn numbers<const WIDTH: usize>(
+    data: &[u8],
+    number: impl Fn([u8; WIDTH]) -> f64,
+) -> (Vec<f64>, &[u8]) {
+    let (chunks, rest) = data.as_chunks::<WIDTH>();
+    (chunks.iter().map(|&bytes| number(bytes)).collect(), rest)
 }
 
 #[cfg(test)]
@@ -252,7 +224,7 @@ mod tests {
     }
 
     #[test]
-    fn wrong_files_are_told_apart() {
+    fn wrong_files_are_refused_for_their_faults() {
         let header = "{'descr': '<f8', 'fortran_order': False, 'shape': (2, 3), }";
         let short = parsed(&file(header, &doubles(&[1.0, 2.0, 3.0, 4.0]))).unwrap_err();
         assert_eq!(short, "p.npy: ends after 4 of 6 numbers");
@@ -281,10 +253,13 @@ mod tests {
         );
         let structured =
             "{'descr': [('x', '<f8'), ('y', '<f8')], 'fortran_order': False, 'shape': (2,)}";
-        let told = parsed(&file(structured, &[])).unwrap_err();
-        assert!(told.contains("[('x', '<f8'), ('y', '<f8')]"), "{told}");
+        let message = parsed(&file(structured, &[])).unwrap_err();
+        assert!(
+            message.contains("[('x', '<f8'), ('y', '<f8')]"),
+            "{message}"
+        );
         let long = parsed(&file(header, &[0; 49])).unwrap_err();
-        assert_eq!(long, "p.npy: holds 1 bytes more than its 6 numbers");
+        assert_eq!(long, "p.npy: holds more than its 6 numbers");
         for damaged in [
             "",
             "{}",
@@ -293,8 +268,8 @@ mod tests {
             "{'descr': '<f8', 'fortran_order': False, 'shape': (2, -3)}",
             "{'descr': '<f8', 'fortran_order': False, 'shape': (2, 3)",
         ] {
-            let told = parsed(&file(damaged, &[0; 48])).unwrap_err();
-            assert!(told.contains("damaged"), "{told}");
+            let message = parsed(&file(damaged, &[0; 48])).unwrap_err();
+            assert!(message.contains("damaged"), "{message}");
         }
         assert!(parsed(b"x,y,z\n").unwrap_err().contains("not a .npy file"));
         assert!(parsed(b"").is_err());

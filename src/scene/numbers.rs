@@ -23,11 +23,12 @@ pub(crate) fn dimensions_match(key: &str, length: usize, dimension: usize) -> Re
     ))
 }
 
-pub(crate) fn all_finite(key: &str, values: &[f64]) -> Result<(), Error> {
-    match values.iter().find(|value| !value.is_finite()) {
-        Some(value) => Err(Error::value(key, format!("{value:?} is not finite"))),
-        None => Ok(()),
+/// Checks the length of every row of a list.
+pub(crate) fn rows_match(key: &str, rows: &[Vec<f64>], dimension: usize) -> Result<(), Error> {
+    for (index, row) in rows.iter().enumerate() {
+        dimensions_match(&format!("{key}[{index}]"), row.len(), dimension)?;
     }
+    Ok(())
 }
 
 pub(crate) fn not_negative(key: &str, value: f64) -> Result<(), Error> {

@@ -159,8 +159,8 @@ mod tests {
         let options = json!({
             "warm_up": 2, "memory": 5, "gradient_tolerance": 1e-3, "rounds": 7, "noise": 0.25,
         });
-        let told = of_method("anneal", options);
-        told.apply(&mut scene).expect("annealing has them all");
+        let overrides = of_method("anneal", options);
+        overrides.apply(&mut scene).expect("annealing has them all");
         let Method::Anneal(keys) = &scene.method else {
             panic!("the method is the one named")
         };
@@ -204,8 +204,11 @@ mod tests {
             ("lloyd", "rounds", "--rounds"),
             ("lloyd", "gradient_tolerance", "--gradient-tolerance"),
         ] {
-            let told = of_method(method, json!({ key: 3 }));
-            let error = told.apply(&mut Scene::embedded()).unwrap_err().to_string();
+            let overrides = of_method(method, json!({ key: 3 }));
+            let error = overrides
+                .apply(&mut Scene::embedded())
+                .unwrap_err()
+                .to_string();
             assert!(
                 error.starts_with(&format!("{option} does not fit")),
                 "{error}"

@@ -142,7 +142,7 @@ mod tests {
     }
 
     #[test]
-    fn broken_text_is_told_by_line_and_column() {
+    fn broken_text_is_refused_by_line_and_column() {
         assert!(refusal("{\n\"sites\": [,]}").starts_with("a.json, line 2, column"));
         assert!(refusal("").contains("the file is empty"));
         assert!(refusal("{}").contains("missing field `sites`"));

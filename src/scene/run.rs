@@ -336,3 +336,67 @@ fn kicks(anneal: &Anneal) -> Kicks {
         seed: anneal.seed,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::read;
+    use std::path::Path;
+
+    fn scene(text: &str) -> Scene {
+        let scene = read::parse(text, Path::new("test")).expect("a scene");
+        scene.validate().expect("numbers that make sense");
+        scene
+    }
+
+    #[test]
+    fn a_run_leaves_sites_records_and_why_it_ended() {
+        let descent = r#"{ "sites": { "random": { "count": 9 } },
+            "method": { "quasi_newton": { "iterations": 3 } } }"#;
+        let lloyd = r#"{ "dimension": 2, "sites": { "random": { "count": 9 } },
+            "method": { "lloyd": { "iterations": 3 } } }"#;
+        for text in [descent, lloyd] {
+            let outcome = run(&scene(text), |_, _| ControlFlow::Continue(())).expect("a run");
+            assert_eq!(outcome.records.len(), 4);
+            assert_eq!(outcome.ended, Ended::Iterations);
+            let count = match &outcome.sites {
+                Points::Plane(sites) => sites.len(),
+                Points::Space(sites) => sites.len(),
+            };
+            assert_eq!(count, 9);
+            let energy = |k: usize| outcome.records[k].energy_mean;
+            assert!(energy(3) < energy(0));
+        }
+    }
+
+    #[test]
+    fn the_observer_stops_a_run_and_progress_goes_on_with_it_to_the_bit() {
+        let scene = scene(
+            r#"{ "sites": { "random": { "count": 30 } },
+            "method": { "quasi_newton": { "iterations": 6, "warm_up": 1 } } }"#,
+        );
+        let (space, _) = space(&scene).expect("a box");
+        let sites = space.place(&scene).expect("random sites");
+        let mut whole = Progress::at_start(sites.clone());
+        let mut parts = Progress::at_start(sites);
+        relax(&space, &scene, &mut whole, &mut |_, _, _| {
+            ControlFlow::Continue(())
+        })
+        .expect("a run");
+        let ended = relax(
+            &space,
+            &scene,
+            &mut parts,
+            &mut |record, _, _| match record.iteration {
+                3 => ControlFlow::Break(()),
+                _ => ControlFlow::Continue(()),
+            },
+        );
+        assert_eq!(ended.expect("a run"), Ended::Interrupted);
+        let ended = relax(&space, &scene, &mut parts, &mut |_, _, _| {
+            ControlFlow::Continue(())
+        });
+        assert_eq!(ended.expect("a run"), Ended::Iterations);
+        assert_eq!(whole.sites, parts.sites);
+    }
+}

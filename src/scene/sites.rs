@@ -6,7 +6,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::scene::error::Error;
-use crate::scene::numbers::dimensions_match;
+use crate::scene::numbers::{dimensions_match, rows_match};
 
 /// A source of sites by its scene key.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -61,7 +61,10 @@ impl Sites {
                 Err(Error::value("sites.random.count", "0 sites have no cells"))
             }
             Self::Grid(grid) => grid.validate(dimension),
-            Self::List(list) => validate_list(list, dimension),
+            Self::List(list) if list.is_empty() => {
+                Err(Error::value("sites.list", "0 sites have no cells"))
+            }
+            Self::List(list) => rows_match("sites.list", list, dimension),
             Self::Random(_) | Self::File(_) => Ok(()),
         }
     }
@@ -79,16 +82,6 @@ impl Grid {
         }
         Ok(())
     }
-}
-
-fn validate_list(list: &[Vec<f64>], dimension: usize) -> Result<(), Error> {
-    if list.is_empty() {
-        return Err(Error::value("sites.list", "0 sites have no cells"));
-    }
-    for (index, point) in list.iter().enumerate() {
-        dimensions_match(&format!("sites.list[{index}]"), point.len(), dimension)?;
-    }
-    Ok(())
 }
 
 fn one() -> u64 {
