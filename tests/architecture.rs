@@ -49,9 +49,6 @@ const MAY_IMPORT: [(&str, &[&str]); 13] = [
     ),
 ];
 
-/// Floors on which no files import each other in a circle.
-const FREE_OF_CIRCLES: [&str; 4] = ["geometry", "domain", "integrals", "mass"];
-
 /// Lines of a file before its tests.
 const LONGEST_FILE: usize = 500;
 
@@ -175,52 +172,6 @@ fn imports_follow_the_arrows() {
         }
     }
     assert!(mistakes.is_empty(), "{}", mistakes.join("\n"));
-}
-
-/// The modules below `crate::` that a file's code names, outside its tests.
-fn paths(text: &str) -> Vec<String> {
-    let code = text.split("#[cfg(test)]").next().unwrap_or_default();
-    let lines = code
-        .lines()
-        .filter(|line| !line.trim_start().starts_with("//"));
-    let pieces = lines.flat_map(|line| line.split("crate::").skip(1));
-    let is_path = |c: &char| c.is_alphanumeric() || *c == '_' || *c == ':';
-    pieces
-        .map(|piece| piece.chars().take_while(is_path).collect())
-        .collect()
-}
-
-#[test]
-fn files_form_no_circles() {
-    let mut imports: BTreeMap<String, Vec<String>> = BTreeMap::new();
-    for file in sources(&source_root()) {
-        let is_checked = floor(&file).is_some_and(|floor| FREE_OF_CIRCLES.contains(&&*floor));
-        if is_checked && file.file_name().is_some_and(|name| name != "mod.rs") {
-            let inside = file.strip_prefix(source_root()).unwrap();
-            let parts = inside.iter().map(|part| part.to_str().unwrap());
-            let module = parts.collect::<Vec<_>>().join("::");
-            let text = fs::read_to_string(&file).unwrap();
-            imports.insert(module.trim_end_matches(".rs").to_owned(), paths(&text));
-        }
-    }
-    // Files that import no file left are taken away, until only circles and what leads to them stay.
-    loop {
-        let stands = |path: &String| {
-            let mut modules = imports.keys();
-            modules.any(|module| path.starts_with(&format!("{module}::")))
-        };
-        let free = imports.iter().find(|(module, paths)| {
-            let own = format!("{module}::");
-            !paths
-                .iter()
-                .any(|path| !path.starts_with(&own) && stands(path))
-        });
-        let Some(module) = free.map(|(module, _)| module.clone()) else {
-            break;
-        };
-        imports.remove(&module);
-    }
-    assert!(imports.is_empty(), "circles among {:?}", imports.keys());
 }
 
 #[test]

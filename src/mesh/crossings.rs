@@ -9,7 +9,7 @@ use nalgebra::Point3;
 use robust::Coord3D;
 
 use crate::geometry::bounds::Bounds;
-use crate::geometry::box_tree::BoxTree;
+use crate::geometry::bvh::Bvh;
 use crate::mesh::edges::{EdgeTable, NO_PARTNER};
 use crate::mesh::report::Tally;
 use crate::mesh::surface::SurfaceMesh;
@@ -24,7 +24,7 @@ pub fn crossings(mesh: &SurfaceMesh) -> Option<Tally<[u32; 2]>> {
         return None;
     }
     let bounds: Vec<Bounds<3>> = mesh.all_corners().map(|c| Bounds::of(&c)).collect();
-    let tree = BoxTree::new(bounds.iter().copied());
+    let tree = Bvh::new(bounds.iter().copied());
     let partners = EdgeTable::of(&mesh.triangles, mesh.vertices.len()).partners();
     let mut pairs = Vec::new();
     for (one, own) in (0..).zip(&bounds) {
