@@ -706,7 +706,7 @@ fn polynomials_read_what_they_say() {
         let polynomial: Polynomial = text.parse().unwrap();
         close(polynomial.at(&point), value, 1e-14, text);
         let origin = Point3::new(0.25, 0.5, -1.0);
-        let seen = polynomial.seen_from(&origin);
+        let seen = polynomial.relative_to(&origin);
         close(seen.at(&Point3::from(point - origin)), value, 1e-13, text);
     }
 }

@@ -403,7 +403,7 @@ fn by_structure_products(mesh: &SurfaceMesh, density: &Polynomial, near: &Point3
         .iter()
         .map(|v| Point3::from(v - near))
         .collect();
-    let density = density.seen_from(near);
+    let density = density.relative_to(near);
     #[rustfmt::skip]
     let ten = [
         [0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [2, 0, 0],

@@ -59,7 +59,7 @@ pub(crate) struct Weighted<'a> {
 
 impl<'a> Weighted<'a> {
     pub(crate) fn new(places: &'a Places, density: &Polynomial, center: &Vector3<f64>) -> Self {
-        let seen = density.seen_from(&Point3::from(*center));
+        let seen = density.relative_to(&Point3::from(*center));
         Self {
             places,
             table: Table::new(&places.terms, &seen),

@@ -151,7 +151,7 @@ impl Density {
         around.max += site.coords;
         let near = |region: &&Region| region.bounds.overlaps(&around);
         for Region { bounds, density } in regions.iter().filter(near) {
-            let density = density.seen_from(site);
+            let density = density.relative_to(site);
             let mut weigh = |sign: f64, piece: Piece<'_>| visit(sign, piece, Some(&density));
             if bounds.contains(&around.min) && bounds.contains(&around.max) {
                 return shape.pieces(site, cell, scratch, &mut weigh);
@@ -192,7 +192,7 @@ impl<'a> Whole<'a> {
         if !clip_to_box(&mut part, middle, bounds, &mut scratch.clip) {
             return 0.0;
         }
-        let density = density.seen_from(middle);
+        let density = density.relative_to(middle);
         let mut mass = 0.0;
         let mut add = |sign: f64, piece: Piece<'_>| mass += sign * of_piece(piece, &density).mass;
         self.shape

@@ -35,7 +35,7 @@ impl FacetKind {
         }
     }
 
-    /// What `label` stands for.
+    /// The kind that `label` stands for.
     #[must_use]
     pub fn of(label: Label) -> Self {
         match label & (3 << 62) {

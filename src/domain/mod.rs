@@ -9,10 +9,7 @@ pub(crate) mod candidates;
 pub mod convex;
 pub mod cuboid;
 pub mod density;
-#[allow(
-    clippy::module_inception,
-    reason = "it defines what the folder is named for"
-)]
+#[allow(clippy::module_inception, reason = "it names the folder")]
 pub mod domain;
 pub mod error;
 pub mod facet_kind;

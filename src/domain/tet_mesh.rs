@@ -29,7 +29,7 @@ pub struct TetSolid {
     boundary: SurfaceSolid,
 }
 
-/// Tetrahedra, and what finds those near a cell.
+/// Tetrahedra with their bounding boxes and the labels of their facets.
 #[derive(Debug)]
 pub(crate) struct IndexedTets {
     pub(crate) mesh: TetMesh,

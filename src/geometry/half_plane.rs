@@ -1,4 +1,4 @@
-//! Half-planes: what convex polygons are cut by.
+//! Half-planes, by which convex polygons are clipped.
 
 use nalgebra::{Point2, Vector2};
 

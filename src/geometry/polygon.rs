@@ -165,7 +165,7 @@ impl ConvexPolygon {
     /// The share t of `step` that can be walked from `start`, a point of the polygon, before the
     /// boundary is reached; 0 if `start` lies beyond it.
     ///
-    /// Only edges that the line crosses are asked, so the direction of an edge of a few ulps,
+    /// Only edges that the line crosses count, so the direction of an edge of a few ulps,
     /// which is noise, does not matter.
     #[must_use]
     pub fn reach(&self, start: &Point2<f64>, step: &Vector2<f64>) -> f64 {

@@ -1,4 +1,4 @@
-//! Numbers side by side.
+//! Sums and products of vectors in four SIMD lanes.
 
 use wide::f64x4;
 

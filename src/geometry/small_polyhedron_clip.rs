@@ -1,7 +1,7 @@
-//! Clipping a [`SmallPolyhedron`] polyhedron: the algorithm of [`clip`](crate::geometry::clip), with masks.
+//! Clipping a [`SmallPolyhedron`] by a half-space: the algorithm of [`clip`](crate::geometry::clip), with masks.
 //!
 //! The tolerance policy is the same: no epsilon, and a flood where rounding alone decides. Branches
-//! on geometry are what a processor cannot foresee, so lists are written in full and their lengths
+//! on geometry are mispredicted, so lists are written in full and their lengths
 //! counted up by conditions.
 
 use wide::f64x4;
@@ -41,7 +41,7 @@ impl Default for SmallClipScratch {
 }
 
 impl SmallPolyhedron {
-    /// Clips by `half_space`; the new facet carries the label, asked for only then.
+    /// Clips by `half_space`; the new facet carries the label, which is made only then.
     ///
     /// # Errors
     /// When there is no room: the polyhedron then is as before.

@@ -1,4 +1,4 @@
-//! What values a polynomial takes in a box, without looking at single places.
+//! Bounds of a polynomial in a box, by its Bernstein form.
 //!
 //! Over the unit cube Σ a_{ijk} x^i y^j z^k = Σ b_{ijk} B_i(x) B_j(y) B_k(z) with Bernstein's
 //! polynomials, which are positive and sum to one: the value lies between the least and the
@@ -25,12 +25,12 @@ impl Bernstein {
     /// `polynomial` over `bounds`.
     #[must_use]
     pub fn new(polynomial: &Polynomial, bounds: &Bounds<3>) -> Self {
-        let seen = polynomial.seen_from(&bounds.min);
+        let shifted = polynomial.relative_to(&bounds.min);
         let extent = bounds.extent();
-        let degree = |axis: usize| seen.terms().map(|(powers, _)| powers[axis]).max();
+        let degree = |axis: usize| shifted.terms().map(|(powers, _)| powers[axis]).max();
         let counts = [0, 1, 2].map(|axis| degree(axis).unwrap_or(0) as usize + 1);
         let mut coefficients = vec![0.0; counts.iter().product()];
-        for (powers, value) in seen.terms() {
+        for (powers, value) in shifted.terms() {
             let place = powers.iter().zip(&counts);
             let place = place.fold(0, |place, (&power, count)| place * count + power as usize);
             let scale = (0..3).fold(1.0, |scale, axis| {

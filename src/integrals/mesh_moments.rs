@@ -122,7 +122,7 @@ pub fn polynomial<const K: usize>(
     density: &Polynomial,
     origin: &Point3<f64>,
 ) -> Moments {
-    by_monomials(vertices, simplices, &density.seen_from(origin), origin)
+    by_monomials(vertices, simplices, &density.relative_to(origin), origin)
 }
 
 /// The ten moments of a piece at a polynomial density, both about the origin of its coordinates.

@@ -1,4 +1,4 @@
-//! Sums by halves.
+//! Pairwise summation.
 //!
 //! A sum of n terms added one after the other may lose n ulps, by halves log₂ n; and halves can
 //! be handed to two threads without changing a bit, because where a range is split depends on

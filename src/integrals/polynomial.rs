@@ -68,7 +68,7 @@ impl Polynomial {
     ///
     /// Cancels no more than p itself does near `origin`.
     #[must_use]
-    pub fn seen_from(&self, origin: &Point3<f64>) -> Self {
+    pub fn relative_to(&self, origin: &Point3<f64>) -> Self {
         let shifted: [Self; 3] = [0, 1, 2].map(|axis| {
             let mut exponents = [0; 3];
             exponents[axis] = 1;

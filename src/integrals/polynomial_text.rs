@@ -13,7 +13,7 @@ use crate::integrals::polynomial::Polynomial;
 use std::str::FromStr;
 
 /// Densities of higher degree than this are refused: their moments would need factorials beyond
-/// what f64 holds exactly, and nobody has asked.
+/// what f64 holds exactly.
 pub const HIGHEST_DEGREE: u32 = 16;
 
 /// Parentheses may nest this deep.
@@ -70,8 +70,8 @@ impl FromStr for Polynomial {
 
     fn from_str(text: &str) -> Result<Self, PolynomialError> {
         let mut reader = Reader {
-            characters: text.chars().collect(),
-            place: 0,
+            text,
+            rest: text,
             depth: 0,
         };
         let polynomial = reader.sum()?;
@@ -85,13 +85,13 @@ impl FromStr for Polynomial {
     }
 }
 
-struct Reader {
-    characters: Vec<char>,
-    place: usize,
+struct Reader<'a> {
+    text: &'a str,
+    rest: &'a str,
     depth: usize,
 }
 
-impl Reader {
+impl<'a> Reader<'a> {
     fn sum(&mut self) -> Result<Polynomial, PolynomialError> {
         let mut sum = match self.taken(&['+', '-']) {
             Some('-') => -self.product()?,
@@ -159,7 +159,7 @@ impl Reader {
     }
 
     fn variable(&mut self, exponents: [u32; 3]) -> Polynomial {
-        self.place += 1;
+        self.rest = &self.rest[1..];
         Polynomial::monomial(1.0, exponents)
     }
 
@@ -169,7 +169,7 @@ impl Reader {
             let column = self.column();
             return Err(PolynomialError::Depth { column });
         }
-        self.place += 1;
+        self.rest = &self.rest[1..];
         let inside = self.sum()?;
         if self.taken(&[')']).is_none() {
             return Err(self.unexpected("an operator or `)`"));
@@ -181,65 +181,58 @@ impl Reader {
     /// Digits, a point, an exponent such as `e-3`.
     fn number(&mut self) -> Result<f64, PolynomialError> {
         let column = self.column();
-        let mut text = self.taken_while(|character| character.is_ascii_digit() || character == '.');
-        if text.is_empty() {
+        let start = self.rest;
+        let is_digit = |character: char| character.is_ascii_digit();
+        if self.taken_while(|c| is_digit(c) || c == '.').is_empty() {
             return Err(self.unexpected("a number"));
         }
-        if let Some('e' | 'E') = self.characters.get(self.place) {
-            text.push('e');
-            self.place += 1;
-            if let Some(sign @ ('+' | '-')) = self.characters.get(self.place) {
-                text.push(*sign);
-                self.place += 1;
-            }
-            text += &self.taken_while(|character| character.is_ascii_digit());
+        if let Some(exponent) = self.rest.strip_prefix(['e', 'E']) {
+            self.rest = exponent.strip_prefix(['+', '-']).unwrap_or(exponent);
+            self.taken_while(is_digit);
         }
+        let text = &start[..start.len() - self.rest.len()];
         match text.parse::<f64>() {
             Ok(value) if value.is_finite() => Ok(value),
-            _ => Err(PolynomialError::Number { column, text }),
+            _ => Err(PolynomialError::Number {
+                column,
+                text: text.into(),
+            }),
         }
     }
 
     /// The next character that is not a blank, left where it is.
     fn next(&mut self) -> Option<char> {
-        while self
-            .characters
-            .get(self.place)
-            .is_some_and(|c| c.is_whitespace())
-        {
-            self.place += 1;
-        }
-        self.characters.get(self.place).copied()
+        self.rest = self.rest.trim_start();
+        self.rest.chars().next()
     }
 
     fn taken(&mut self, wanted: &[char]) -> Option<char> {
         let character = self.next().filter(|character| wanted.contains(character))?;
-        self.place += 1;
+        self.rest = &self.rest[character.len_utf8()..];
         Some(character)
     }
 
-    fn taken_while(&mut self, wanted: impl Fn(char) -> bool) -> String {
-        self.next();
-        let taken: String = self.characters[self.place..]
-            .iter()
-            .take_while(|character| wanted(**character))
-            .collect();
-        self.place += taken.len();
-        taken
+    fn taken_while(&mut self, is_wanted: impl Fn(char) -> bool) -> &'a str {
+        let rest = self.rest;
+        self.rest = rest.trim_start_matches(is_wanted);
+        &rest[..rest.len() - self.rest.len()]
     }
 
+    /// The column of the next character that is not a blank.
     fn column(&mut self) -> usize {
         self.next();
-        self.place + 1
+        let read = &self.text[..self.text.len() - self.rest.len()];
+        read.chars().count() + 1
     }
 
     fn unexpected(&mut self, expected: &'static str) -> PolynomialError {
         PolynomialError::Unexpected {
             column: self.column(),
             expected,
-            found: self
-                .next()
-                .map_or("the end".into(), |found| format!("`{found}`")),
+            found: match self.next() {
+                Some(found) => format!("`{found}`"),
+                None => "the end".into(),
+            },
         }
     }
 }

@@ -10,7 +10,7 @@
 //! which side its ends are, and an edge that it does not cross has both ends on one side.
 //!
 //! Every step is combinatorial, and every one is checked. A coincidence, or rounding, that breaks
-//! the pattern is told as [`ClipStatus::Inconsistent`]: then the result is not to be used.
+//! the pattern is reported as [`ClipStatus::Inconsistent`]: then the result is not to be used.
 
 use std::collections::HashMap;
 use std::hash::{BuildHasherDefault, Hasher};

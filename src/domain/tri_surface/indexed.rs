@@ -1,5 +1,4 @@
-//! A closed surface of triangles with what finds, names and tells apart its parts: edges, walls,
-//! boxes, distances.
+//! A closed surface of triangles with its edges, walls, bounding boxes and distances.
 
 use nalgebra::{Point3, Vector3};
 
