@@ -4,10 +4,6 @@ use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 
-use chebloyd::chebyshev::center::Minimizer;
-use chebloyd::chebyshev::energy::{SignedPiece, energy};
-use chebloyd::chebyshev::integrand::Integrand;
-use chebloyd::chebyshev::walk::WalkScratch;
 use chebloyd::domain::beyond::Beyond;
 use chebloyd::domain::convex::ConvexPolyhedron;
 use chebloyd::domain::cuboid::Cuboid;
@@ -16,6 +12,9 @@ use chebloyd::domain::surface::clipped::{ClippedCell, Meeting};
 use chebloyd::domain::surface::shadow::shadows;
 use chebloyd::domain::surface::solid::SurfaceSolid;
 use chebloyd::domain::tets::TetSolid;
+use chebloyd::energy::center::Minimizer;
+use chebloyd::energy::energy::{EnergyScratch, SignedPiece, energy};
+use chebloyd::energy::prepared::PreparedPiece;
 use chebloyd::geometry::bounds::Bounds;
 use chebloyd::geometry::faceted::Piece;
 use chebloyd::geometry::half_space::HalfSpace;
@@ -181,9 +180,12 @@ fn assert_filled(domain: &SurfaceSolid, sites: &[Point3<f64>], what: &str) -> [u
 }
 
 fn signed(sign: f64, piece: Piece<'_>) -> SignedPiece {
-    let mut integrand = Integrand::default();
-    integrand.assign(piece);
-    SignedPiece { sign, integrand }
+    let mut prepared = PreparedPiece::default();
+    prepared.assign(piece);
+    SignedPiece {
+        sign,
+        piece: prepared,
+    }
 }
 
 #[test]
@@ -234,51 +236,53 @@ fn a_cell_is_worth_the_same_by_its_boundary_and_by_shadows() {
             let label = |_| 0;
             let tree = domain.tree();
             let worst = diagram
-                .map(|(scratch, walk): &mut (PieceScratch, WalkScratch), cell| {
-                    let mut whole = Vec::new();
-                    domain.pieces(
-                        &cell.position,
-                        cell.polyhedron(),
-                        scratch,
-                        &mut |sign, piece| {
-                            whole.push(signed(sign, piece));
-                        },
-                    );
-                    let mut parts = Vec::new();
-                    let memory = (&mut scratch.piece, &mut scratch.clip);
-                    let (at, cell) = (&cell.position, cell.polyhedron());
-                    shadows(
-                        domain.surface(),
-                        tree,
-                        label,
-                        at,
-                        cell,
-                        memory,
-                        |sign, part| {
-                            parts.push(signed(sign, Piece::Convex(part)));
-                        },
-                    );
-                    let size = cell.radius_squared().sqrt();
-                    let mut worst: f64 = 0.0;
-                    for (center, order) in
-                        [([0.0; 3], 1), ([0.1, 0.2, -0.3], 1), ([0.3, -0.4, 0.2], 3)]
-                    {
-                        let center = Vector3::from(center) * size;
-                        let [one, other] =
-                            [&whole, &parts].map(|pieces| energy(pieces, &center, order, walk));
-                        let Evaluation {
-                            value,
-                            gradient,
-                            hessian,
-                        } = one;
-                        let scale = size.powi(3 + order as i32);
-                        worst = worst
-                            .max((value - other.value).abs() / scale)
-                            .max((gradient - other.gradient).amax() / scale * size)
-                            .max((hessian - other.hessian).amax() / scale * size * size);
-                    }
-                    worst
-                })
+                .map(
+                    |(scratch, walk): &mut (PieceScratch, EnergyScratch), cell| {
+                        let mut whole = Vec::new();
+                        domain.pieces(
+                            &cell.position,
+                            cell.polyhedron(),
+                            scratch,
+                            &mut |sign, piece| {
+                                whole.push(signed(sign, piece));
+                            },
+                        );
+                        let mut parts = Vec::new();
+                        let memory = (&mut scratch.piece, &mut scratch.clip);
+                        let (at, cell) = (&cell.position, cell.polyhedron());
+                        shadows(
+                            domain.surface(),
+                            tree,
+                            label,
+                            at,
+                            cell,
+                            memory,
+                            |sign, part| {
+                                parts.push(signed(sign, Piece::Convex(part)));
+                            },
+                        );
+                        let size = cell.radius_squared().sqrt();
+                        let mut worst: f64 = 0.0;
+                        for (center, order) in
+                            [([0.0; 3], 1), ([0.1, 0.2, -0.3], 1), ([0.3, -0.4, 0.2], 3)]
+                        {
+                            let center = Vector3::from(center) * size;
+                            let [one, other] =
+                                [&whole, &parts].map(|pieces| energy(pieces, &center, order, walk));
+                            let Evaluation {
+                                value,
+                                gradient,
+                                hessian,
+                            } = one;
+                            let scale = size.powi(3 + order as i32);
+                            worst = worst
+                                .max((value - other.value).abs() / scale)
+                                .max((gradient - other.gradient).amax() / scale * size)
+                                .max((hessian - other.hessian).amax() / scale * size * size);
+                        }
+                        worst
+                    },
+                )
                 .expect("no duplicates");
             let worst = worst.into_iter().fold(0.0, f64::max);
             assert!(worst < 1e-11, "{name}, {count} sites: {worst:e}");

@@ -6,13 +6,12 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use nalgebra::{Point3, Rotation3, Vector3};
 
-use chebloyd::chebyshev::energy::{SignedPiece, energy};
-use chebloyd::chebyshev::fragments::fragments_in_frame;
-use chebloyd::chebyshev::integrand::Integrand;
-use chebloyd::chebyshev::sector::Sector;
-use chebloyd::chebyshev::walk::WalkScratch;
 use chebloyd::domain::beyond::Beyond;
 use chebloyd::domain::space::{Domain, PieceScratch};
+use chebloyd::energy::energy::{EnergyScratch, SignedPiece, energy};
+use chebloyd::energy::fragments::fragments_in_frame;
+use chebloyd::energy::prepared::PreparedPiece;
+use chebloyd::energy::sector::Sector;
 use chebloyd::export::vtu::{CellGeometry, write_cells};
 use chebloyd::export::whole_file;
 use chebloyd::geometry::polyhedron::Polyhedron;
@@ -139,13 +138,16 @@ fn part(
     domain.shape(site, wedge, scratch, &mut |piece| {
         part.shell = Shell::from(piece).translated(&site.coords);
     });
-    let mut walk = WalkScratch::default();
+    let mut energy_scratch = EnergyScratch::default();
     domain.pieces(site, wedge, scratch, &mut |sign, piece| {
-        let mut integrand = Integrand::default();
-        integrand.assign(piece);
-        integrand.rotate(&frame.inverse());
-        let piece = SignedPiece { sign, integrand };
-        part.energy += energy([&piece], &Vector3::zeros(), 1, &mut walk).value;
+        let mut prepared = PreparedPiece::default();
+        prepared.assign(piece);
+        prepared.rotate(&frame.inverse());
+        let piece = SignedPiece {
+            sign,
+            piece: prepared,
+        };
+        part.energy += energy([&piece], &Vector3::zeros(), 1, &mut energy_scratch).value;
     });
     part
 }
