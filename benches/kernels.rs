@@ -7,10 +7,9 @@ use std::hint::black_box;
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
 use nalgebra::{Point3, Vector3};
 
-use chebloyd::chebyshev::energy::{SignedPiece, energy};
-use chebloyd::chebyshev::integrand::Integrand;
-use chebloyd::chebyshev::walk::WalkScratch;
 use chebloyd::domain::cuboid::Cuboid;
+use chebloyd::energy::energy::{EnergyScratch, SignedPiece, energy};
+use chebloyd::energy::prepared::PreparedPiece;
 use chebloyd::geometry::clip::{ClipScratch, clip};
 use chebloyd::geometry::half_space::HalfSpace;
 use chebloyd::geometry::polyhedron::Polyhedron;
@@ -57,14 +56,14 @@ fn kernels(criterion: &mut Criterion) {
         bencher.iter_batched(&mut next, moments, BatchSize::SmallInput);
     });
     criterion.bench_function("prepare a cell for integrals", |bencher| {
-        let prepare = |cell: Polyhedron| Integrand::new(&cell);
+        let prepare = |cell: Polyhedron| PreparedPiece::new(&cell);
         bencher.iter_batched(&mut next, prepare, BatchSize::SmallInput);
     });
     for order in [1, 3] {
-        let mut scratch = WalkScratch::default();
+        let mut scratch = EnergyScratch::default();
         let mut piece = || SignedPiece {
             sign: 1.0,
-            integrand: Integrand::new(&next()),
+            piece: PreparedPiece::new(&next()),
         };
         let name = format!("energy, gradient and Hessian of order {order}");
         criterion.bench_function(&name, |bencher| {

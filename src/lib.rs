@@ -12,7 +12,7 @@
 //! floor 7   cli/                                one file per subcommand (feature `cli`)
 //! floor 6   scene/        export/      plot/    what comes in, what goes out
 //! floor 5   relax/                              the loops and their records
-//! floor 4   voronoi/      chebyshev/            where a cell comes from │ what a cell is worth
+//! floor 4   voronoi/      energy/               where a cell comes from │ what a cell is worth
 //! floor 3   domain/                    mass/    which pieces overlap a cell │ mass properties
 //! floor 2   mesh/         integrals/            meshes read from files │ closed forms
 //! floor 1   geometry/     minimize/             half-spaces, polyhedra, clip │ projected Newton
@@ -20,7 +20,7 @@
 //!
 //! Data goes up once: scene → diagram → fragments → energy → new sites → record → files. A
 //! module imports only from the floors below it, and only what `tests/architecture.rs` lists.
-//! Two wings stand on one ground: `voronoi` builds cells, `chebyshev` says what they are worth
+//! Two wings stand on one ground: `voronoi` builds cells, `energy` says what they are worth
 //! (it takes a center and convex pieces and never sees a diagram), `relax` is where they meet.
 //!
 //! # Conventions
@@ -30,10 +30,10 @@
 //! Site indices count from zero. The library never prints and never panics on bad input; long
 //! work reports to an observer.
 
-pub mod chebyshev;
 #[cfg(feature = "cli")]
 mod cli;
 pub mod domain;
+pub mod energy;
 #[cfg(feature = "files")]
 pub mod export;
 pub mod geometry;

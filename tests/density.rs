@@ -5,17 +5,17 @@ mod quadrature;
 
 use std::ops::ControlFlow;
 
-use chebloyd::chebyshev::center::Minimizer;
-use chebloyd::chebyshev::energy::{SignedPiece, energy};
-use chebloyd::chebyshev::fragments::{fragments, tetrahedra};
-use chebloyd::chebyshev::integrand::Integrand;
-use chebloyd::chebyshev::walk::WalkScratch;
 use chebloyd::domain::cuboid::Cuboid;
 use chebloyd::domain::domain::Domain;
 use chebloyd::domain::domain::WeightedDomain;
 use chebloyd::domain::shape::DomainShape;
 use chebloyd::domain::tet_mesh::TetSolid;
 use chebloyd::domain::tri_surface::solid::SurfaceSolid;
+use chebloyd::energy::center::Minimizer;
+use chebloyd::energy::energy::EnergyScratch;
+use chebloyd::energy::energy::{SignedPiece, energy};
+use chebloyd::energy::fragments::{fragments, tetrahedra};
+use chebloyd::energy::prepared::PreparedPiece;
 use chebloyd::geometry::bounds::Bounds;
 use chebloyd::geometry::brep::Piece;
 use chebloyd::geometry::polyhedron::Polyhedron;
@@ -71,13 +71,10 @@ fn block() -> Polyhedron {
 }
 
 fn evaluate(density: &str, center: &Vector3<f64>, order: u32) -> Evaluation<3> {
-    let mut integrand = Integrand::new(&block());
-    integrand.set_density(Some(&polynomial(density)));
-    let piece = SignedPiece {
-        sign: 1.0,
-        integrand,
-    };
-    energy([&piece], center, order, &mut WalkScratch::default())
+    let mut piece = PreparedPiece::new(&block());
+    piece.set_density(Some(&polynomial(density)));
+    let piece = SignedPiece { sign: 1.0, piece };
+    energy([&piece], center, order, &mut EnergyScratch::default())
 }
 
 const DENSITIES: [&str; 4] = [

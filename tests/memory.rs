@@ -74,7 +74,8 @@ fn relax(space: &Space, sites: &mut [Point3<f64>], options: &LloydOptions, folde
         ControlFlow::Continue(())
     };
     lloyd(space, sites, options, None, &mut keep).unwrap();
-    atomic_write::write(&folder.join("sites.csv"), |file| write_csv(sites, file)).unwrap();
+    chebloyd::export::atomic_write::write(&folder.join("sites.csv"), |file| write_csv(sites, file))
+        .unwrap();
     write_cells(space, sites, &folder.join("cells.vtu"));
     directory.describe(&figures(space, sites)).unwrap();
 }

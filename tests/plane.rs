@@ -1,10 +1,8 @@
 //! The plane: diagrams fill their domain, energies are exact, relaxation goes downhill.
 
-use chebloyd::chebyshev::plane::{
-    FRAGMENTS, energy, energy_with_derivatives, fragments, triangles,
-};
 use chebloyd::domain::facet_kind::FacetKind;
 use chebloyd::domain::planar::{PlaneDomain, PlaneDomainError};
+use chebloyd::energy::planar::{FRAGMENTS, energy, energy_with_derivatives, fragments, triangles};
 use chebloyd::geometry::bounds::Bounds;
 use chebloyd::geometry::half_plane::HalfPlane;
 use chebloyd::geometry::label::Label;

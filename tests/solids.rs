@@ -6,10 +6,6 @@ mod models;
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 
-use chebloyd::chebyshev::center::Minimizer;
-use chebloyd::chebyshev::energy::{SignedPiece, energy};
-use chebloyd::chebyshev::integrand::Integrand;
-use chebloyd::chebyshev::walk::WalkScratch;
 use chebloyd::domain::convex::ConvexPolyhedron;
 use chebloyd::domain::cuboid::Cuboid;
 use chebloyd::domain::domain::{Domain, WeightedDomain};
@@ -19,6 +15,10 @@ use chebloyd::domain::tet_mesh::TetSolid;
 use chebloyd::domain::tri_surface::clip_cell::{ClipStatus, ClippedCell};
 use chebloyd::domain::tri_surface::signed_prisms::signed_prisms;
 use chebloyd::domain::tri_surface::solid::SurfaceSolid;
+use chebloyd::energy::center::Minimizer;
+use chebloyd::energy::energy::EnergyScratch;
+use chebloyd::energy::energy::{SignedPiece, energy};
+use chebloyd::energy::prepared::PreparedPiece;
 use chebloyd::geometry::bounds::Bounds;
 use chebloyd::geometry::brep::Piece;
 use chebloyd::geometry::half_space::HalfSpace;
@@ -179,9 +179,12 @@ fn assert_filled(domain: &SurfaceSolid, sites: &[Point3<f64>], what: &str) -> [u
 }
 
 fn signed(sign: f64, piece: Piece<'_>) -> SignedPiece {
-    let mut integrand = Integrand::default();
-    integrand.assign(piece);
-    SignedPiece { sign, integrand }
+    let mut prepared = PreparedPiece::default();
+    prepared.assign(piece);
+    SignedPiece {
+        sign,
+        piece: prepared,
+    }
 }
 
 #[test]
@@ -230,42 +233,44 @@ fn a_cell_is_worth_the_same_by_its_boundary_and_by_signed_prisms() {
             let sites = random_sites(&domain, count, seed);
             let diagram = Diagram::new(&domain, &sites).expect("a diagram");
             let worst = diagram
-                .map(|(scratch, walk): &mut (PieceScratch, WalkScratch), cell| {
-                    let mut whole = Vec::new();
-                    domain.pieces(
-                        &cell.position,
-                        cell.polyhedron(),
-                        scratch,
-                        &mut |sign, piece| {
-                            whole.push(signed(sign, piece));
-                        },
-                    );
-                    let mut parts = Vec::new();
-                    let (at, cell) = (&cell.position, cell.polyhedron());
-                    signed_prisms(domain.indexed(), at, cell, scratch, &mut |sign, part| {
-                        parts.push(signed(sign, part));
-                    });
-                    let size = cell.radius_squared().sqrt();
-                    let mut worst: f64 = 0.0;
-                    for (center, order) in
-                        [([0.0; 3], 1), ([0.1, 0.2, -0.3], 1), ([0.3, -0.4, 0.2], 3)]
-                    {
-                        let center = Vector3::from(center) * size;
-                        let [one, other] =
-                            [&whole, &parts].map(|pieces| energy(pieces, &center, order, walk));
-                        let Evaluation {
-                            value,
-                            gradient,
-                            hessian,
-                        } = one;
-                        let scale = size.powi(3 + order as i32);
-                        worst = worst
-                            .max((value - other.value).abs() / scale)
-                            .max((gradient - other.gradient).amax() / scale * size)
-                            .max((hessian - other.hessian).amax() / scale * size * size);
-                    }
-                    worst
-                })
+                .map(
+                    |(scratch, walk): &mut (PieceScratch, EnergyScratch), cell| {
+                        let mut whole = Vec::new();
+                        domain.pieces(
+                            &cell.position,
+                            cell.polyhedron(),
+                            scratch,
+                            &mut |sign, piece| {
+                                whole.push(signed(sign, piece));
+                            },
+                        );
+                        let mut parts = Vec::new();
+                        let (at, cell) = (&cell.position, cell.polyhedron());
+                        signed_prisms(domain.indexed(), at, cell, scratch, &mut |sign, part| {
+                            parts.push(signed(sign, part));
+                        });
+                        let size = cell.radius_squared().sqrt();
+                        let mut worst: f64 = 0.0;
+                        for (center, order) in
+                            [([0.0; 3], 1), ([0.1, 0.2, -0.3], 1), ([0.3, -0.4, 0.2], 3)]
+                        {
+                            let center = Vector3::from(center) * size;
+                            let [one, other] =
+                                [&whole, &parts].map(|pieces| energy(pieces, &center, order, walk));
+                            let Evaluation {
+                                value,
+                                gradient,
+                                hessian,
+                            } = one;
+                            let scale = size.powi(3 + order as i32);
+                            worst = worst
+                                .max((value - other.value).abs() / scale)
+                                .max((gradient - other.gradient).amax() / scale * size)
+                                .max((hessian - other.hessian).amax() / scale * size * size);
+                        }
+                        worst
+                    },
+                )
                 .expect("no duplicates");
             let worst = worst.into_iter().fold(0.0, f64::max);
             assert!(worst < 1e-11, "{name}, {count} sites: {worst:e}");

@@ -6,13 +6,13 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use nalgebra::{Point3, Rotation3, Vector3};
 
-use crate::chebyshev::energy::{SignedPiece, energy};
-use crate::chebyshev::fragments::fragments_in_frame;
-use crate::chebyshev::integrand::Integrand;
-use crate::chebyshev::sector::Sector;
-use crate::chebyshev::walk::WalkScratch;
 use crate::domain::facet_kind::FacetKind;
 use crate::domain::{domain::Domain, shape::PieceScratch};
+use crate::energy::energy::EnergyScratch;
+use crate::energy::energy::{SignedPiece, energy};
+use crate::energy::fragments::fragments_in_frame;
+use crate::energy::prepared::PreparedPiece;
+use crate::energy::sector::Sector;
 use crate::export::vtu::{CellGeometry, write_cells};
 use crate::geometry::polyhedron::Polyhedron;
 use crate::geometry::shell::Shell;
@@ -124,13 +124,16 @@ fn part(
     domain.outline(site, wedge, scratch, &mut |piece| {
         part.shell = Shell::from(piece).translated(&site.coords);
     });
-    let mut walk = WalkScratch::default();
+    let mut energy_scratch = EnergyScratch::default();
     domain.pieces(site, wedge, scratch, &mut |sign, piece| {
-        let mut integrand = Integrand::default();
-        integrand.assign(piece);
-        integrand.rotate(&frame.inverse());
-        let piece = SignedPiece { sign, integrand };
-        part.energy += energy([&piece], &Vector3::zeros(), 1, &mut walk).value;
+        let mut prepared = PreparedPiece::default();
+        prepared.assign(piece);
+        prepared.rotate(&frame.inverse());
+        let piece = SignedPiece {
+            sign,
+            piece: prepared,
+        };
+        part.energy += energy([&piece], &Vector3::zeros(), 1, &mut energy_scratch).value;
     });
     part
 }

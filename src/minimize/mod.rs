@@ -6,7 +6,7 @@
 //!
 //! * [`newton`]: two or three variables, exact Hessian, convex; one call per Voronoi cell. It
 //!   stands where `newton_state` says, steps (`newton_step`) by its quadratic model in the box
-//!   (`box_quadratic`) and tests the step (`backtracking`) or knows what lies `ahead`. Its loop is
+//!   (`box_quadratic`) and tests the step (`backtracking`) or predicts the minimum (`prediction`). Its loop is
 //!   a plain one, for speed.
 //! * [`lbfgsb`]: any number of variables, gradients only; the paper's choice for a cell, and the
 //!   solver of the global objective. It is asked through [`lbfgsb_options`], stands where
@@ -26,7 +26,6 @@ pub mod newton;
 pub(crate) mod objective;
 pub mod problem;
 
-mod ahead;
 mod backtracking;
 mod box_quadratic;
 mod cauchy;
@@ -36,6 +35,7 @@ mod lbfgsb_step;
 mod line_search;
 mod newton_state;
 mod newton_step;
+mod prediction;
 mod progress;
 mod slices;
 mod subspace;

@@ -19,7 +19,7 @@
 //!   2005, eq. 4.1). Trials that are not finite are rejected.
 //! * An evaluation is spent only where it can tell something: the last step is taken on trust
 //!   once the steps before it show that what remains is below `step_tolerance`; and where the
-//!   function is known as far as the minimum, that is found `ahead`.
+//!   function can be predicted as far as the minimum, that is found by `prediction`.
 
 use nalgebra::{SMatrix, SVector};
 
@@ -80,7 +80,7 @@ pub fn newton<const D: usize, J: Into<Jet<D>>>(
     minimize(&mut Plain(objective), start, lower, upper, options)
 }
 
-/// As [`newton`], for functions that may know what lies ahead.
+/// As [`newton`], for functions that may predict themselves.
 pub(crate) fn minimize<const D: usize>(
     objective: &mut impl Objective<D>,
     start: &SVector<f64, D>,
@@ -134,7 +134,7 @@ impl<const D: usize> ProjectedNewton<D> {
             current.point = self.moved(&current.point, &step, 1.0);
             return Some(Ended::StepNegligible);
         }
-        if let Some((point, evaluation)) = self.ahead(objective, current, &step) {
+        if let Some((point, evaluation)) = self.predicted_minimum(objective, current, &step) {
             (current.point, current.jet.evaluation) = (point, evaluation);
             return Some(Ended::StepNegligible);
         }

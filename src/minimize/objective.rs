@@ -1,4 +1,4 @@
-//! Functions that know more than their values: what lies ahead of a point.
+//! Functions to minimize, some of which can predict themselves a step away.
 
 use nalgebra::{SMatrix, SVector};
 
@@ -9,25 +9,22 @@ pub(crate) trait Objective<const D: usize> {
     /// Value and derivatives at `point`.
     fn jet(&mut self, point: &SVector<f64, D>) -> Jet<D>;
 
-    /// What lies ahead at the end of `step` from the point of the last jet, the third derivative of
-    /// which is known. A function that cannot tell says `None`.
-    fn ahead(&mut self, step: &SVector<f64, D>) -> Option<Ahead<D>> {
+    /// The prediction at the end of `step` from the point of the last jet, the third derivative of which
+    /// is known; none where the function is not one polynomial of degree four that far.
+    fn predict(&self, step: &SVector<f64, D>) -> Option<Prediction<D>> {
         let _ = step;
         None
     }
 }
 
-/// What tells, with a jet, a function at the end of a step, if the function is one polynomial of degree
-/// four near the step's start.
+/// What determines, with a jet, a polynomial of degree four at the end of a step.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Ahead<const D: usize> {
+pub(crate) struct Prediction<const D: usize> {
     /// The fourth derivative, applied twice to the step.
     pub(crate) fourth: SMatrix<f64, D, D>,
-    /// What is to be added to the polynomial at the end of the step, if anything.
-    pub(crate) passed: Option<Evaluation<D>>,
 }
 
-impl<const D: usize> Ahead<D> {
+impl<const D: usize> Prediction<D> {
     /// The function at the end of the step from where it is `start`, with `third` derivatives.
     pub(crate) fn at_end(
         &self,
@@ -44,16 +41,11 @@ impl<const D: usize> Ahead<D> {
         let [by_second, by_third, by_fourth] =
             [&start.hessian, &third, fourth].map(|form| form * step);
         let bend = by_second / 2.0 + by_third / 6.0 + by_fourth / 24.0;
-        let polynomial = Evaluation {
+        Evaluation {
             value: start.value + (start.gradient + bend).dot(step),
             gradient: start.gradient + by_second + by_third / 2.0 + by_fourth / 6.0,
             hessian: start.hessian + third + fourth / 2.0,
-        };
-        (self.passed).map_or(polynomial, |passed| Evaluation {
-            value: polynomial.value + passed.value,
-            gradient: polynomial.gradient + passed.gradient,
-            hessian: polynomial.hessian + passed.hessian,
-        })
+        }
     }
 }
 

@@ -4,11 +4,11 @@ use std::borrow::Cow;
 
 use nalgebra::{Point3, Rotation3, Vector3};
 
-use crate::chebyshev::center::{Search, center};
-use crate::chebyshev::energy::{SignedPiece, energy, energy_jet};
-use crate::chebyshev::walk::WalkScratch;
 use crate::domain::domain::Domain;
 use crate::domain::shape::PieceScratch;
+use crate::energy::center::{Search, center};
+use crate::energy::energy::EnergyScratch;
+use crate::energy::energy::{SignedPiece, energy, energy_jet};
 use crate::geometry::brep::Piece;
 use crate::geometry::clip::ClipScratch;
 use crate::geometry::moments::Moments;
@@ -32,7 +32,7 @@ pub struct CellMemory {
     measured: Option<(f64, f64)>,
     /// Mass and its moments of the pieces with a density.
     weighted: Moments,
-    walk: WalkScratch,
+    walk: EnergyScratch,
     piece: PieceScratch,
     clip: ClipScratch,
     frame: Option<Rotation3<f64>>,
@@ -69,14 +69,14 @@ impl CellMemory {
         let (mut volume, mut mass) = (0.0, 0.0);
         (*used, *weighted) = (0, Moments::default());
         let mut prepare = |sign: f64, part: Piece<'_>, density: Option<&Polynomial>| {
-            let integrand = SignedPiece::place(pieces, *used, sign);
-            integrand.assign(part);
+            let prepared = SignedPiece::place(pieces, *used, sign);
+            prepared.assign(part);
             let turned = density.map(|density| match frame {
                 Some(frame) => Cow::Owned(density.turned(frame)),
                 None => Cow::Borrowed(density),
             });
-            integrand.set_density(turned.as_deref());
-            let part_volume = integrand.volume();
+            prepared.set_density(turned.as_deref());
+            let part_volume = prepared.volume();
             volume += sign * part_volume;
             let part_mass = density.map_or(part_volume, |density| {
                 let moments = of_piece(part, density);
@@ -85,7 +85,7 @@ impl CellMemory {
             });
             mass += sign * part_mass;
             if let Some(frame) = frame {
-                integrand.rotate(&frame.inverse());
+                prepared.rotate(&frame.inverse());
             }
             *used += 1;
         };
@@ -95,12 +95,12 @@ impl CellMemory {
 
     /// Prepares a cell that is its own only piece.
     fn load_whole(&mut self, cell: &SmallPolyhedron) {
-        let integrand = SignedPiece::place(&mut self.pieces, 0, 1.0);
-        integrand.assign_compact(cell);
+        let piece = SignedPiece::place(&mut self.pieces, 0, 1.0);
+        piece.assign_compact(cell);
         self.measured = None;
         self.weighted = Moments::default();
         if let Some(frame) = &self.frame {
-            integrand.rotate(&frame.inverse());
+            piece.rotate(&frame.inverse());
         }
         self.used = 1;
     }
@@ -115,9 +115,7 @@ impl CellMemory {
     fn measured(&self) -> (f64, f64) {
         self.measured.unwrap_or_else(|| {
             let pieces = self.pieces[..self.used].iter();
-            let volume = pieces
-                .map(|piece| piece.sign * piece.integrand.volume())
-                .sum();
+            let volume = pieces.map(|piece| piece.sign * piece.piece.volume()).sum();
             (volume, volume)
         })
     }
@@ -127,9 +125,9 @@ impl CellMemory {
     #[must_use]
     pub fn masses(&self) -> Moments {
         let mut masses = self.weighted;
-        for SignedPiece { sign, integrand } in &self.pieces[..self.used] {
-            if integrand.density.is_none() {
-                let mut moments = integrand.moments();
+        for SignedPiece { sign, piece } in &self.pieces[..self.used] {
+            if piece.density.is_none() {
+                let mut moments = piece.moments();
                 if let Some(frame) = &self.frame {
                     moments = moments.turned(frame);
                 }
@@ -169,7 +167,7 @@ impl CellMemory {
     }
 
     /// The prepared pieces, and the memory to walk them.
-    pub(crate) fn pieces(&mut self) -> (&[SignedPiece], &mut WalkScratch) {
+    pub(crate) fn pieces(&mut self) -> (&[SignedPiece], &mut EnergyScratch) {
         (&self.pieces[..self.used], &mut self.walk)
     }
 

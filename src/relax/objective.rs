@@ -12,9 +12,9 @@
 
 use nalgebra::{Point3, Vector3};
 
-use crate::chebyshev::borders::{BorderScratch, borders};
-use crate::chebyshev::energy::energy;
 use crate::domain::facet_kind::FacetKind;
+use crate::energy::energy::energy;
+use crate::energy::facet_terms::{FacetTermScratch, facet_terms};
 use crate::relax::cell_memory::CellMemory;
 use crate::relax::space::Space;
 use crate::voronoi::cell::Cell;
@@ -46,7 +46,7 @@ struct Part {
 #[derive(Debug, Default)]
 struct Memory {
     cell: CellMemory,
-    borders: BorderScratch,
+    facets: FacetTermScratch,
 }
 
 impl Space {
@@ -79,13 +79,13 @@ impl Space {
         let frame = self.frames().of(cell.site);
         memory.cell.load_in_frame(self.domain(), cell, frame);
         let (pieces, walk) = memory.cell.pieces();
-        let facets = pieces.iter().map(|piece| piece.integrand.facets.len());
+        let facets = pieces.iter().map(|piece| piece.piece.facets.len());
         let mut pushes = Vec::with_capacity(facets.sum());
         let mut own = Vector3::zeros();
-        let inside = borders(
+        let inside = facet_terms(
             pieces,
             order,
-            (&mut *walk, &mut memory.borders),
+            (&mut *walk, &mut memory.facets),
             |label| matches!(FacetKind::of(label), FacetKind::Neighbor { .. }),
             |push| {
                 if let FacetKind::Neighbor { site, .. } = FacetKind::of(push.label) {

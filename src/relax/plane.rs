@@ -3,9 +3,9 @@
 use nalgebra::{Point2, Vector2};
 use rayon::prelude::*;
 
-use crate::chebyshev::center::{Center, SHY_OF_BORDER, Search};
-use crate::chebyshev::plane::{energy, energy_with_derivatives};
 use crate::domain::planar::PlaneDomain;
+use crate::energy::center::{BOUNDARY_FRACTION, Center, Search};
+use crate::energy::planar::{energy, energy_with_derivatives};
 use crate::geometry::bounds::Bounds;
 use crate::geometry::polygon::ConvexPolygon;
 use crate::relax::tessellation::{Assessment, Norm, Question, Tessellation};
@@ -104,7 +104,7 @@ fn step_inside(polygon: &ConvexPolygon, center: &Point2<f64>) -> Vector2<f64> {
     if reach >= ON_BORDER {
         center.coords
     } else {
-        center.coords * (reach * SHY_OF_BORDER)
+        center.coords * (reach * BOUNDARY_FRACTION)
     }
 }
 

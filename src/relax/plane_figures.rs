@@ -3,8 +3,8 @@
 use nalgebra::{Point2, Vector2};
 use rayon::prelude::*;
 
-use crate::chebyshev::plane::{energy, energy_with_derivatives};
 use crate::domain::facet_kind::FacetKind;
+use crate::energy::planar::{energy, energy_with_derivatives};
 use crate::geometry::half_plane::HalfPlane;
 use crate::geometry::polygon::ConvexPolygon;
 use crate::minimize::problem::Evaluation;

@@ -2,9 +2,9 @@
 
 use nalgebra::{Point3, Vector3};
 
-use crate::chebyshev::center::SHY_OF_BORDER;
-use crate::chebyshev::energy::SignedPiece;
 use crate::domain::domain::Domain;
+use crate::energy::center::BOUNDARY_FRACTION;
+use crate::energy::energy::SignedPiece;
 use crate::geometry::bounds::Bounds;
 use crate::geometry::half_space::HalfSpace;
 use crate::voronoi::cell::Cell;
@@ -24,7 +24,7 @@ pub(crate) fn reach(domain: &dyn Domain, cell: &Cell<'_>) -> Bounds<3> {
     around.intersection(&within)
 }
 
-/// Where the site goes that is drawn to `step`: there, or [`SHY_OF_BORDER`] of the way to where the
+/// Where the site goes that is drawn to `step`: there, or [`BOUNDARY_FRACTION`] of the way to where the
 /// straight way first leaves the cell or the domain. The energy is convex, also if the cell is not,
 /// so it falls all along the way.
 pub(crate) fn target(domain: &dyn Domain, cell: &Cell<'_>, step: &Vector3<f64>) -> Point3<f64> {
@@ -32,7 +32,7 @@ pub(crate) fn target(domain: &dyn Domain, cell: &Cell<'_>, step: &Vector3<f64>) 
     if !domain.is_convex() {
         let exit = domain.first_exit(&cell.position, &(step * share));
         if exit.is_finite() {
-            share *= SHY_OF_BORDER * exit;
+            share *= BOUNDARY_FRACTION * exit;
         }
         // Rounding may put a point that is nearly on the surface on its wrong side.
         while share > 0.0 && !domain.contains(&(cell.position + step * share)) {
@@ -53,7 +53,7 @@ fn within_walls(domain: &dyn Domain, place: Point3<f64>) -> Point3<f64> {
 }
 
 /// The share of `step` that a site may make: all of it while that ends in the cell, else
-/// [`SHY_OF_BORDER`] of the way to the border. Since the energy is convex it falls all the way.
+/// [`BOUNDARY_FRACTION`] of the way to the border. Since the energy is convex it falls all the way.
 ///
 /// Planes that have no facet any more are asked too: the way leaves the cell before it meets them.
 fn share_within(half_spaces: &[HalfSpace], step: &Vector3<f64>) -> f64 {
@@ -61,7 +61,7 @@ fn share_within(half_spaces: &[HalfSpace], step: &Vector3<f64>) -> f64 {
     for border in half_spaces {
         let climb = border.normal.dot(step);
         if climb > border.offset {
-            share = share.min(SHY_OF_BORDER * (border.offset / climb).max(0.0));
+            share = share.min(BOUNDARY_FRACTION * (border.offset / climb).max(0.0));
         }
     }
     share
@@ -70,7 +70,7 @@ fn share_within(half_spaces: &[HalfSpace], step: &Vector3<f64>) -> f64 {
 /// The box around the pieces, in their frame.
 pub(crate) fn around(pieces: &[SignedPiece]) -> Bounds<3> {
     let mut bounds = Bounds::empty();
-    for vertex in pieces.iter().flat_map(|piece| piece.integrand.vertices()) {
+    for vertex in pieces.iter().flat_map(|piece| piece.piece.vertices()) {
         bounds.include(&vertex);
     }
     bounds

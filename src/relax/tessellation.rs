@@ -3,7 +3,7 @@
 use nalgebra::Point;
 
 /// Part of a [`Question`]; the floors above may not look further down for it.
-pub use crate::chebyshev::center::Minimizer;
+pub use crate::energy::center::Minimizer;
 use crate::geometry::bounds::Bounds;
 
 /// Which distance a site minimizes over its cell.

@@ -1,13 +1,12 @@
-//! What a cell is worth: energy, gradient and Hessian against independent evaluations.
+//! The energy of pieces: value, gradient and Hessian against independent evaluations.
 
 #[path = "common/quadrature.rs"]
 mod quadrature;
 
-use chebloyd::chebyshev::energy::{SignedPiece, energy, energy_jet};
-use chebloyd::chebyshev::fragments::{fragments, tetrahedra};
-use chebloyd::chebyshev::integrand::Integrand;
-use chebloyd::chebyshev::walk::WalkScratch;
 use chebloyd::domain::cuboid::Cuboid;
+use chebloyd::energy::energy::{EnergyScratch, SignedPiece, energy, energy_jet};
+use chebloyd::energy::fragments::{fragments, tetrahedra};
+use chebloyd::energy::prepared::PreparedPiece;
 use chebloyd::geometry::bounds::Bounds;
 use chebloyd::geometry::clip::{ClipScratch, clip};
 use chebloyd::geometry::half_space::HalfSpace;
@@ -45,12 +44,12 @@ fn random_piece(seed: u64) -> Polyhedron {
 fn whole(piece: &Polyhedron) -> [SignedPiece; 1] {
     [SignedPiece {
         sign: 1.0,
-        integrand: Integrand::new(piece),
+        piece: PreparedPiece::new(piece),
     }]
 }
 
 fn evaluate(piece: &Polyhedron, center: &Vector3<f64>, order: u32) -> Evaluation<3> {
-    energy(&whole(piece), center, order, &mut WalkScratch::default())
+    energy(&whole(piece), center, order, &mut EnergyScratch::default())
 }
 
 fn chebyshev_distance(a: &Point3<f64>, b: &Point3<f64>) -> f64 {
@@ -168,7 +167,7 @@ fn third_derivatives_agree_with_central_differences() {
     for seed in 0..60 {
         let piece = random_piece(seed);
         let center = (point(&mut random).coords * 2.0).add_scalar(-1.0);
-        let scratch = &mut WalkScratch::default();
+        let scratch = &mut EnergyScratch::default();
         let third = energy_jet(&whole(&piece), &center, 1, scratch).third;
         let third = third.expect("it is known for p = 1");
         for axis in 0..3 {
@@ -230,10 +229,10 @@ fn energies_are_additive_over_a_cut_and_linear_in_signs() {
         let signed: Vec<_> = signed
             .map(|(p, sign)| SignedPiece {
                 sign,
-                integrand: Integrand::new(p),
+                piece: PreparedPiece::new(p),
             })
             .collect();
-        let nothing = energy(&signed, &center, order, &mut WalkScratch::default());
+        let nothing = energy(&signed, &center, order, &mut EnergyScratch::default());
         assert_close(nothing.value, 0.0, 1e-14, "signed sum");
     }
 }

@@ -1,8 +1,7 @@
-//! The minimum of a function that is known as far as that.
+//! The predicted minimum of a function that is known to be one polynomial as far as that.
 //!
-//! From a jet with third derivatives, the fourth along a step and what is to be added to this
-//! polynomial, the function's value, gradient and Hessian at the step's end follow exactly, and so
-//! the next Newton step, without an evaluation.
+//! From a jet with third derivatives and the fourth along a step the function's value, gradient and
+//! Hessian at the step's end follow exactly, and so the next Newton step, without an evaluation.
 
 use nalgebra::SVector;
 
@@ -18,20 +17,20 @@ const MAX_STEPS: usize = 4;
 const SHRINKING: f64 = 0.25;
 
 impl<const D: usize> ProjectedNewton<D> {
-    /// The minimum and the function there, if the function is known from `current` as far as that, which
-    /// is about `first` away.
-    pub(crate) fn ahead(
+    /// The minimum and the function there, if the function can be predicted from `current` as far as that,
+    /// which is about `first` away.
+    pub(crate) fn predicted_minimum(
         &self,
-        objective: &mut impl Objective<D>,
+        objective: &impl Objective<D>,
         current: &NewtonState<D>,
         first: &SVector<f64, D>,
     ) -> Option<(SVector<f64, D>, Evaluation<D>)> {
         let third = current.jet.third.as_ref()?;
-        let (mut way, mut last) = (*first, first.amax());
+        let (mut total, mut last) = (*first, first.amax());
         for _ in 0..MAX_STEPS {
-            let ahead = objective.ahead(&way)?;
-            let evaluation = ahead.at_end(&current.jet.evaluation, third, &way);
-            let point = self.moved(&current.point, &way, 1.0);
+            let prediction = objective.predict(&total)?;
+            let evaluation = prediction.at_end(&current.jet.evaluation, third, &total);
+            let point = self.moved(&current.point, &total, 1.0);
             if !is_finite(&evaluation) {
                 return None;
             }
@@ -47,7 +46,7 @@ impl<const D: usize> ProjectedNewton<D> {
             if size > SHRINKING * last {
                 return None;
             }
-            (way, last) = (way + step, size);
+            (total, last) = (total + step, size);
         }
         None
     }

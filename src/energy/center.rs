@@ -1,8 +1,8 @@
 //! The center of a cell: the minimizer of its Chebyshev energy within bounds.
 //!
 //! E is convex in the center (for pieces that sum to a set), so Newton's method with the exact
-//! Hessian finds it in two to five evaluations; mostly in one for p = 1, where the energy is known
-//! ahead as a polynomial and what is added where something passes (`quartic`, `passings`).
+//! Hessian finds it in two to five evaluations; for p = 1 mostly in one where the center is near, for
+//! there the energy is known as a polynomial (`prediction`).
 //! L-BFGS-B, which knows gradients only, is the choice of \[BL\] section 3.5. The search is the same
 //! in the plane and in space.
 
@@ -10,27 +10,26 @@ use std::ops::ControlFlow;
 
 use nalgebra::{SVector, Vector3};
 
-use crate::chebyshev::energy::{SignedPiece, energy_jet};
-use crate::chebyshev::quartic::ahead;
-use crate::chebyshev::walk::WalkScratch;
+use crate::energy::energy::{EnergyScratch, SignedPiece, energy_jet};
+use crate::energy::prediction::predict;
 use crate::geometry::bounds::Bounds;
 use crate::minimize::lbfgsb::lbfgsb;
 use crate::minimize::lbfgsb_options::LbfgsbOptions;
 use crate::minimize::newton::{NewtonOptions, minimize};
-use crate::minimize::objective::{Ahead, Objective, Plain};
+use crate::minimize::objective::{Objective, Plain, Prediction};
 use crate::minimize::problem::{Evaluation, Jet};
 
 /// The projected gradient at which L-BFGS-B stops, relative to that of a step of the cell's size.
 /// The gradient falls about linearly, so centers agree with Newton's to 1e-10 of that size.
 const LBFGSB_TOLERANCE: f64 = 1e-11;
 
-/// Which share of the way to the border of its cell a site goes whose center lies beyond it: so
-/// near that little is lost, and so far that rounding cannot carry two sites to one place.
+/// The share of the distance to the boundary of its cell that a site moves whose center lies beyond it:
+/// so near to 1 that little is lost, and so far that rounding cannot move two sites to one place.
 ///
 /// A center may lie outside a slanted, slender cell, for the Chebyshev distance to a point can
 /// shrink as the point leaves a convex set. The energy is convex, so it falls all along the line;
 /// and a site that stays inside its own cell can neither leave the domain nor meet another.
-pub const SHY_OF_BORDER: f64 = 1023.0 / 1024.0;
+pub const BOUNDARY_FRACTION: f64 = 1023.0 / 1024.0;
 
 /// Which algorithm finds a cell's center.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -62,14 +61,14 @@ pub struct Search<const D: usize> {
     pub bounds: Bounds<D>,
 }
 
-/// A center and what finding it told.
+/// A center, and the energy at both ends of the search.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Center<const D: usize> {
     /// The center's displacement from the site.
     pub point: SVector<f64, D>,
     /// The energy about the center (L^(D+p)).
     pub energy: f64,
-    /// The energy about the site, where the search began (L^(D+p)).
+    /// The energy about the site, where the search begins (L^(D+p)).
     pub energy_at_site: f64,
     /// The gradient about the site (L^(D+p−1)).
     pub gradient_at_site: SVector<f64, D>,
@@ -90,7 +89,7 @@ impl<const D: usize> Search<D> {
         self.center_of(Plain(evaluate))
     }
 
-    /// As [`Search::center`], for energies that may know what lies ahead of a center.
+    /// As [`Search::center`], for energies that may predict themselves.
     pub(crate) fn center_of(&self, mut energy: impl Objective<D>) -> Center<D> {
         let first = energy.jet(&SVector::zeros());
         self.center_from(&first, energy)
@@ -103,13 +102,13 @@ impl<const D: usize> Search<D> {
             gradient: gradient_at_site,
             ..
         } = first.evaluation;
-        let mut noted = Noted {
+        let mut energy = WithFirstEvaluation {
             energy,
             first: Some(first),
         };
         let (point, energy, evaluations) = match self.minimizer {
-            Minimizer::Newton => self.by_newton(&mut noted),
-            Minimizer::Lbfgsb => self.by_lbfgsb(&mut noted),
+            Minimizer::Newton => self.by_newton(&mut energy),
+            Minimizer::Lbfgsb => self.by_lbfgsb(&mut energy),
         };
         Center {
             point,
@@ -120,8 +119,8 @@ impl<const D: usize> Search<D> {
         }
     }
 
-    /// The cell's size (L) and p m s^(p−1), m its mass, what a fragment's share of the gradient is
-    /// like.
+    /// The cell's size s (L) and p m s^(p−1), m its mass, the size of a fragment's share of the
+    /// gradient.
     fn scales(&self) -> (f64, f64) {
         let volume = self.volume.max(0.0);
         let length = if D == 3 {
@@ -186,8 +185,7 @@ impl<const D: usize> Search<D> {
     }
 }
 
-/// The cube root of a number that is not negative, to four digits: what steps are measured by needs no
-/// more. A third of the exponent, with the constant that makes that right on average, and one step of
+/// The cube root of a number that is not negative, to four digits: the scale of steps needs no more. A third of the exponent, with the constant that makes that right on average, and one step of
 /// Halley's method (Kahan, *Computing a real cube root*, 1991).
 fn near_cube_root(number: f64) -> f64 {
     const THIRD_OF_BIAS: u64 = 0x2a9f_7893_782d_a1ce;
@@ -196,21 +194,21 @@ fn near_cube_root(number: f64) -> f64 {
     near * (cube + 2.0 * number) / (2.0 * cube + number)
 }
 
-/// An energy, and what it is about the site, where every search begins.
-struct Noted<'a, const D: usize, Energy> {
+/// An energy, and its first evaluation, about the site, where every search begins.
+struct WithFirstEvaluation<'a, const D: usize, Energy> {
     energy: Energy,
     first: Option<&'a Jet<D>>,
 }
 
-impl<const D: usize, Energy: Objective<D>> Objective<D> for Noted<'_, D, Energy> {
+impl<const D: usize, Energy: Objective<D>> Objective<D> for WithFirstEvaluation<'_, D, Energy> {
     fn jet(&mut self, center: &SVector<f64, D>) -> Jet<D> {
         let is_site = center.iter().all(|&along| along == 0.0);
         let first = self.first.take().filter(|_| is_site);
         first.map_or_else(|| self.energy.jet(center), |first| *first)
     }
 
-    fn ahead(&mut self, step: &SVector<f64, D>) -> Option<Ahead<D>> {
-        self.energy.ahead(step)
+    fn predict(&self, step: &SVector<f64, D>) -> Option<Prediction<D>> {
+        self.energy.predict(step)
     }
 }
 
@@ -218,7 +216,7 @@ impl<const D: usize, Energy: Objective<D>> Objective<D> for Noted<'_, D, Energy>
 struct EnergyOf<'a> {
     pieces: &'a [SignedPiece],
     order: u32,
-    scratch: &'a mut WalkScratch,
+    scratch: &'a mut EnergyScratch,
 }
 
 impl Objective<3> for EnergyOf<'_> {
@@ -226,23 +224,29 @@ impl Objective<3> for EnergyOf<'_> {
         energy_jet(self.pieces, center, self.order, self.scratch)
     }
 
-    fn ahead(&mut self, step: &Vector3<f64>) -> Option<Ahead<3>> {
-        let [SignedPiece { sign, integrand }] = self.pieces else {
+    fn predict(&self, step: &Vector3<f64>) -> Option<Prediction<3>> {
+        let [SignedPiece { sign, piece }] = self.pieces else {
             return None;
         };
-        let is_plain = self.order == 1 && integrand.density.is_none() && *sign > 0.0;
-        is_plain.then(|| ahead(integrand, step, self.scratch))?
+        let is_plain = self.order == 1 && piece.density.is_none() && *sign > 0.0;
+        let EnergyScratch {
+            surface,
+            center,
+            velocity_determinants,
+            ..
+        } = &*self.scratch;
+        is_plain.then(|| predict(piece, [center, step], &surface.ends, velocity_determinants))?
     }
 }
 
-/// The center of signed pieces in coordinates about their site, where their energy is `first`, as
-/// [`energy_jet`] has just told with the same `scratch`.
+/// The center of signed pieces in coordinates about their site, where their energy is `first`, just
+/// evaluated by [`energy_jet`] with the same `scratch`.
 #[must_use]
 pub fn center(
     pieces: &[SignedPiece],
     search: &Search<3>,
     first: &Jet<3>,
-    scratch: &mut WalkScratch,
+    scratch: &mut EnergyScratch,
 ) -> Center<3> {
     let energy = EnergyOf {
         pieces,

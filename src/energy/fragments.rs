@@ -4,7 +4,7 @@
 
 use nalgebra::{Point3, Rotation3, Vector3};
 
-use crate::chebyshev::sector::Sector;
+use crate::energy::sector::Sector;
 use crate::geometry::clip::{ClipScratch, clip};
 use crate::geometry::half_space::HalfSpace;
 use crate::geometry::label::Label;
