@@ -295,7 +295,9 @@ fn function_lengths(file: &Path) -> Vec<(String, usize)> {
         }
         let indent: String = line.chars().take_while(|c| *c == ' ').collect();
         let close = format!("{indent}}}");
-        let ends = |line: &String| *line == close || *line == format!("{indent});");
+        let is_declared =
+            |line: &String| line.starts_with(&format!("{indent})")) && line.ends_with(';');
+        let ends = |line: &String| *line == close || is_declared(line);
         let length = if line.ends_with('}') {
             1
         } else {

@@ -199,7 +199,7 @@ fn run_stage(stage: Stage, space: &Space, sites: &[Point3<f64>]) -> Result<u64, 
             return Ok(cells.iter().map(|cell| u64::from(cell.evaluations)).sum());
         }
         Stage::Global => drop(space.global(sites, QUESTION.order)?),
-        _ => run_part(stage, domain, &Diagram::new(domain, sites)?)?,
+        _ => run_part(stage, domain, &Diagram::borrowed(domain, sites)?)?,
     }
     Ok(0)
 }

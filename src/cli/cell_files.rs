@@ -91,7 +91,7 @@ impl DrawCells<3> for Space {
         let removed = Removed::enough_of(&self.bounds(), sites);
         let (scale, title) = (colors.scale().clone(), removed.title());
         let mut cutaway = CutawayPicture::new(&self.bounds(), removed, scale, title)?;
-        Diagram::new(self.domain(), sites)?.stream(
+        Diagram::borrowed(self.domain(), sites)?.stream(
             |scratch: &mut PieceScratch, cell| shell(self.domain(), &cell, scratch),
             |site, shell| {
                 let value = Colors::value(&cells[site]);

@@ -4,8 +4,9 @@
 //! convex parts of the solid's triangles. Every edge lies between two facets, which run along it in
 //! opposite directions, so that each facet's edges form closed loops.
 
-use nalgebra::Vector3;
+use nalgebra::{Point3, Vector3};
 
+use crate::geometry::facet_polygons::polygons;
 use crate::geometry::half_space::HalfSpace;
 use crate::geometry::label::Label;
 use crate::geometry::moments::Moments;
@@ -114,6 +115,39 @@ impl Piece<'_> {
                 }
                 for ((point, area), (_, label)) in areas.into_iter().zip(&piece.facets) {
                     visit(*label, point, area);
+                }
+            }
+        }
+    }
+
+    /// Its vertices, relative to the origin of its coordinates (L).
+    #[must_use]
+    pub fn vertices(&self) -> Vec<Point3<f64>> {
+        match self {
+            Self::Convex(piece) => piece.vertices().collect(),
+            Self::Brep(piece) => piece.vertices.iter().map(|&vertex| vertex.into()).collect(),
+        }
+    }
+
+    /// Calls `visit` with the label, the outward normal and a loop of vertex numbers, counter-clockwise
+    /// from outside, of every polygon of every facet.
+    pub fn visit_polygons(&self, mut visit: impl FnMut(Label, &Vector3<f64>, &[u32])) {
+        match self {
+            Self::Convex(piece) => {
+                for facet in piece.facets() {
+                    let corners: Vec<u32> = facet.vertex_numbers().map(|v| v as u32).collect();
+                    visit(facet.label(), &facet.half_space().normal, &corners);
+                }
+            }
+            Self::Brep(piece) => {
+                let mut sides: Vec<(u32, [u32; 2])> = piece.sides().collect();
+                sides.sort_unstable();
+                for group in sides.chunk_by(|one, other| one.0 == other.0) {
+                    let edges: Vec<[u32; 2]> = group.iter().map(|side| side.1).collect();
+                    let (half_space, label) = &piece.facets[group[0].0 as usize];
+                    for corners in polygons(&edges, &piece.vertices, &half_space.normal) {
+                        visit(*label, &half_space.normal, &corners);
+                    }
                 }
             }
         }

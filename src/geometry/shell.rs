@@ -14,7 +14,6 @@ use nalgebra::{Point2, Point3, Vector3};
 
 use crate::geometry::bounds::Bounds;
 use crate::geometry::brep::Piece;
-use crate::geometry::facet_polygons::polygons;
 
 /// A closed surface of polygons, or one polygon.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -158,29 +157,9 @@ impl Shell {
 
 impl From<Piece<'_>> for Shell {
     fn from(piece: Piece<'_>) -> Self {
-        let shell = match piece {
-            Piece::Convex(polyhedron) => {
-                let vertices: Vec<Point3<f64>> = polyhedron.vertices().collect();
-                let facets = polyhedron.facets();
-                Self::new(
-                    &vertices,
-                    facets.map(|facet| facet.vertex_numbers().map(|vertex| vertex as u32)),
-                )
-            }
-            Piece::Brep(solid) => {
-                let vertices: Vec<Point3<f64>> =
-                    solid.vertices.iter().map(|&vertex| vertex.into()).collect();
-                let mut sides: Vec<(u32, [u32; 2])> = solid.sides().collect();
-                sides.sort_unstable();
-                let facets = sides.chunk_by(|one, other| one.0 == other.0);
-                let facets = facets.flat_map(|group| {
-                    let edges: Vec<[u32; 2]> = group.iter().map(|side| side.1).collect();
-                    let normal = &solid.facets[group[0].0 as usize].0.normal;
-                    polygons(&edges, &solid.vertices, normal)
-                });
-                Self::new(&vertices, facets)
-            }
-        };
+        let (vertices, mut facets) = (piece.vertices(), Vec::new());
+        piece.visit_polygons(|_, _, corners| facets.push(corners.to_vec()));
+        let shell = Self::new(&vertices, facets);
         // A piece's facets name its own vertices only.
         shell.unwrap_or_default()
     }

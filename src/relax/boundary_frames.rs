@@ -52,7 +52,7 @@ pub fn boundary_frames(
     domain: &dyn Domain,
     sites: &[Point3<f64>],
 ) -> Result<Vec<Rotation3<f64>>, DiagramError> {
-    let diagram = Diagram::new(domain, sites)?;
+    let diagram = Diagram::borrowed(domain, sites)?;
     let cells = diagram.map(|scratch: &mut PieceScratch, cell| around(domain, &cell, scratch))?;
     let equivalents = equivalents();
     let mut frames: Vec<Rotation3<f64>> = spread(&cells, &equivalents);

@@ -57,7 +57,7 @@ impl Space {
         sites: &[Point3<f64>],
         ask: impl Fn(&mut Memory, Cell<'_>) -> Answer + Sync,
     ) -> Result<Vec<Answer>, DiagramError> {
-        Diagram::new(self.domain(), sites)?.map(ask)
+        Diagram::borrowed(self.domain(), sites)?.map(ask)
     }
 
     /// Prepares a cell in its own frame.

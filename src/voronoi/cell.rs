@@ -5,17 +5,24 @@
 
 use std::cell::{OnceCell, RefCell};
 
-use nalgebra::Point3;
+use nalgebra::{Point3, Vector3};
 
 use crate::domain::domain::Domain;
+use crate::domain::facet_kind::FacetKind;
+use crate::domain::shape::PieceScratch;
 use crate::geometry::bounds::Bounds;
+use crate::geometry::brep::Piece;
 use crate::geometry::clip::ClipScratch;
 use crate::geometry::half_space::HalfSpace;
+use crate::geometry::moments::Moments;
 use crate::geometry::polyhedron::Polyhedron;
 use crate::geometry::small_polyhedron::SmallPolyhedron;
 use crate::geometry::small_polyhedron_clip::SmallClipScratch;
 use crate::voronoi::kd_tree::tree::KdTree;
 use crate::voronoi::search::{BisectorSearch, BuildError, Duplicate};
+
+/// A facet's area is none below this share of the squared diagonal of the cell's box.
+const NO_AREA: f64 = 1e-14;
 
 /// A cell while it is visited: its body, clipped to the domain's convex start, in coordinates
 /// relative to its site.
@@ -25,10 +32,90 @@ pub struct Cell<'a> {
     pub site: u32,
     /// The site's position.
     pub position: Point3<f64>,
+    pub(crate) domain: &'a dyn Domain,
     pub(crate) body: &'a CellStorage,
 }
 
+/// A facet of a cell, in the domain's coordinates.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct CellFacet {
+    /// The neighbor or the wall behind it.
+    pub kind: FacetKind,
+    /// Its area (L²).
+    pub area: f64,
+    /// Its outward unit normal.
+    pub normal: Vector3<f64>,
+    /// Its corners, counter-clockwise from outside.
+    pub vertices: Vec<Point3<f64>>,
+}
+
 impl<'a> Cell<'a> {
+    /// Volume, first and second moments within the domain, about the site.
+    #[must_use]
+    pub fn moments(&self) -> Moments {
+        let mut moments = Moments::default();
+        let mut add = |sign: f64, piece: Piece<'_>| moments += piece.moments() * sign;
+        let scratch = &mut PieceScratch::default();
+        self.domain
+            .pieces(&self.position, self.polyhedron(), scratch, &mut add);
+        moments
+    }
+
+    /// The volume within the domain (L³).
+    #[must_use]
+    pub fn volume(&self) -> f64 {
+        self.moments().mass
+    }
+
+    /// The facets within the domain. Those without area, which touch along an edge or in a vertex only,
+    /// are left out; a facet in several parts is listed once for each.
+    ///
+    /// # Examples
+    /// ```
+    /// use chebloyd::{Cuboid, Diagram, FacetKind};
+    ///
+    /// let cube = Cuboid::unit();
+    /// let diagram = Diagram::new(&cube, &[[0.25, 0.5, 0.5], [0.75, 0.5, 0.5]])?;
+    /// let neighbors = diagram.map_cells(|cell| {
+    ///     let facets = cell.facets().into_iter();
+    ///     facets.filter(|facet| matches!(facet.kind, FacetKind::Neighbor { .. })).count()
+    /// })?;
+    /// assert_eq!(neighbors, [1, 1]);
+    /// # Ok::<(), chebloyd::DiagramError>(())
+    /// ```
+    #[must_use]
+    pub fn facets(&self) -> Vec<CellFacet> {
+        let mut facets = Vec::new();
+        let least = NO_AREA * self.bounds().extent().norm_squared();
+        let mut list = |piece: Piece<'_>| {
+            let places = piece.vertices();
+            piece.visit_polygons(|label, normal, corners| {
+                let corners = corners.iter().map(|&corner| places[corner as usize]);
+                let vertices: Vec<_> = corners
+                    .map(|corner| corner + self.position.coords)
+                    .collect();
+                let fan = vertices
+                    .windows(2)
+                    .skip(1)
+                    .map(|side| (side[0] - vertices[0]).cross(&(side[1] - vertices[0])) * 0.5);
+                let area = fan.sum::<Vector3<f64>>().norm();
+                if area > least {
+                    facets.push(CellFacet {
+                        kind: FacetKind::of(label),
+                        area,
+                        normal: normal.normalize(),
+                        vertices,
+                    });
+                }
+            });
+        };
+        let scratch = &mut PieceScratch::default();
+        self.domain
+            .outline(&self.position, self.polyhedron(), scratch, &mut list);
+        facets
+    }
+
     /// The body as a polyhedron; the site is its origin.
     #[must_use]
     pub fn polyhedron(&self) -> &'a Polyhedron {
@@ -69,12 +156,12 @@ impl CellBuilder {
     ///
     /// # Errors
     /// When another site, or an image of one, lies in the same place.
-    pub(crate) fn build(
-        &mut self,
-        domain: &dyn Domain,
+    pub(crate) fn build<'a>(
+        &'a mut self,
+        domain: &'a dyn Domain,
         tree: &KdTree,
         place: usize,
-    ) -> Result<Cell<'_>, Duplicate> {
+    ) -> Result<Cell<'a>, Duplicate> {
         let (site, position) = (tree.site(place), tree.position(place));
         let Self {
             start,
@@ -105,6 +192,7 @@ impl CellBuilder {
         Ok(Cell {
             site,
             position,
+            domain,
             body,
         })
     }

@@ -1,5 +1,6 @@
 //! The Voronoi diagram of all sites: validated input, cells visited in parallel, results in site order.
 
+use std::borrow::Cow;
 use std::sync::OnceLock;
 
 use nalgebra::Point3;
@@ -29,7 +30,7 @@ const CELLS_PER_CHUNK: usize = 4096;
 #[derive(Debug)]
 pub struct Diagram<'a> {
     domain: &'a dyn Domain,
-    sites: &'a [Point3<f64>],
+    sites: Cow<'a, [Point3<f64>]>,
     /// Built on first use.
     tree: OnceLock<KdTree>,
 }
@@ -78,12 +79,40 @@ pub enum DiagramError {
 }
 
 impl<'a> Diagram<'a> {
-    /// The diagram of `sites` in `domain`.
+    /// The diagram of `sites` in `domain`; sites are `[f64; 3]` or nalgebra's points.
     ///
     /// # Errors
     /// When there are no sites, or one is not finite or outside the domain. Duplicates are found
     /// when cells are built.
-    pub fn new(domain: &'a dyn Domain, sites: &'a [Point3<f64>]) -> Result<Self, DiagramError> {
+    ///
+    /// # Examples
+    /// ```
+    /// use chebloyd::{Cuboid, Diagram};
+    ///
+    /// let cube = Cuboid::unit();
+    /// let diagram = Diagram::new(&cube, &[[0.25, 0.5, 0.5], [0.75, 0.5, 0.5]])?;
+    /// let volumes = diagram.map_cells(|cell| cell.volume())?;
+    /// assert!(volumes.iter().all(|volume| (volume - 0.5).abs() < 1e-15));
+    /// assert_eq!(diagram.locate([0.9, 0.1, 0.2]), Some(1));
+    /// # Ok::<(), chebloyd::DiagramError>(())
+    /// ```
+    pub fn new<P: Copy + Into<Point3<f64>>>(
+        domain: &'a dyn Domain,
+        sites: &[P],
+    ) -> Result<Self, DiagramError> {
+        let points = sites.iter().map(|&site| site.into()).collect();
+        Self::of(domain, Cow::Owned(points))
+    }
+
+    /// As [`Diagram::new`], without a copy of the sites.
+    pub(crate) fn borrowed(
+        domain: &'a dyn Domain,
+        sites: &'a [Point3<f64>],
+    ) -> Result<Self, DiagramError> {
+        Self::of(domain, Cow::Borrowed(sites))
+    }
+
+    fn of(domain: &'a dyn Domain, sites: Cow<'a, [Point3<f64>]>) -> Result<Self, DiagramError> {
         if sites.is_empty() {
             return Err(DiagramError::NoSites);
         }
@@ -147,6 +176,25 @@ impl<'a> Diagram<'a> {
         self.domain
     }
 
+    /// Calls `of_cell` with every cell, in parallel, and returns the results in site order.
+    ///
+    /// # Errors
+    /// [`DiagramError::Duplicate`] for the first pair of sites in one place.
+    pub fn map_cells<T: Send>(
+        &self,
+        of_cell: impl Fn(&Cell<'_>) -> T + Sync,
+    ) -> Result<Vec<T>, DiagramError> {
+        self.map(|(): &mut (), cell| of_cell(&cell))
+    }
+
+    /// The site whose cell holds a point, the first of several; `None` outside the domain.
+    #[must_use]
+    pub fn locate(&self, point: impl Into<Point3<f64>>) -> Option<usize> {
+        let point = self.domain.wrap(&point.into());
+        let is_inside = self.domain.contains(&point);
+        is_inside.then(|| self.tree().nearest(&point) as usize)
+    }
+
     /// Asks every cell, in parallel, and returns the answers in site order.
     ///
     /// Each thread asks with a memory of its own, made by `Memory::default`. The answers do not
@@ -154,7 +202,7 @@ impl<'a> Diagram<'a> {
     ///
     /// # Errors
     /// [`DiagramError::Duplicate`] for the first pair of sites in one place.
-    pub fn map<Memory: Default, Answer: Send>(
+    pub(crate) fn map<Memory: Default, Answer: Send>(
         &self,
         ask: impl Fn(&mut Memory, Cell<'_>) -> Answer + Sync,
     ) -> Result<Vec<Answer>, DiagramError> {
@@ -192,7 +240,7 @@ impl<'a> Diagram<'a> {
     ///
     /// # Errors
     /// What `tell` returns, and [`DiagramError::Duplicate`] for sites in one place.
-    pub fn stream<Memory: Default, Answer: Send, Failure: From<DiagramError>>(
+    pub(crate) fn stream<Memory: Default, Answer: Send, Failure: From<DiagramError>>(
         &self,
         ask: impl Fn(&mut Memory, Cell<'_>) -> Answer + Sync,
         mut tell: impl FnMut(usize, Answer) -> Result<(), Failure>,

@@ -162,6 +162,38 @@ impl KdTree {
         }
     }
 
+    /// The site nearest to a point, or an image of it; of several the one with the least index.
+    pub(crate) fn nearest(&self, point: &Point3<f64>) -> u32 {
+        let (mut least, mut site) = (f64::INFINITY, u32::MAX);
+        for image in &self.images {
+            let here = point - image.by;
+            let mut stack = vec![(0.0, 1_u32)];
+            while let Some((gap, node)) = stack.pop() {
+                if gap > least {
+                    continue;
+                }
+                if !self.is_leaf(node) {
+                    let [one, other] = self.gaps_squared(node, &here);
+                    let [one, other] = [(one, 2 * node), (other, 2 * node + 1)];
+                    let nearer_last = if one.0 < other.0 {
+                        [other, one]
+                    } else {
+                        [one, other]
+                    };
+                    stack.extend(nearer_last);
+                    continue;
+                }
+                for place in self.places(node) {
+                    let distance = (self.position(place) - here).norm_squared();
+                    if (distance, self.site(place)) < (least, site) {
+                        (least, site) = (distance, self.site(place));
+                    }
+                }
+            }
+        }
+        site
+    }
+
     /// The squared distance within which candidates of the site in `place` are gathered first (L²).
     pub(crate) fn initial_radius_squared(&self, place: usize) -> f64 {
         let node = self.leaf(place) >> (self.depth - self.density_level());
