@@ -15,7 +15,7 @@ use crate::chebyshev::quartic::ahead;
 use crate::chebyshev::walk::WalkScratch;
 use crate::geometry::bounds::Bounds;
 use crate::minimize::lbfgsb::lbfgsb;
-use crate::minimize::lbfgsb_options::LbfgsbOptions;
+use crate::minimize::lbfgsb_state::LbfgsbOptions;
 use crate::minimize::newton::{NewtonOptions, minimize};
 use crate::minimize::objective::{Ahead, Objective, Plain};
 use crate::minimize::problem::{Evaluation, Jet};

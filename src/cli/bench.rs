@@ -8,10 +8,10 @@ use nalgebra::{Point3, Vector3};
 use rayon::ThreadPoolBuilder;
 
 use chebloyd::domain::space::Domain;
-use chebloyd::relax::cell_memory::CellMemory;
+use chebloyd::relax::evaluate_cell::CellMemory;
+use chebloyd::relax::relaxation_space::{EnergySpec, Minimizer, Norm, RelaxationSpace};
 use chebloyd::relax::space::Space;
-use chebloyd::relax::tessellation::{Minimizer, Norm, Question, Tessellation};
-use chebloyd::voronoi::diagram::{Diagram, DiagramError};
+use chebloyd::voronoi::diagram::Diagram;
 
 use crate::cli::crowd::{Crowd, Kind};
 use crate::cli::failure::Failure;
@@ -19,7 +19,7 @@ use crate::cli::resident;
 use crate::cli::stdout;
 use crate::cli::watch::Watch;
 
-pub(crate) const QUESTION: Question = Question {
+pub(crate) const QUESTION: EnergySpec = EnergySpec {
     norm: Norm::Linf,
     order: 1,
     minimizer: Minimizer::Newton,
@@ -171,7 +171,7 @@ struct Row {
 }
 
 /// Times the stages in turn, `repeat` times over, so that a slow moment hits all of them.
-fn time(crowd: &Crowd, options: &Options) -> Result<Row, DiagramError> {
+fn time(crowd: &Crowd, options: &Options) -> Result<Row, Box<dyn std::error::Error>> {
     let (sites, space) = (&crowd.sites, Space::new(Box::new(crowd.domain)));
     let count = sites.len() as f64;
     let asked = |stage: &Stage| options.stages.contains(stage);
@@ -196,7 +196,11 @@ fn time(crowd: &Crowd, options: &Options) -> Result<Row, DiagramError> {
 }
 
 /// Does the work up to a stage and returns how many energies were evaluated.
-fn run_stage(stage: Stage, space: &Space, sites: &[Point3<f64>]) -> Result<u64, DiagramError> {
+fn run_stage(
+    stage: Stage,
+    space: &Space,
+    sites: &[Point3<f64>],
+) -> Result<u64, Box<dyn std::error::Error>> {
     let domain = space.domain();
     match stage {
         Stage::Iteration => {
@@ -204,7 +208,7 @@ fn run_stage(stage: Stage, space: &Space, sites: &[Point3<f64>]) -> Result<u64, 
             return Ok(cells.iter().map(|cell| u64::from(cell.evaluations)).sum());
         }
         Stage::Global => {
-            space.global(sites, QUESTION.order)?;
+            space.objective(sites, QUESTION.order)?;
         }
         _ => run_part(stage, domain, &Diagram::new(domain, sites)?)?,
     }
@@ -212,7 +216,11 @@ fn run_stage(stage: Stage, space: &Space, sites: &[Point3<f64>]) -> Result<u64, 
 }
 
 /// Does the work of a stage that has no minimizer.
-fn run_part(stage: Stage, domain: &dyn Domain, diagram: &Diagram<'_>) -> Result<(), DiagramError> {
+fn run_part(
+    stage: Stage,
+    domain: &dyn Domain,
+    diagram: &Diagram<'_>,
+) -> Result<(), Box<dyn std::error::Error>> {
     match stage {
         Stage::Index => {
             diagram.index();

@@ -10,7 +10,7 @@ use chebloyd::geometry::shell::Shell;
 use chebloyd::plot::color::{Best, ColorScale};
 use chebloyd::plot::figure::Figure;
 use chebloyd::plot::svg::svg;
-use chebloyd::relax::figures::CellFigures;
+use chebloyd::relax::metrics::CellFigures;
 use chebloyd::relax::record::optimal_energy;
 
 /// Pixels per unit of an SVG: text stays sharp on fine screens.

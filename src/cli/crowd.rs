@@ -10,8 +10,8 @@ use chebloyd::domain::space::Domain;
 use chebloyd::export::sites::write_csv;
 use chebloyd::export::whole_file;
 use chebloyd::geometry::bounds::Bounds;
+use chebloyd::relax::relaxation_space::RelaxationSpace;
 use chebloyd::relax::space::Space;
-use chebloyd::relax::tessellation::Tessellation;
 use chebloyd::scene::random::Uniform;
 use chebloyd::scene::site_file::read;
 

@@ -18,8 +18,8 @@ use chebloyd::export::whole_file;
 use chebloyd::geometry::polyhedron::Polyhedron;
 use chebloyd::geometry::shell::Shell;
 use chebloyd::plot::exploded::{Fragment, FragmentedCell, exploded};
+use chebloyd::relax::relaxation_space::RelaxationSpace;
 use chebloyd::relax::space::Space;
-use chebloyd::relax::tessellation::Tessellation;
 use chebloyd::scene::overrides::Overrides;
 use chebloyd::voronoi::diagram::Diagram;
 

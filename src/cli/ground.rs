@@ -1,19 +1,14 @@
 //! Where a scene's sites live, in the plane or in space: what a command asks of either.
 
 use std::error::Error;
-use std::ops::ControlFlow;
 
 use nalgebra::Point;
 
 use chebloyd::export::run::directory::RunDirectory;
-use chebloyd::relax::figures::CellFigures;
-use chebloyd::relax::lloyd::Ended;
-use chebloyd::relax::plan::Plan;
-use chebloyd::relax::plane::Plane;
-use chebloyd::relax::record::Record;
+use chebloyd::relax::metrics::CellFigures;
+use chebloyd::relax::planar::Plane;
+use chebloyd::relax::relaxation_space::{EnergySpec, RelaxationSpace};
 use chebloyd::relax::space::Space;
-use chebloyd::relax::stand::Stand;
-use chebloyd::relax::tessellation::{Question, Tessellation};
 use chebloyd::scene::description::Scene;
 use chebloyd::scene::place::place;
 use chebloyd::scene::region::Region;
@@ -21,7 +16,7 @@ use chebloyd::scene::region::Region;
 use crate::cli::failure::Failure;
 
 /// A tessellation that can be filled from a scene, measured and drawn.
-pub(crate) trait Ground<const D: usize>: Tessellation<D> {
+pub(crate) trait Ground<const D: usize>: RelaxationSpace<D> {
     /// The domain as sites see it.
     fn region(&self) -> Region<'_, D>;
 
@@ -29,7 +24,7 @@ pub(crate) trait Ground<const D: usize>: Tessellation<D> {
     fn cells(
         &self,
         sites: &[Point<f64, D>],
-        question: Question,
+        question: EnergySpec,
     ) -> Result<Vec<CellFigures<D>>, Self::Error>;
 
     /// Writes `cells.vtu`, `cells.svg` and `cells.png`, given the figures of every cell.
@@ -39,16 +34,6 @@ pub(crate) trait Ground<const D: usize>: Tessellation<D> {
         cells: &[CellFigures<D>],
         directory: &RunDirectory,
     ) -> Result<(), Box<dyn Error>>;
-
-    /// Carries out a plan from the start or from where `last` was recorded with `stand`.
-    fn travel(
-        &self,
-        plan: &Plan,
-        sites: &mut Vec<Point<f64, D>>,
-        stand: &mut Stand,
-        last: Option<&Record>,
-        watch: &mut Watch<'_, D>,
-    ) -> Result<Ended, Failure>;
 
     /// The scene's sites.
     fn place(&self, scene: &Scene) -> Result<Vec<Point<f64, D>>, Failure> {
@@ -77,7 +62,3 @@ pub(crate) fn space(scene: &Scene) -> Result<Space, Failure> {
     let frames = choice.frames(space.domain(), &sites);
     Ok(space.framed(frames.map_err(Failure::input)?))
 }
-
-/// Is shown a record, the sites it describes and the method's stand.
-pub(crate) type Watch<'a, const D: usize> =
-    dyn FnMut(&Record, &[Point<f64, D>], &Stand) -> ControlFlow<()> + 'a;

@@ -9,33 +9,16 @@ use chebloyd::export::vtu::VtuWriter;
 use chebloyd::geometry::shell::Shell;
 use chebloyd::plot::patches::{Patch, picture};
 use chebloyd::plot::png::png;
-use chebloyd::relax::figures::CellFigures;
-use chebloyd::relax::lloyd::Ended;
-use chebloyd::relax::plan::Plan;
-use chebloyd::relax::plane::Plane;
-use chebloyd::relax::record::Record;
-use chebloyd::relax::stand::Stand;
-use chebloyd::relax::tessellation::Question;
+use chebloyd::relax::metrics::CellFigures;
+use chebloyd::relax::planar::Plane;
+use chebloyd::relax::relaxation_space::EnergySpec;
 use chebloyd::scene::region::Region;
 use chebloyd::voronoi::plane::PlaneDiagram;
 
 use crate::cli::cell_files::{Colors, PNG_SCALE, geometry, save_png, save_svg};
-use crate::cli::failure::Failure;
-use crate::cli::ground::{Ground, Watch};
+use crate::cli::ground::Ground;
 
 impl Ground<2> for Plane {
-    fn travel(
-        &self,
-        _plan: &Plan,
-        _sites: &mut Vec<Point2<f64>>,
-        _stand: &mut Stand,
-        _last: Option<&Record>,
-        _watch: &mut Watch<'_, 2>,
-    ) -> Result<Ended, Failure> {
-        let message = "in the plane there is plain Lloyd only".to_owned();
-        Err(Failure::input(message))
-    }
-
     fn region(&self) -> Region<'_, 2> {
         Region::<2>::of_plane(&self.domain)
     }
@@ -43,7 +26,7 @@ impl Ground<2> for Plane {
     fn cells(
         &self,
         sites: &[Point2<f64>],
-        question: Question,
+        question: EnergySpec,
     ) -> Result<Vec<CellFigures<2>>, Self::Error> {
         Self::figures(self, sites, question)
     }

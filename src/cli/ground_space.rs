@@ -11,38 +11,21 @@ use chebloyd::geometry::bounds::Bounds;
 use chebloyd::plot::cut::Cut;
 use chebloyd::plot::cutaway::{CutawayPicture, Removed};
 use chebloyd::plot::patches::picture;
-use chebloyd::relax::figures::CellFigures;
-use chebloyd::relax::lloyd::Ended;
-use chebloyd::relax::outline::shell;
-use chebloyd::relax::plan::Plan;
-use chebloyd::relax::record::{Record, optimal_side};
-use chebloyd::relax::space::Space;
-use chebloyd::relax::stand::Stand;
-use chebloyd::relax::tessellation::{Question, Tessellation};
-use chebloyd::relax::travel::travel;
+use chebloyd::relax::metrics::CellFigures;
+use chebloyd::relax::record::optimal_side;
+use chebloyd::relax::relaxation_space::{EnergySpec, RelaxationSpace};
+use chebloyd::relax::space::{Space, shell};
 use chebloyd::scene::region::Region;
 use chebloyd::voronoi::diagram::Diagram;
 
 use crate::cli::cell_files::{Colors, geometry, save_png, save_svg};
-use crate::cli::failure::Failure;
-use crate::cli::ground::{Ground, Watch};
+use crate::cli::ground::Ground;
 
 /// How far above the middle of the domain its cells are cut, in sides of a mean cell: the middle
 /// itself is a wall of cells for every lattice of an even number of layers.
 const OFF_MIDDLE: f64 = 0.25;
 
 impl Ground<3> for Space {
-    fn travel(
-        &self,
-        plan: &Plan,
-        sites: &mut Vec<Point3<f64>>,
-        stand: &mut Stand,
-        last: Option<&Record>,
-        watch: &mut Watch<'_, 3>,
-    ) -> Result<Ended, Failure> {
-        travel(self, plan, sites, stand, last, watch).map_err(Failure::run)
-    }
-
     fn region(&self) -> Region<'_, 3> {
         Region::<3>::of_solid(self.domain())
     }
@@ -50,7 +33,7 @@ impl Ground<3> for Space {
     fn cells(
         &self,
         sites: &[Point3<f64>],
-        question: Question,
+        question: EnergySpec,
     ) -> Result<Vec<CellFigures<3>>, Self::Error> {
         Self::figures(self, sites, question)
     }

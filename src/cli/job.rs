@@ -12,10 +12,10 @@ use chebloyd::export::run::error::RunError;
 use chebloyd::export::{sites, whole_file};
 use chebloyd::plot::convergence::{Run, convergence};
 use chebloyd::plot::svg::svg;
-use chebloyd::relax::figures::{CellFigures, Figures};
-use chebloyd::relax::lloyd::{Ended, LloydOptions, lloyd};
+use chebloyd::relax::driver::{RunEnd, drive};
+use chebloyd::relax::metrics::{CellFigures, Figures};
 use chebloyd::relax::record::{Record, optimal_energy};
-use chebloyd::relax::stand::Stand;
+use chebloyd::relax::state::RunState;
 use chebloyd::scene::description::Scene;
 use chebloyd::scene::plan::plan;
 
@@ -39,8 +39,8 @@ pub(crate) struct Job<'a, const D: usize, G> {
     sites: Vec<Point<f64, D>>,
     /// The last record in the log, which describes `sites`; none at the beginning.
     last: Option<Record>,
-    /// Where the method stands after that record; none for plain Lloyd and at the beginning.
-    stand: Option<Stand>,
+    /// The state of the run after that record.
+    state: RunState<D>,
 }
 
 impl<'a, const D: usize, G: Ground<D>> Job<'a, D, G> {
@@ -65,6 +65,7 @@ impl<'a, const D: usize, G: Ground<D>> Job<'a, D, G> {
             seconds: 0.0,
             threads: rayon::current_num_threads(),
         };
+        let state = fresh_state(&description.scene, sites.len());
         let directory = RunDirectory::create(out, &description).map_err(Failure::input)?;
         Ok(Self {
             ground,
@@ -72,7 +73,7 @@ impl<'a, const D: usize, G: Ground<D>> Job<'a, D, G> {
             description,
             sites,
             last: None,
-            stand: None,
+            state,
         })
     }
 
@@ -83,20 +84,22 @@ impl<'a, const D: usize, G: Ground<D>> Job<'a, D, G> {
         mut description: Description,
     ) -> Result<Self, Failure> {
         let checkpoint = directory.checkpoint().map_err(Failure::input)?;
-        let (sites, last, stand) = match checkpoint {
+        let (sites, last, state) = match checkpoint {
             Some(checkpoint) => {
                 let asked = description.scene.method.iterations();
                 if asked < checkpoint.iteration {
                     return Err(already_further(asked, checkpoint.iteration));
                 }
                 let last = directory.log().rewind(checkpoint.iteration);
-                let stand = stand(&checkpoint.memory)?;
-                (checkpoint.sites, Some(last.map_err(Failure::input)?), stand)
+                let last = last.map_err(Failure::input)?;
+                let state = state_of(&checkpoint.memory, description.sites, &last)?;
+                (checkpoint.sites, Some(last), state)
             }
             None => {
                 let sites = ground.place(&description.scene)?;
                 directory.log().clear().map_err(Failure::input)?;
-                (sites, None, None)
+                let state = fresh_state(&description.scene, sites.len());
+                (sites, None, state)
             }
         };
         description.last = None;
@@ -109,7 +112,7 @@ impl<'a, const D: usize, G: Ground<D>> Job<'a, D, G> {
             description,
             sites,
             last,
-            stand,
+            state,
         })
     }
 
@@ -142,65 +145,46 @@ impl<'a, const D: usize, G: Ground<D>> Job<'a, D, G> {
     fn relax(&mut self, common: Common) -> Result<&'static str, Failure> {
         let scene = &self.description.scene;
         let plan = plan(scene, self.description.sites);
-        let iterations = scene.method.iterations();
         let resumed = self.last.clone();
         let done = resumed.as_ref().map_or(0, |record| record.iteration);
-        let progress = Progress::new(iterations, done, common);
+        let progress = Progress::new(plan.iterations, done, common);
         let (directory, last) = (&mut self.directory, &mut self.last);
         let mut failure: Option<RunError> = None;
-        let mut observe = |record: &Record, sites: &[Point<f64, D>], stand: Option<&Stand>| {
+        let mut observe = |record: &Record, sites: &[Point<f64, D>], state: &RunState<D>| {
             *last = Some(record.clone());
             progress.show(record);
-            let memory = || stand.map_or_else(Vec::new, Stand::tape);
-            failure = directory.record(record, sites, memory).err();
-            let unfinished = record.iteration < iterations;
+            failure = directory.record(record, sites, || state.to_numbers()).err();
+            let unfinished = record.iteration < plan.iterations;
             if failure.is_some() || (unfinished && interrupt::asked()) {
                 return ControlFlow::Break(());
             }
             ControlFlow::Continue(())
         };
-        let ended = match &plan {
-            None => lloyd(
-                self.ground,
-                &mut self.sites,
-                &LloydOptions {
-                    iterations,
-                    tolerance: scene.method.tolerance(),
-                    question: question(scene),
-                    is_accelerated: scene.method.is_accelerated(),
-                },
-                resumed.as_ref(),
-                &mut |record, sites| observe(record, sites, None),
-            )
-            .map_err(Failure::run),
-            Some(plan) => {
-                let fresh = || Stand::new(self.description.sites, plan.levels);
-                self.ground.travel(
-                    plan,
-                    &mut self.sites,
-                    self.stand.get_or_insert_with(fresh),
-                    resumed.as_ref(),
-                    &mut |record, sites, stand| observe(record, sites, Some(stand)),
-                )
-            }
-        };
+        let ended = drive(
+            self.ground,
+            &plan,
+            &mut self.sites,
+            &mut self.state,
+            resumed.as_ref(),
+            &mut observe,
+        )
+        .map_err(Failure::run);
         progress.finish();
         if let Some(failure) = failure {
             return Err(Failure::run(failure));
         }
         Ok(match ended? {
-            Ended::Iterations => "iterations",
-            Ended::Tolerance => "tolerance",
-            Ended::Interrupted => INTERRUPTED,
+            RunEnd::Iterations => "iterations",
+            RunEnd::Tolerance => "tolerance",
+            RunEnd::Interrupted => INTERRUPTED,
         })
     }
 
     /// The checkpoint, the sites, the cells and the curves.
     fn leave_files(&mut self, cells: &[CellFigures<D>]) -> Result<(), Failure> {
         if let Some(last) = &self.last {
-            let memory = self.stand.as_ref().map_or_else(Vec::new, Stand::tape);
             self.directory
-                .keep(last, &self.sites, &memory)
+                .keep(last, &self.sites, &self.state.to_numbers())
                 .map_err(Failure::run)?;
         }
         self.leave("sites.csv", |file| sites::write_csv(&self.sites, file))?;
@@ -246,17 +230,23 @@ impl<'a, const D: usize, G: Ground<D>> Job<'a, D, G> {
     }
 }
 
-/// The stand that a checkpoint remembers, if any.
-fn stand(memory: &[f64]) -> Result<Option<Stand>, Failure> {
+/// The state of a run of `count` sites that a checkpoint remembers: that of
+/// plain Lloyd may be no more than its last record.
+fn state_of<const D: usize>(
+    memory: &[f64],
+    count: usize,
+    last: &Record,
+) -> Result<RunState<D>, Failure> {
     if memory.is_empty() {
-        return Ok(None);
+        return Ok(RunState::of_lloyd(count, last));
     }
-    match Stand::from_tape(memory) {
-        Some(stand) => Ok(Some(stand)),
-        None => Err(Failure::input(
-            "the checkpoint's memory is damaged".to_owned(),
-        )),
-    }
+    let damaged = || Failure::input("the checkpoint's memory is damaged");
+    RunState::from_numbers(memory).ok_or_else(damaged)
+}
+
+/// The state before the first move.
+fn fresh_state<const D: usize>(scene: &Scene, count: usize) -> RunState<D> {
+    RunState::new(count, plan(scene, count).levels)
 }
 
 fn already_further(asked: u64, done: u64) -> Failure {

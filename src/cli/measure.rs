@@ -2,7 +2,7 @@
 
 use clap::Args;
 
-use chebloyd::relax::figures::{CellFigures, Figures};
+use chebloyd::relax::metrics::{CellFigures, Figures};
 use chebloyd::scene::description::Scene;
 use chebloyd::scene::overrides::Overrides;
 

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::relax::plan::{KickStyle, NO_LIMIT};
+use crate::relax::plan::{NO_LIMIT, PerturbationKind};
 use crate::scene::description::Scene;
 use crate::scene::error::Error;
 use crate::scene::method_keys::{Anneal, Lloyd, Minimizer, QuasiNewton};
@@ -45,7 +45,7 @@ impl Method {
     /// What makes cubes of the cells: annealing with exchanges.
     #[must_use]
     pub fn cubes() -> Self {
-        Self::Anneal(Anneal::of_style(KickStyle::Exchange))
+        Self::Anneal(Anneal::of_kind(PerturbationKind::Exchange))
     }
 
     /// The method's name.

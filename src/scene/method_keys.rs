@@ -4,8 +4,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::relax::descent::DescentOptions;
-use crate::relax::plan::{FIRST_DESCENT, KickStyle, Kicks};
-use crate::relax::tessellation;
+use crate::relax::plan::{FIRST_DESCENT, Perturbation, PerturbationKind};
+use crate::relax::relaxation_space;
 
 /// What Lloyd's iteration is told.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -110,32 +110,32 @@ impl Default for QuasiNewton {
 
 impl Default for Anneal {
     fn default() -> Self {
-        Self::of_style(KickStyle::Anneal)
+        Self::of_kind(PerturbationKind::Anneal)
     }
 }
 
 impl Anneal {
-    /// The defaults of a style.
-    pub(crate) fn of_style(style: KickStyle) -> Self {
-        let (kicks, descent) = (Kicks::default_of(style), DescentOptions::default());
+    /// The defaults of a kind.
+    pub(crate) fn of_kind(kind: PerturbationKind) -> Self {
+        let (rounds, descent) = (Perturbation::default_of(kind), DescentOptions::default());
         Self {
             iterations: None,
             tolerance: 0.0,
-            rounds: kicks.rounds,
-            steps: kicks.steps,
-            noise: kicks.noise,
-            fall: kicks.fall,
-            seed: kicks.seed,
+            rounds: rounds.rounds,
+            steps: rounds.steps,
+            noise: rounds.noise,
+            fall: rounds.fall,
+            seed: rounds.seed,
             first_steps: FIRST_DESCENT,
             memory: descent.memory,
             gradient_tolerance: descent.gradient_tolerance,
             warm_up: 0,
-            exchange: style == KickStyle::Exchange,
+            exchange: kind == PerturbationKind::Exchange,
         }
     }
 }
 
-impl From<Minimizer> for tessellation::Minimizer {
+impl From<Minimizer> for relaxation_space::Minimizer {
     fn from(minimizer: Minimizer) -> Self {
         match minimizer {
             Minimizer::Newton => Self::Newton,

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::relax::tessellation;
+use crate::relax::relaxation_space;
 
 /// The distance a site minimizes over its cell.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -16,7 +16,7 @@ pub enum Norm {
     L2,
 }
 
-impl From<Norm> for tessellation::Norm {
+impl From<Norm> for relaxation_space::Norm {
     fn from(norm: Norm) -> Self {
         match norm {
             Norm::Linf => Self::Linf,

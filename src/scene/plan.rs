@@ -1,21 +1,21 @@
-//! What a scene's method means for the loops.
+//! The plan of a run, from the scene's method.
 
 use crate::relax::descent::DescentOptions;
-use crate::relax::levels::levels_for_cubes;
-use crate::relax::plan::{KickStyle, Kicks, Plan};
-use crate::relax::tessellation::Question;
+use crate::relax::multilevel::levels_for_cubes;
+use crate::relax::plan::{Perturbation, PerturbationKind, Plan};
+use crate::relax::relaxation_space::EnergySpec;
 use crate::scene::description::Scene;
 use crate::scene::frames::FrameChoice;
 use crate::scene::method::Method;
 use crate::scene::method_keys::Anneal;
 
-/// The plan of a scene with `count` sites; `None` where plain Lloyd is all of it.
+/// The plan of a scene with `count` sites.
 #[must_use]
-pub fn plan(scene: &Scene, count: usize) -> Option<Plan> {
+pub fn plan(scene: &Scene, count: usize) -> Plan {
     let levels = levels(scene, count);
     let iterations = scene.method.iterations();
     let whole = Plan {
-        question: Question {
+        spec: EnergySpec {
             norm: scene.norm.into(),
             order: scene.order,
             minimizer: scene.method.minimizer().into(),
@@ -26,13 +26,12 @@ pub fn plan(scene: &Scene, count: usize) -> Option<Plan> {
         ..Plan::quasi_newton(scene.order, iterations)
     };
     match &scene.method {
-        Method::Lloyd(_) if levels == 0 => None,
-        Method::Lloyd(lloyd) => Some(Plan {
+        Method::Lloyd(lloyd) => Plan {
             is_accelerated: lloyd.accelerate,
             descent: None,
             ..whole
-        }),
-        Method::QuasiNewton(descent) => Some(Plan {
+        },
+        Method::QuasiNewton(descent) => Plan {
             warm_up: descent.warm_up,
             descent: Some(DescentOptions {
                 order: scene.order,
@@ -40,8 +39,8 @@ pub fn plan(scene: &Scene, count: usize) -> Option<Plan> {
                 gradient_tolerance: descent.gradient_tolerance,
             }),
             ..whole
-        }),
-        Method::Anneal(anneal) => Some(Plan {
+        },
+        Method::Anneal(anneal) => Plan {
             warm_up: anneal.warm_up,
             descent: Some(DescentOptions {
                 order: scene.order,
@@ -49,9 +48,9 @@ pub fn plan(scene: &Scene, count: usize) -> Option<Plan> {
                 gradient_tolerance: anneal.gradient_tolerance,
             }),
             steps: anneal.first_steps,
-            kicks: Some(kicks(anneal)),
+            perturbation: Some(perturbation(anneal)),
             ..whole
-        }),
+        },
     }
 }
 
@@ -64,16 +63,16 @@ fn levels(scene: &Scene, count: usize) -> u32 {
     scene.coarse_to_fine.unwrap_or(chosen)
 }
 
-fn kicks(anneal: &Anneal) -> Kicks {
-    Kicks {
+fn perturbation(anneal: &Anneal) -> Perturbation {
+    Perturbation {
         rounds: anneal.rounds,
         steps: anneal.steps,
         noise: anneal.noise,
         fall: anneal.fall,
-        style: if anneal.exchange {
-            KickStyle::Exchange
+        kind: if anneal.exchange {
+            PerturbationKind::Exchange
         } else {
-            KickStyle::Anneal
+            PerturbationKind::Anneal
         },
         seed: anneal.seed,
     }

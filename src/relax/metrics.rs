@@ -1,4 +1,4 @@
-//! The figures of cells and of the whole tessellation: what `measure` prints.
+//! The figures of cells and of the whole tessellation, as `measure` prints them.
 //!
 //! Shape figures are those of section 3.5 of \[BL\] read together with how near a cell is to an
 //! axis-aligned cube: a tessellation of cubes has cubeness, six-facet fraction and axis-aligned
@@ -7,9 +7,15 @@
 
 use std::collections::BTreeMap;
 
-use nalgebra::{Point, SVector};
+use nalgebra::{Point, Rotation3, SVector, Vector3};
 use serde::{Deserialize, Serialize, Serializer};
 
+use crate::domain::beyond::Beyond;
+use crate::geometry::clip::{Clip, ClipScratch, clip};
+use crate::geometry::faceted::Piece;
+use crate::geometry::half_space::HalfSpace;
+use crate::geometry::label::Label;
+use crate::geometry::polyhedron::Polyhedron;
 use crate::relax::record::optimal_energy;
 
 /// Facets larger than this share of V^{(D−1)/D} count.
@@ -26,7 +32,7 @@ pub struct CellFigures<const D: usize> {
     /// The mass center.
     #[serde(serialize_with = "point_as_array")]
     pub centroid: Point<f64, D>,
-    /// The energy at the site in the asked norm and order.
+    /// The energy at the site in the given norm and order.
     pub energy: f64,
     /// Its gradient at the site.
     #[serde(serialize_with = "vector_as_array")]
@@ -58,7 +64,7 @@ pub struct Figures {
     pub domain_volume: f64,
     /// The sum of the cells' volumes (L^D).
     pub volume_sum: f64,
-    /// Mean energy at the sites, in the asked norm and order.
+    /// Mean energy at the sites, in the given norm and order.
     pub energy_mean: f64,
     /// Largest energy of a cell.
     pub energy_max: f64,
@@ -119,4 +125,86 @@ fn vector_as_array<S: Serializer, const D: usize>(
     serializer: S,
 ) -> Result<S::Ok, S::Error> {
     serializer.collect_seq(vector.iter())
+}
+
+/// Sums over the signed pieces of a cell whose site is the origin.
+#[derive(Debug, Default)]
+pub(crate) struct ShapeSums {
+    /// Per facet label, the area vector over all pieces. A wall is what the domain says it is: for a
+    /// surface, the triangles in one plane that hang together.
+    areas: BTreeMap<Label, Vector3<f64>>,
+    overlap: f64,
+}
+
+impl ShapeSums {
+    /// Adds the facets of `sign` times the piece.
+    pub(crate) fn add(&mut self, sign: f64, piece: Piece<'_>) {
+        piece.visit_areas(|label, area| {
+            if Beyond::of(label) != Beyond::Inner {
+                *self.areas.entry(label).or_default() += area * sign;
+            }
+        });
+    }
+
+    /// Adds `volume` to what the cell and its cube have in common.
+    pub(crate) fn add_overlap(&mut self, volume: f64) {
+        self.overlap += volume;
+    }
+
+    /// How many facets are larger than [`FACET_SHARE`] of V^{2/3}.
+    pub(crate) fn facets(&self, volume: f64) -> u32 {
+        let least = FACET_SHARE * volume.cbrt().powi(2);
+        self.areas
+            .values()
+            .filter(|area| area.norm() > least)
+            .count() as u32
+    }
+
+    /// The share of the facet area whose unit normal has a component of at least [`ALIGNED`] in the
+    /// cell's frame.
+    pub(crate) fn axis_aligned(&self, frame: Option<&Rotation3<f64>>) -> f64 {
+        let (mut aligned, mut all) = (0.0, 0.0);
+        for vector in self.areas.values() {
+            let area = vector.norm();
+            all += area;
+            let turned = frame.map_or(*vector, |frame| frame.inverse() * vector);
+            if turned.amax() >= ALIGNED * area {
+                aligned += area;
+            }
+        }
+        if all > 0.0 { aligned / all } else { 0.0 }
+    }
+
+    /// |C ∩ Q| / |C ∪ Q| for the cube Q of the cell's volume about its site.
+    pub(crate) fn cubeness(&self, volume: f64) -> f64 {
+        let union = 2.0 * volume - self.overlap;
+        if union > 0.0 {
+            self.overlap / union
+        } else {
+            0.0
+        }
+    }
+}
+
+/// The common part of a cell with the cube of volume `volume` about the origin, in the cell's frame.
+pub(crate) fn within_cube(
+    cell: &Polyhedron,
+    volume: f64,
+    frame: Option<&Rotation3<f64>>,
+    scratch: &mut ClipScratch,
+) -> Polyhedron {
+    let mut common = cell.clone();
+    let offset = 0.5 * volume.max(0.0).cbrt();
+    for axis in 0..3 {
+        for sign in [1.0, -1.0] {
+            let mut normal = Vector3::zeros();
+            normal[axis] = sign;
+            let normal = frame.map_or(normal, |frame| frame * normal);
+            let side = HalfSpace { normal, offset };
+            if clip(&mut common, &side, Beyond::Inner.label(), scratch) == Clip::Emptied {
+                return common;
+            }
+        }
+    }
+    common
 }
