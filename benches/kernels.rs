@@ -13,9 +13,8 @@ use chebloyd::energy::prepared::PreparedPiece;
 use chebloyd::geometry::clip::{ClipScratch, clip};
 use chebloyd::geometry::half_space::HalfSpace;
 use chebloyd::geometry::polyhedron::Polyhedron;
-use chebloyd::geometry::random::Random;
+use chebloyd::relax::relaxation_space::{EnergySpec, Minimizer, Norm, RelaxationSpace};
 use chebloyd::relax::space::Space;
-use chebloyd::relax::tessellation::{Minimizer, Norm, Question, Tessellation};
 use chebloyd::voronoi::diagram::Diagram;
 
 const SITES: usize = 10_000;
@@ -84,7 +83,7 @@ fn iterations(criterion: &mut Criterion) {
         ("linf, L-BFGS-B", Norm::Linf, Minimizer::Lbfgsb),
         ("l2", Norm::L2, Minimizer::Newton),
     ] {
-        let question = Question {
+        let question = EnergySpec {
             norm,
             order: 1,
             minimizer,

@@ -11,13 +11,13 @@ use std::time::Instant;
 
 use chebloyd::domain::cuboid::Cuboid;
 use chebloyd::geometry::bounds::Bounds;
-use chebloyd::geometry::random::Random;
-use chebloyd::relax::figures::Figures;
-use chebloyd::relax::plan::{KickStyle, Kicks, Plan};
+use chebloyd::relax::driver::drive;
+use chebloyd::relax::metrics::Figures;
+use chebloyd::relax::plan::{Perturbation, PerturbationKind, Plan};
+use chebloyd::relax::relaxation_space::{EnergySpec, RelaxationSpace};
 use chebloyd::relax::space::Space;
-use chebloyd::relax::stand::Stand;
-use chebloyd::relax::tessellation::{Question, Tessellation};
-use chebloyd::relax::travel::travel;
+use chebloyd::relax::state::RunState;
+use chebloyd::scene::random::Uniform;
 use chebloyd::scene::read;
 use nalgebra::Point3;
 
@@ -32,10 +32,7 @@ fn number(name: &str, default: f64) -> f64 {
 
 /// The methods of the tables.
 fn plans(count: usize) -> Vec<(&'static str, Plan)> {
-    let lloyd = |iterations| Plan {
-        descent: None,
-        ..Plan::quasi_newton(1, iterations)
-    };
+    let lloyd = |iterations| Plan::lloyd(Plan::quasi_newton(1, 1).spec, iterations);
     let accelerated = |iterations| Plan {
         is_accelerated: true,
         ..lloyd(iterations)
@@ -50,11 +47,11 @@ fn plans(count: usize) -> Vec<(&'static str, Plan)> {
         ("quasi-newton-175", Plan::quasi_newton(1, 175)),
         (
             "anneal",
-            Plan::kicked(1, Kicks::default_of(KickStyle::Anneal)),
+            Plan::perturbed(1, Perturbation::default_of(PerturbationKind::Anneal)),
         ),
         (
             "exchange",
-            Plan::kicked(1, Kicks::default_of(KickStyle::Exchange)),
+            Plan::perturbed(1, Perturbation::default_of(PerturbationKind::Exchange)),
         ),
         ("cubes", Plan::cubes(1, count)),
     ]
@@ -80,22 +77,22 @@ fn space() -> Space {
     Space::new(Box::new(Cuboid::new(bounds, [periodic; 3]).expect("a box")))
 }
 
-fn figures(space: &Space, sites: &[Point3<f64>], question: Question) -> Figures {
+fn figures(space: &Space, sites: &[Point3<f64>], question: EnergySpec) -> Figures {
     let cells = space.figures(sites, question).expect("sites have cells");
     Figures::of(space.volume(), &cells)
 }
 
 fn run(space: &Space, name: &str, plan: &Plan, given: &[Point3<f64>], seed: usize) {
     let mut sites = given.to_vec();
-    let mut stand = Stand::new(sites.len(), plan.levels);
+    let mut state = RunState::new(sites.len(), plan.levels);
     let mut evaluations = 0.0;
     let began = Instant::now();
     let trace = number("trace", 0.0) > 0.0;
-    travel(
+    drive(
         space,
         plan,
         &mut sites,
-        &mut stand,
+        &mut state,
         None,
         &mut |record, _, _| {
             evaluations = record.evaluations;
@@ -116,7 +113,7 @@ fn run(space: &Space, name: &str, plan: &Plan, given: &[Point3<f64>], seed: usiz
     )
     .expect("the run ends well");
     let seconds = began.elapsed().as_secs_f64();
-    let figures = figures(space, &sites, plan.question);
+    let figures = figures(space, &sites, plan.spec);
     println!(
         "| {name} | {} | {seed} | {:.4} | {:.4} | {:.3} | {:.4} | {evaluations:.0} | {seconds:.2} |",
         sites.len(),

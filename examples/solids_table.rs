@@ -20,13 +20,15 @@ use chebloyd::domain::tri_surface::solid::SurfaceSolid;
 use chebloyd::geometry::random::Random;
 use chebloyd::mesh::formats::read::load;
 use chebloyd::mesh::similarity::Similarity;
-use chebloyd::mesh::validate::Solid;
-use chebloyd::relax::lloyd::{LloydOptions, lloyd};
+use chebloyd::relax::driver::drive;
+use chebloyd::relax::plan::Plan;
+use chebloyd::relax::relaxation_space::{EnergySpec, Minimizer, Norm, RelaxationSpace};
 use chebloyd::relax::space::Space;
-use chebloyd::relax::tessellation::{Minimizer, Norm, Question, Tessellation};
+use chebloyd::relax::state::RunState;
+use chebloyd::scene::random::Uniform;
 use nalgebra::Point3;
 
-const LINF: Question = Question {
+const LINF: EnergySpec = EnergySpec {
     norm: Norm::Linf,
     order: 1,
     minimizer: Minimizer::Newton,
@@ -95,16 +97,19 @@ fn sites(space: &Space, count: usize, seed: u64) -> Vec<Point3<f64>> {
 fn relaxed(space: &Space, start: &[Point3<f64>], norm: Norm, iterations: u64) -> f64 {
     let mut sites = start.to_vec();
     let mut energy = f64::NAN;
-    let options = LloydOptions {
-        iterations,
-        tolerance: 0.0,
-        question: Question { norm, ..LINF },
-        is_accelerated: false,
-    };
-    lloyd(space, &mut sites, &options, None, &mut |record, _| {
-        energy = record.energy_percent;
-        ControlFlow::Continue(())
-    })
+    let options = Plan::lloyd(EnergySpec { norm, ..LINF }, iterations);
+    let mut state = RunState::new(sites.len(), 0);
+    drive(
+        space,
+        &options,
+        &mut sites,
+        &mut state,
+        None,
+        &mut |record, _, _| {
+            energy = record.energy_percent;
+            ControlFlow::Continue(())
+        },
+    )
     .expect("sites stay in the solid");
     energy
 }

@@ -10,52 +10,60 @@ use chebloyd::domain::planar::PlaneDomain;
 use chebloyd::domain::tri_surface::solid::SurfaceSolid;
 use chebloyd::geometry::bounds::Bounds;
 use chebloyd::geometry::half_space::HalfSpace;
-use chebloyd::geometry::random::Random;
-use chebloyd::mesh::shapes::torus;
-use chebloyd::mesh::validate::validate_surface;
-use chebloyd::relax::lloyd::{LloydOptions, lloyd};
-use chebloyd::relax::plane::Plane;
+use chebloyd::mesh::shapes::tubes::torus;
+use chebloyd::mesh::validate::validate;
+use chebloyd::relax::driver::drive;
+use chebloyd::relax::plan::Plan;
+use chebloyd::relax::planar::Plane;
 use chebloyd::relax::record::Record;
+use chebloyd::relax::relaxation_space::{EnergySpec, Minimizer, Norm, RelaxationSpace};
 use chebloyd::relax::space::Space;
-use chebloyd::relax::tessellation::{Minimizer, Norm, Question, Tessellation};
+use chebloyd::relax::state::RunState;
+use chebloyd::scene::random::Uniform;
 use nalgebra::{Point, Point2, Point3, Vector3};
 
-const LINF: Question = Question {
+const LINF: EnergySpec = EnergySpec {
     norm: Norm::Linf,
     order: 1,
     minimizer: Minimizer::Newton,
 };
 
-fn options(iterations: u64, question: Question, is_accelerated: bool) -> LloydOptions {
-    LloydOptions {
-        iterations,
-        tolerance: 0.0,
-        question,
+fn options(iterations: u64, question: EnergySpec, is_accelerated: bool) -> Plan {
+    Plan {
         is_accelerated,
+        ..Plan::lloyd(question, iterations)
     }
 }
 
 /// The records of a run and the sites that they describe.
 fn run<const D: usize>(
-    space: &impl Tessellation<D>,
+    space: &impl RelaxationSpace<D>,
     given: &[Point<f64, D>],
-    options: &LloydOptions,
+    options: &Plan,
 ) -> Vec<(Record, Vec<Point<f64, D>>)> {
     let mut shown = Vec::new();
     let mut sites = given.to_vec();
-    lloyd(space, &mut sites, options, None, &mut |record, sites| {
-        shown.push((record.clone(), sites.to_vec()));
-        ControlFlow::Continue(())
-    })
+    let mut state = RunState::new(sites.len(), 0);
+    drive(
+        space,
+        options,
+        &mut sites,
+        &mut state,
+        None,
+        &mut |record, sites, _| {
+            shown.push((record.clone(), sites.to_vec()));
+            ControlFlow::Continue(())
+        },
+    )
     .unwrap();
     shown
 }
 
 /// Checks every move against Lloyd's from the same sites and returns how many were lengthened.
 fn check_moves<const D: usize>(
-    space: &impl Tessellation<D>,
+    space: &impl RelaxationSpace<D>,
     given: &[Point<f64, D>],
-    question: Question,
+    question: EnergySpec,
 ) -> usize {
     let accelerated = run(space, given, &options(12, question, true));
     assert_eq!(accelerated[0].0.stage.lengthened, None);
@@ -110,7 +118,7 @@ fn no_move_ends_above_lloyds_own() {
         let lengthened = check_moves(space, &given, LINF);
         assert!(lengthened >= 6, "{number}: {lengthened} of 12");
         for (norm, order) in [(Norm::Linf, 2), (Norm::L2, 1)] {
-            let question = Question {
+            let question = EnergySpec {
                 norm,
                 order,
                 ..LINF
@@ -134,7 +142,7 @@ fn no_move_in_the_plane_ends_above_lloyds_own() {
         domain: domain.clone(),
     };
     assert!(check_moves(&space, &given, LINF) >= 6);
-    let question = Question {
+    let question = EnergySpec {
         norm: Norm::L2,
         ..LINF
     };
@@ -146,7 +154,7 @@ fn half_the_moves_end_lower() {
     let space = Space::new(Box::new(Cuboid::unit()));
     for seed in [1, 2, 3] {
         let given = sites_in(&space, 300, seed);
-        let last = |options: &LloydOptions| run(&space, &given, options).pop().unwrap().0;
+        let last = |options: &Plan| run(&space, &given, options).pop().unwrap().0;
         let plain = last(&options(60, LINF, false));
         let accelerated = last(&options(27, LINF, true));
         assert!(accelerated.energy_percent < plain.energy_percent);

@@ -1,4 +1,4 @@
-//! Descents, kicks and levels: energies that never rise, cells that become cubes, runs that go on
+//! Descents, perturbations and levels: energies that never rise, cells that become cubes, runs that go on
 //! to the bit.
 
 use std::ops::ControlFlow;
@@ -9,18 +9,17 @@ use chebloyd::domain::domain::WeightedDomain;
 use chebloyd::domain::tri_surface::solid::SurfaceSolid;
 use chebloyd::geometry::bounds::Bounds;
 use chebloyd::geometry::half_space::HalfSpace;
-use chebloyd::geometry::random::Random;
-use chebloyd::mesh::shapes::torus;
-use chebloyd::mesh::validate::validate_surface;
-use chebloyd::relax::figures::Figures;
-use chebloyd::relax::levels::{coarsened, levels_for_cubes, refined, sites_of_level};
-use chebloyd::relax::lloyd::Ended;
-use chebloyd::relax::plan::{KickStyle, Kicks, Plan};
+use chebloyd::mesh::shapes::tubes::torus;
+use chebloyd::mesh::validate::validate;
+use chebloyd::relax::driver::{RunEnd, drive};
+use chebloyd::relax::metrics::Figures;
+use chebloyd::relax::multilevel::{coarsened, levels_for_cubes, refined, sites_of_level};
+use chebloyd::relax::plan::{Perturbation, PerturbationKind, Plan};
 use chebloyd::relax::record::Record;
+use chebloyd::relax::relaxation_space::RelaxationSpace;
 use chebloyd::relax::space::Space;
-use chebloyd::relax::stand::Stand;
-use chebloyd::relax::tessellation::Tessellation;
-use chebloyd::relax::travel::travel;
+use chebloyd::relax::state::RunState;
+use chebloyd::scene::random::Uniform;
 use nalgebra::{Point3, Vector3};
 
 fn boxed(extent: [f64; 3], periodic: [bool; 3]) -> Space {
@@ -72,18 +71,18 @@ fn random_sites(space: &Space, count: usize, seed: u64) -> Vec<Point3<f64>> {
 struct Run {
     sites: Vec<Point3<f64>>,
     records: Vec<Record>,
-    ended: Ended,
+    ended: RunEnd,
 }
 
 fn run(space: &Space, plan: &Plan, given: &[Point3<f64>]) -> Run {
     let mut sites = given.to_vec();
-    let mut stand = Stand::new(sites.len(), plan.levels);
+    let mut state = RunState::new(sites.len(), plan.levels);
     let mut records = Vec::new();
-    let ended = travel(
+    let ended = drive(
         space,
         plan,
         &mut sites,
-        &mut stand,
+        &mut state,
         None,
         &mut |record, _, _| {
             records.push(record.clone());
@@ -98,7 +97,7 @@ fn run(space: &Space, plan: &Plan, given: &[Point3<f64>]) -> Run {
 }
 
 fn figures(space: &Space, sites: &[Point3<f64>]) -> Figures {
-    let question = Plan::quasi_newton(1, 1).question;
+    let question = Plan::quasi_newton(1, 1).spec;
     Figures::of(space.volume(), &space.figures(sites, question).unwrap())
 }
 
@@ -135,7 +134,7 @@ fn descents_never_rise_and_stay_in_the_domain() {
             let given = random_sites(space, 150, 10 + number as u64);
             let run = run(space, &Plan::quasi_newton(order, 25), &given);
             assert_eq!(run.records.len(), 26);
-            assert_eq!(run.ended, Ended::Iterations);
+            assert_eq!(run.ended, RunEnd::Iterations);
             for pair in run.records.windows(2) {
                 assert!(pair[1].energy_mean <= pair[0].energy_mean, "{pair:?}");
             }
@@ -192,7 +191,7 @@ fn random_sites_become_cubes() {
     for (count, seed) in [(64, 1), (125, 2), (216, 3)] {
         let given = random_sites(&space, count, seed);
         let run = run(&space, &Plan::cubes(1, count), &given);
-        assert_eq!(run.ended, Ended::Tolerance);
+        assert_eq!(run.ended, RunEnd::Tolerance);
         assert_eq!(run.sites.len(), count);
         assert_cubes(&space, &run.sites);
     }
@@ -215,13 +214,13 @@ fn random_sites_become_cubes_in_long_and_in_periodic_boxes() {
 fn annealing_keeps_the_best_sites() {
     let space = boxed([1.0, 1.0, 1.0], [false; 3]);
     let given = random_sites(&space, 64, 6);
-    let kicks = Kicks {
+    let perturbation = Perturbation {
         rounds: 8,
-        ..Kicks::default_of(KickStyle::Anneal)
+        ..Perturbation::default_of(PerturbationKind::Anneal)
     };
     let plan = Plan {
         steps: 40,
-        ..Plan::kicked(1, kicks)
+        ..Plan::perturbed(1, perturbation)
     };
     let run = run(&space, &plan, &given);
     let last = run.records.last().unwrap();
@@ -243,7 +242,7 @@ fn a_run_with_few_moves_still_ends_with_its_best_sites_and_all_of_them() {
         let plan = Plan {
             iterations,
             levels: 1,
-            ..Plan::kicked(1, Kicks::default_of(KickStyle::Anneal))
+            ..Plan::perturbed(1, Perturbation::default_of(PerturbationKind::Anneal))
         };
         let run = run(&space, &plan, &given);
         assert_eq!(run.sites.len(), 216, "{iterations}");
@@ -255,45 +254,45 @@ fn a_run_with_few_moves_still_ends_with_its_best_sites_and_all_of_them() {
 fn a_run_goes_on_to_the_bit_after_any_move() {
     let space = boxed([1.0, 1.0, 1.5], [false, true, false]);
     let given = random_sites(&space, 70, 8);
-    let kicks = Kicks {
+    let perturbation = Perturbation {
         rounds: 3,
         steps: 4,
-        ..Kicks::default_of(KickStyle::Exchange)
+        ..Perturbation::default_of(PerturbationKind::Exchange)
     };
     let plan = Plan {
         levels: 1,
         warm_up: 2,
         steps: 9,
-        ..Plan::kicked(1, kicks)
+        ..Plan::perturbed(1, perturbation)
     };
     let whole = run(&space, &plan, &given);
     assert!(whole.records.len() > 40);
     let mut sites = given;
-    let mut stand = Stand::new(sites.len(), plan.levels);
+    let mut state = RunState::new(sites.len(), plan.levels);
     let mut records: Vec<Record> = Vec::new();
     loop {
         let last = records.last().cloned();
         let mut shown = Vec::new();
         let mut kept = None;
-        let ended = travel(
+        let ended = drive(
             &space,
             &plan,
             &mut sites,
-            &mut stand,
+            &mut state,
             last.as_ref(),
-            &mut |record, sites, stand| {
+            &mut |record, sites, state| {
                 shown.push(record.clone());
-                kept = Some((sites.to_vec(), stand.tape()));
+                kept = Some((sites.to_vec(), state.to_numbers()));
                 ControlFlow::Break(())
             },
         );
         records.append(&mut shown);
-        if ended.unwrap() != Ended::Interrupted {
+        if ended.unwrap() != RunEnd::Interrupted {
             break;
         }
-        let (kept_sites, tape) = kept.unwrap();
+        let (kept_sites, numbers) = kept.unwrap();
         sites = kept_sites;
-        stand = Stand::from_tape(&tape).unwrap();
+        state = RunState::from_numbers(&numbers).unwrap();
     }
     assert_eq!(untimed(&records), untimed(&whole.records));
     assert_eq!(sites, whole.sites);
@@ -313,7 +312,7 @@ fn levels_have_the_sites_they_are_asked_for() {
             assert!(sites.iter().all(|site| space.domain().contains(site)));
         }
     }
-    assert_eq!(sites_of_level(1003, 1), 125);
+    assert_eq!(sites_of_level::<3>(1003, 1), 125);
     let levels = [125, 216, 1000, 1728, 4096, 10_648].map(levels_for_cubes);
     assert_eq!(levels, [0, 1, 1, 2, 2, 1]);
 }

@@ -25,14 +25,16 @@ use chebloyd::integrals::polynomial::Polynomial;
 use chebloyd::mesh::shapes::{icosphere, torus, unit_cube, unit_cube_tets};
 use chebloyd::mesh::validate::{validate_surface, validate_tets};
 use chebloyd::minimize::problem::Evaluation;
-use chebloyd::relax::lloyd::{LloydOptions, lloyd};
+use chebloyd::relax::driver::drive;
+use chebloyd::relax::plan::Plan;
+use chebloyd::relax::relaxation_space::{EnergySpec, Norm};
 use chebloyd::relax::space::Space;
-use chebloyd::relax::tessellation::{Norm, Question};
+use chebloyd::relax::state::RunState;
 use nalgebra::{Point3, Vector3};
 
 use quadrature::gauss;
 
-const LINF: Question = Question {
+const LINF: EnergySpec = EnergySpec {
     norm: Norm::Linf,
     order: 1,
     minimizer: Minimizer::Newton,
@@ -163,7 +165,7 @@ fn a_linear_density_is_the_same_as_polynomial_and_as_vertex_values() {
     let sites = random_sites(40, 1);
     let spaces = domains.map(Space::new);
     for norm in [Norm::Linf, Norm::L2] {
-        let asked = Question { norm, ..LINF };
+        let asked = EnergySpec { norm, ..LINF };
         let [one, two, three] = domains_figures(&spaces, &sites, asked);
         for other in [&two, &three] {
             for (one, other) in one.iter().zip(other) {
@@ -179,7 +181,7 @@ fn a_linear_density_is_the_same_as_polynomial_and_as_vertex_values() {
 type Row = (f64, Vector3<f64>, Point3<f64>);
 
 /// The rows of all cells, per domain.
-fn domains_figures(spaces: &[Space; 3], sites: &[Point3<f64>], asked: Question) -> [Vec<Row>; 3] {
+fn domains_figures(spaces: &[Space; 3], sites: &[Point3<f64>], asked: EnergySpec) -> [Vec<Row>; 3] {
     spaces.each_ref().map(|space| {
         let cells = space.figures(sites, asked).expect("a diagram");
         let figures = cells
@@ -207,16 +209,19 @@ fn cells_follow_the_wanted_size() {
     };
     let before = spread(&sites);
     let mut energies = Vec::new();
-    let options = LloydOptions {
-        iterations: 40,
-        tolerance: 0.0,
-        question: LINF,
-        is_accelerated: false,
-    };
-    lloyd(&space, &mut sites, &options, None, &mut |record, _| {
-        energies.push(record.energy_mean);
-        ControlFlow::Continue(())
-    })
+    let options = Plan::lloyd(LINF, 40);
+    let mut state = RunState::new(sites.len(), 0);
+    drive(
+        &space,
+        &options,
+        &mut sites,
+        &mut state,
+        None,
+        &mut |record, _, _| {
+            energies.push(record.energy_mean);
+            ControlFlow::Continue(())
+        },
+    )
     .expect("sites stay in the solid");
     assert!(
         energies
@@ -317,18 +322,21 @@ fn cells_follow_a_wanted_size_within_a_surface() {
         (variance.sum::<f64>() / edges.len() as f64).sqrt()
     };
     let before = spread(&sites);
-    let options = LloydOptions {
-        iterations: 30,
-        tolerance: 0.0,
-        question: LINF,
-        is_accelerated: false,
-    };
+    let options = Plan::lloyd(LINF, 30);
     let mut energies = Vec::new();
-    lloyd(&space, &mut sites, &options, None, &mut |record, sites| {
-        energies.push(record.energy_mean);
-        assert!(sites.iter().all(|site| space.domain().contains(site)));
-        ControlFlow::Continue(())
-    })
+    let mut state = RunState::new(sites.len(), 0);
+    drive(
+        &space,
+        &options,
+        &mut sites,
+        &mut state,
+        None,
+        &mut |record, sites, _| {
+            energies.push(record.energy_mean);
+            assert!(sites.iter().all(|site| space.domain().contains(site)));
+            ControlFlow::Continue(())
+        },
+    )
     .expect("sites stay in the solid");
     let falls = |pair: &[f64]| pair[1] <= pair[0] * (1.0 + 1e-12);
     assert!(energies.windows(2).all(falls), "{energies:?}");

@@ -13,21 +13,21 @@ use chebloyd::domain::domain::Domain;
 use chebloyd::domain::shape::DomainShape;
 use chebloyd::domain::tri_surface::solid::SurfaceSolid;
 use chebloyd::geometry::half_space::HalfSpace;
-use chebloyd::geometry::random::Random;
-use chebloyd::mesh::shapes::torus;
-use chebloyd::mesh::validate::validate_surface;
-use chebloyd::relax::boundary_frames::boundary_frames;
+use chebloyd::mesh::shapes::tubes::torus;
+use chebloyd::mesh::validate::validate;
+use chebloyd::relax::driver::drive;
 use chebloyd::relax::frames::Frames;
+use chebloyd::relax::frames::boundary_frames;
 use chebloyd::relax::plan::Plan;
-use chebloyd::relax::space::Space;
-use chebloyd::relax::stand::Stand;
-use chebloyd::relax::tessellation::{Minimizer, Norm, Question};
-use chebloyd::relax::travel::travel;
+use chebloyd::relax::relaxation_space::{EnergySpec, Minimizer, Norm, RelaxationSpace};
+use chebloyd::relax::space::{Space, SpaceError};
+use chebloyd::relax::state::RunState;
+use chebloyd::scene::random::Uniform;
 use nalgebra::{Matrix3, Point3, Rotation3, Vector3};
 
 use desk::{Desk, assert_all_in};
 
-const LINF: Question = Question {
+const LINF: EnergySpec = EnergySpec {
     norm: Norm::Linf,
     order: 1,
     minimizer: Minimizer::Newton,
@@ -85,17 +85,33 @@ fn equal_frames_for_all_sites_are_one_frame_to_the_bit() {
     let spaces = [Frames::One(turn()), Frames::PerSite(vec![turn(); 90])]
         .map(|frames| Space::with_frames(Box::new(Cuboid::unit()), frames));
     let [one, each] = &spaces;
-    assert_eq!(one.global(&sites, 1), each.global(&sites, 1));
+    assert_eq!(one.objective(&sites, 1), each.objective(&sites, 1));
     assert_eq!(one.figures(&sites, LINF), each.figures(&sites, LINF));
     let relaxed = |space: &Space| {
         let mut moved = sites.clone();
-        let mut stand = Stand::new(moved.len(), 0);
+        let mut state = RunState::new(moved.len(), 0);
         let plan = Plan::quasi_newton(1, 8);
         let mut watch = |_: &_, _: &[_], _: &_| ControlFlow::Continue(());
-        travel(space, &plan, &mut moved, &mut stand, None, &mut watch).unwrap();
+        drive(space, &plan, &mut moved, &mut state, None, &mut watch).unwrap();
         moved
     };
     assert_eq!(relaxed(one), relaxed(each));
+}
+
+#[test]
+fn frames_for_other_sites_are_refused() {
+    let sites = sites_in(&Cuboid::unit(), 9, 1);
+    for count in [8, 10] {
+        let frames = Frames::PerSite(vec![turn(); count]);
+        let space = Space::with_frames(Box::new(Cuboid::unit()), frames);
+        let error = SpaceError::Frames {
+            frames: count,
+            sites: 9,
+        };
+        assert_eq!(space.assess(&sites, LINF), Err(error.clone()));
+        assert_eq!(space.figures(&sites, LINF), Err(error));
+        assert!(space.objective(&sites, 1).is_err());
+    }
 }
 
 #[test]
@@ -155,11 +171,11 @@ fn frames_in_a_ring_follow_its_wall() {
     let relaxed = |frames: Frames| {
         let space = Space::with_frames(ring(), frames);
         let mut moved = sites.clone();
-        let mut stand = Stand::new(moved.len(), 0);
+        let mut state = RunState::new(moved.len(), 0);
         let plan = Plan::quasi_newton(1, 20);
         let mut watch = |_: &_, _: &[_], _: &_| ControlFlow::Continue(());
-        travel(&space, &plan, &mut moved, &mut stand, None, &mut watch).unwrap();
-        space.global(&moved, 1).unwrap().energy
+        drive(&space, &plan, &mut moved, &mut state, None, &mut watch).unwrap();
+        space.objective(&moved, 1).unwrap().energy
     };
     let (follow, stand_still) = (relaxed(Frames::PerSite(frames)), relaxed(Frames::Axes));
     assert!(follow < stand_still, "{follow} {stand_still}");

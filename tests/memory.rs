@@ -13,12 +13,14 @@ use chebloyd::export::run::directory::RunDirectory;
 use chebloyd::export::sites::write_csv;
 use chebloyd::export::vtu::{CellGeometry, VtuWriter};
 use chebloyd::geometry::shell::Shell;
-use chebloyd::relax::figures::Figures;
-use chebloyd::relax::lloyd::{LloydOptions, lloyd};
-use chebloyd::relax::outline::shell;
+use chebloyd::relax::driver::drive;
+use chebloyd::relax::metrics::Figures;
+use chebloyd::relax::plan::Plan;
 use chebloyd::relax::record::Record;
+use chebloyd::relax::relaxation_space::{EnergySpec, Minimizer, Norm, RelaxationSpace};
 use chebloyd::relax::space::Space;
-use chebloyd::relax::tessellation::{Minimizer, Norm, Question, Tessellation};
+use chebloyd::relax::space::shell;
+use chebloyd::relax::state::RunState;
 use chebloyd::voronoi::cell::Cell;
 use chebloyd::voronoi::diagram::{Diagram, DiagramError};
 use nalgebra::Point3;
@@ -41,7 +43,7 @@ const MANY: usize = 30;
 /// Bytes per site that a run may take.
 const MOST_PER_SITE: f64 = 300.0;
 
-const QUESTION: Question = Question {
+const QUESTION: EnergySpec = EnergySpec {
     norm: Norm::Linf,
     order: 1,
     minimizer: Minimizer::Newton,
@@ -65,17 +67,19 @@ fn per_site(work: impl Fn(usize) -> usize + Sync) -> f64 {
 
 /// Relaxes the sites as the command does, with the files that it leaves at a run's start, during it
 /// and at its end.
-fn relax(space: &Space, sites: &mut [Point3<f64>], options: &LloydOptions, folder: &Path) {
+fn relax(space: &Space, sites: &mut Vec<Point3<f64>>, options: &Plan, folder: &Path) {
     let mut directory = RunDirectory::create(folder, &"a run").unwrap();
     directory.describe(&figures(space, sites)).unwrap();
-    let mut keep = |record: &Record, sites: &[Point3<f64>]| {
-        directory.record(record, sites, Vec::new).unwrap();
-        directory.keep(record, sites, &[]).unwrap();
+    let mut keep = |record: &Record, sites: &[Point3<f64>], state: &RunState<3>| {
+        directory
+            .record(record, sites, || state.to_numbers())
+            .unwrap();
+        directory.keep(record, sites, &state.to_numbers()).unwrap();
         ControlFlow::Continue(())
     };
-    lloyd(space, sites, options, None, &mut keep).unwrap();
-    chebloyd::export::atomic_write::write(&folder.join("sites.csv"), |file| write_csv(sites, file))
-        .unwrap();
+    let mut state = RunState::new(sites.len(), 0);
+    drive(space, options, sites, &mut state, None, &mut keep).unwrap();
+    whole_file::write(&folder.join("sites.csv"), |file| write_csv(sites, file)).unwrap();
     write_cells(space, sites, &folder.join("cells.vtu"));
     directory.describe(&figures(space, sites)).unwrap();
 }
@@ -112,12 +116,7 @@ fn write_cells(space: &Space, sites: &[Point3<f64>], path: &Path) {
 /// The peak of a run of so many moves from `sites`.
 fn run(mut sites: Vec<Point3<f64>>, iterations: u64, is_accelerated: bool) -> usize {
     let space = Space::new(Box::new(Cuboid::unit()));
-    let options = LloydOptions {
-        iterations,
-        tolerance: 0.0,
-        question: QUESTION,
-        is_accelerated,
-    };
+    let options = Plan::lloyd(QUESTION, iterations);
     let folder = tempfile::tempdir().unwrap();
     peak(|| relax(&space, &mut sites, &options, folder.path()))
 }

@@ -6,10 +6,9 @@ use std::ops::ControlFlow;
 use chebloyd::geometry::random;
 use chebloyd::minimize::history::History;
 use chebloyd::minimize::lbfgsb::{LbfgsbEnd, LbfgsbStep, lbfgsb, resume};
-use chebloyd::minimize::lbfgsb_options::{LbfgsbError, LbfgsbOptions};
-use chebloyd::minimize::lbfgsb_state::LbfgsbState;
+use chebloyd::minimize::lbfgsb_state::{LbfgsbError, LbfgsbOptions, LbfgsbState};
 use chebloyd::minimize::newton::{NewtonOptions, newton};
-use chebloyd::minimize::problem::{Ended, Evaluation, Minimum};
+use chebloyd::minimize::problem::{Evaluation, Minimum, Termination};
 use nalgebra::{DMatrix, DVector, SMatrix, SVector};
 
 // ───────────────────────────── a source of problems ─────────────────────────────
@@ -233,7 +232,7 @@ fn newton_follows_a_linear_function_to_the_corner() {
         &SVector::repeat(5.0),
         &NewtonOptions::new(1.0, 2.0),
     );
-    assert_eq!(found.ended, Ended::GradientSmall);
+    assert_eq!(found.ended, Termination::GradientSmall);
     assert_eq!(found.point, SVector::<f64, 3>::new(-5.0, 5.0, -5.0));
     assert!(found.evaluations <= 4);
 }
@@ -308,10 +307,10 @@ fn newton_reports_a_bad_question_instead_of_panicking() {
         &problem.upper,
         &options,
     );
-    assert_eq!(found.ended, Ended::NotFinite);
+    assert_eq!(found.ended, Termination::NotFinite);
 
     let zero_size = ask(&problem.lower, &problem.lower, &options);
-    assert_eq!(zero_size.ended, Ended::GradientSmall);
+    assert_eq!(zero_size.ended, Termination::GradientSmall);
     assert_eq!((zero_size.point, zero_size.evaluations), (problem.lower, 1));
 
     let inverted = ask(&problem.upper, &problem.lower, &options);
@@ -324,7 +323,7 @@ fn newton_reports_a_bad_question_instead_of_panicking() {
     let cut_off = ask(&below, &above, &short);
     assert_eq!(
         (cut_off.ended, cut_off.evaluations),
-        (Ended::EvaluationLimit, 5)
+        (Termination::EvaluationLimit, 5)
     );
 
     for length in [0.0, -1.0, f64::NAN, f64::INFINITY] {
@@ -342,7 +341,7 @@ fn newton_reports_a_bad_question_instead_of_panicking() {
         &problem.upper,
         &options,
     );
-    assert_eq!(found.ended, Ended::NoDescent);
+    assert_eq!(found.ended, Termination::NoDescent);
 }
 
 #[test]
@@ -681,7 +680,7 @@ fn lbfgsb_taken_up_again_goes_on_bit_for_bit() {
             )
             .unwrap();
             state = through_text(&next.state);
-            if next.ended != Ended::Stopped {
+            if next.ended != Termination::Stopped {
                 break next.ended;
             }
         };
@@ -742,20 +741,20 @@ fn lbfgsb_ends_where_it_cannot_go_on() {
         &options(1e-9),
         never,
     );
-    assert_eq!(never_finite.unwrap().ended, Ended::NotFinite);
+    assert_eq!(never_finite.unwrap().ended, Termination::NotFinite);
 
     let limited = problem.minimum(&LbfgsbOptions {
         max_evaluations: 4,
         ..options(1e-9)
     });
-    assert_eq!(limited.ended, Ended::EvaluationLimit);
+    assert_eq!(limited.ended, Termination::EvaluationLimit);
     assert_eq!(limited.state.evaluations(), 4);
 
     let settled = problem.minimum(&LbfgsbOptions {
         value_tolerance: 1e-3,
         ..options(1e-15)
     });
-    assert_eq!(settled.ended, Ended::ValueSettled);
+    assert_eq!(settled.ended, Termination::ValueSettled);
 
     let uphill = lbfgsb(
         |point, gradient| {
@@ -769,15 +768,15 @@ fn lbfgsb_ends_where_it_cannot_go_on() {
         &options(1e-9),
         never,
     );
-    assert_eq!(uphill.unwrap().ended, Ended::NoDescent);
+    assert_eq!(uphill.unwrap().ended, Termination::NoDescent);
 
     problem.upper = problem.lower.clone();
     let zero_size = problem.minimum(&options(1e-9));
-    assert_eq!(zero_size.ended, Ended::GradientSmall);
+    assert_eq!(zero_size.ended, Termination::GradientSmall);
     assert_eq!(zero_size.state.point(), problem.lower);
 
     let nothing = lbfgsb(|_, _| 0.0, &[], &[], &[], &options(1e-9), never).unwrap();
-    assert_eq!(nothing.ended, Ended::GradientSmall);
+    assert_eq!(nothing.ended, Termination::GradientSmall);
 }
 
 #[test]

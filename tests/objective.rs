@@ -15,8 +15,8 @@ use chebloyd::mesh::surface::SurfaceMesh;
 use chebloyd::mesh::validate::{validate_surface, validate_tets};
 use chebloyd::relax::frames::Frames;
 use chebloyd::relax::record::optimal_energy;
+use chebloyd::relax::relaxation_space::{EnergySpec, Minimizer, Norm, RelaxationSpace};
 use chebloyd::relax::space::Space;
-use chebloyd::relax::tessellation::{Minimizer, Norm, Question, Tessellation};
 use nalgebra::{Point3, Rotation3, Unit, Vector3};
 
 fn random_sites(domain: &dyn Domain, count: usize, seed: u64) -> Vec<Point3<f64>> {
@@ -61,7 +61,7 @@ fn convex() -> Space {
 /// The largest difference between the gradient and central differences, relative to the largest
 /// component of the gradient.
 fn gradient_error(space: &Space, sites: &[Point3<f64>], order: u32) -> f64 {
-    let exact = space.global(sites, order).unwrap().gradient;
+    let exact = space.objective(sites, order).unwrap().gradient;
     let largest = exact.iter().map(Vector3::amax).fold(0.0, f64::max);
     let step = 1e-6;
     let mut worst: f64 = 0.0;
@@ -70,7 +70,7 @@ fn gradient_error(space: &Space, sites: &[Point3<f64>], order: u32) -> f64 {
             let at = |offset: f64| {
                 let mut moved = sites.to_vec();
                 moved[site][axis] += offset;
-                space.global(&moved, order).unwrap().energy
+                space.objective(&moved, order).unwrap().energy
             };
             let difference = (at(step) - at(-step)) / (2.0 * step);
             worst = worst.max((difference - exact[site][axis]).abs());
@@ -110,7 +110,7 @@ fn the_gradient_is_that_of_central_differences_in_a_convex_polyhedron() {
 
 /// Two programs for the same integrals: that of Lloyd's cells and that of the global objective.
 fn check_sums(space: &Space, sites: &[Point3<f64>], order: u32, tolerance: f64) {
-    let question = Question {
+    let question = EnergySpec {
         norm: Norm::Linf,
         order,
         minimizer: Minimizer::Newton,
@@ -120,7 +120,7 @@ fn check_sums(space: &Space, sites: &[Point3<f64>], order: u32, tolerance: f64) 
         assert!(error < tolerance, "p = {order}: {error:e}");
     };
     let cells = space.assess(sites, question).unwrap();
-    let global = space.global(sites, order).unwrap();
+    let global = space.objective(sites, order).unwrap();
     for (cell, energy) in cells.iter().zip(&global.energies) {
         check(*energy, cell.energy, 1e-12);
     }
@@ -148,7 +148,7 @@ fn no_sites_beat_the_grid_whose_gradient_is_zero() {
     let grid: Vec<_> = (0..64)
         .map(|k| corner + Vector3::new(place(k % 4), place(k / 4 % 4), place(k / 16)))
         .collect();
-    let global = space.global(&grid, 1).unwrap();
+    let global = space.objective(&grid, 1).unwrap();
     assert!((global.energy / least - 1.0).abs() < 1e-13);
     let largest = global
         .gradient
@@ -157,7 +157,7 @@ fn no_sites_beat_the_grid_whose_gradient_is_zero() {
         .fold(0.0, f64::max);
     assert!(largest < 1e-14, "{largest:e}");
     let random = random_sites(space.domain(), 64, 7);
-    assert!(space.global(&random, 1).unwrap().energy > least);
+    assert!(space.objective(&random, 1).unwrap().energy > least);
 }
 
 #[test]
@@ -167,7 +167,7 @@ fn the_objective_does_not_depend_on_the_number_of_threads() {
     let on = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
         let pool = pool.build().unwrap();
-        pool.install(|| space.global(&sites, 1).unwrap())
+        pool.install(|| space.objective(&sites, 1).unwrap())
     };
     assert_eq!(on(1), on(3));
 }
@@ -198,7 +198,7 @@ fn a_turned_cube_with_turned_frames_is_worth_the_same() {
     let (space, rotation) = turned(30.0);
     let sites = random_sites(upright.domain(), 120, 9);
     let turned_sites: Vec<_> = sites.iter().map(|site| rotation * site).collect();
-    let question = Question {
+    let question = EnergySpec {
         norm: Norm::Linf,
         order: 1,
         minimizer: Minimizer::Newton,
@@ -215,8 +215,8 @@ fn a_turned_cube_with_turned_frames_is_worth_the_same() {
         assert_eq!(a.facets, b.facets);
     }
     let (a, b) = (
-        upright.global(&sites, 2).unwrap(),
-        space.global(&turned_sites, 2).unwrap(),
+        upright.objective(&sites, 2).unwrap(),
+        space.objective(&turned_sites, 2).unwrap(),
     );
     assert!((a.energy / b.energy - 1.0).abs() < 1e-12);
     for (a, b) in a.gradient.iter().zip(&b.gradient) {
@@ -302,8 +302,8 @@ fn a_density_of_one_changes_nothing() {
     let weighted = Space::new(Box::new(domain));
     let sites = random_sites(plain.domain(), 50, 20);
     for order in [1, 2] {
-        let expected = plain.global(&sites, order).unwrap();
-        let found = weighted.global(&sites, order).unwrap();
+        let expected = plain.objective(&sites, order).unwrap();
+        let found = weighted.objective(&sites, order).unwrap();
         assert!((found.energy / expected.energy - 1.0).abs() < 1e-13);
         for (a, b) in found.gradient.iter().zip(&expected.gradient) {
             assert!((a - b).norm() < 1e-13 * expected.energy);

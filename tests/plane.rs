@@ -8,13 +8,13 @@ use chebloyd::geometry::half_plane::HalfPlane;
 use chebloyd::geometry::label::Label;
 use chebloyd::geometry::polygon::ConvexPolygon;
 use chebloyd::minimize::problem::Evaluation;
-use chebloyd::relax::figures::Figures;
-use chebloyd::relax::plane::Plane;
-use chebloyd::relax::tessellation::{Minimizer, Norm, Question, Tessellation};
-use chebloyd::voronoi::planar::diagram::{PlaneDiagram, PlaneDiagramError};
+use chebloyd::relax::metrics::Figures;
+use chebloyd::relax::planar::Plane;
+use chebloyd::relax::relaxation_space::{EnergySpec, Minimizer, Norm, RelaxationSpace};
+use chebloyd::voronoi::plane::{PlaneDiagram, PlaneDiagramError};
 use nalgebra::{Matrix2, Point2, Vector2};
 
-const LINF: Question = Question {
+const LINF: EnergySpec = EnergySpec {
     norm: Norm::Linf,
     order: 1,
     minimizer: Minimizer::Newton,
@@ -594,7 +594,7 @@ fn no_step_to_a_center_is_uphill_or_leaves_the_cell() {
         let sites = Random(9).points_in(&domain, 60);
         let diagram = PlaneDiagram::new(&domain, &sites).unwrap();
         for order in [1, 2, 5] {
-            let question = Question { order, ..LINF };
+            let question = EnergySpec { order, ..LINF };
             let plane = Plane {
                 domain: domain.clone(),
             };
@@ -644,7 +644,7 @@ fn both_minimizers_find_the_same_centers() {
         let sites = Random(11).points_in(&plane.domain, 100);
         for order in [1, 3] {
             let by = |minimizer| {
-                let question = Question {
+                let question = EnergySpec {
                     minimizer,
                     order,
                     ..LINF
@@ -673,7 +673,7 @@ fn euclidean_figures_are_those_of_the_second_moment() {
         domain: unit_square(),
     };
     let sites = Random(13).points(50);
-    let question = Question {
+    let question = EnergySpec {
         norm: Norm::L2,
         ..LINF
     };
@@ -697,7 +697,7 @@ fn euclidean_figures_are_those_of_the_second_moment() {
 
 /// Runs `moves` Lloyd moves and returns the energy in percent before each and after the last.
 fn lloyd(plane: &Plane, sites: &mut Vec<Point2<f64>>, norm: Norm, moves: usize) -> Vec<f64> {
-    let question = Question { norm, ..LINF };
+    let question = EnergySpec { norm, ..LINF };
     let mut percents = Vec::new();
     for left in (0..=moves).rev() {
         let answers = plane.assess(sites, question).unwrap();
@@ -756,7 +756,7 @@ fn the_euclidean_control_lowers_its_own_energy() {
     let plane = Plane {
         domain: unit_square(),
     };
-    let question = Question {
+    let question = EnergySpec {
         norm: Norm::L2,
         ..LINF
     };

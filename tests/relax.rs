@@ -7,20 +7,21 @@ use chebloyd::domain::cuboid::Cuboid;
 use chebloyd::domain::domain::Domain;
 use chebloyd::domain::shape::DomainShape;
 use chebloyd::geometry::half_space::HalfSpace;
-use chebloyd::geometry::random::Random;
-use chebloyd::relax::figures::Figures;
-use chebloyd::relax::lloyd::{Ended, LloydOptions, lloyd};
+use chebloyd::relax::driver::{RunEnd, drive};
+use chebloyd::relax::metrics::Figures;
+use chebloyd::relax::plan::Plan;
 use chebloyd::relax::record::Record;
+use chebloyd::relax::relaxation_space::{EnergySpec, Minimizer, Norm, RelaxationSpace};
 use chebloyd::relax::space::Space;
-use chebloyd::relax::tessellation::{Minimizer, Norm, Question, Tessellation};
+use chebloyd::relax::state::RunState;
 use nalgebra::{Point3, Vector3};
 
-const LINF: Question = Question {
+const LINF: EnergySpec = EnergySpec {
     norm: Norm::Linf,
     order: 1,
     minimizer: Minimizer::Newton,
 };
-const L2: Question = Question {
+const L2: EnergySpec = EnergySpec {
     norm: Norm::L2,
     ..LINF
 };
@@ -50,23 +51,26 @@ fn unit() -> Space {
     Space::new(Box::new(Cuboid::unit()))
 }
 
-fn options(iterations: u64, question: Question) -> LloydOptions {
-    LloydOptions {
-        iterations,
-        tolerance: 0.0,
-        question,
-        is_accelerated: false,
-    }
+fn options(iterations: u64, question: EnergySpec) -> Plan {
+    Plan::lloyd(question, iterations)
 }
 
 /// Relaxes and returns all records.
-fn run(space: &Space, sites: &mut [Point3<f64>], options: &LloydOptions) -> Vec<Record> {
+fn run(space: &Space, sites: &mut Vec<Point3<f64>>, options: &Plan) -> Vec<Record> {
     let mut records = Vec::new();
-    let ended = lloyd(space, sites, options, None, &mut |record, _| {
-        records.push(record.clone());
-        ControlFlow::Continue(())
-    });
-    assert_eq!(ended.unwrap(), Ended::Iterations);
+    let mut state = RunState::new(sites.len(), 0);
+    let ended = drive(
+        space,
+        options,
+        sites,
+        &mut state,
+        None,
+        &mut |record, _, _| {
+            records.push(record.clone());
+            ControlFlow::Continue(())
+        },
+    );
+    assert_eq!(ended.unwrap(), RunEnd::Iterations);
     records
 }
 
@@ -160,7 +164,7 @@ fn no_energy_is_below_that_of_cubes_in_any_domain_or_order() {
     for (k, space) in spaces.iter().enumerate() {
         for order in [1, 2, 5] {
             let mut sites = random_sites(60, 5);
-            let question = Question { order, ..LINF };
+            let question = EnergySpec { order, ..LINF };
             let records = run(space, &mut sites, &options(8, question));
             let least = 3.0 / (3.0 + f64::from(order)) / 2f64.powi(order as i32);
             let side = (space.volume() / 60.0).cbrt();
@@ -182,7 +186,7 @@ fn no_energy_is_below_that_of_cubes_in_any_domain_or_order() {
 fn newton_and_lbfgsb_find_the_same_centers() {
     let sites = random_sites(300, 6);
     for order in [1, 2, 4] {
-        let asked = |minimizer| Question {
+        let asked = |minimizer| EnergySpec {
             minimizer,
             order,
             ..LINF
@@ -193,7 +197,7 @@ fn newton_and_lbfgsb_find_the_same_centers() {
             let apart = (one.target - other.target).norm() / (1.0f64 / 300.0).cbrt();
             assert!(apart < 1e-8, "p = {order}: {apart:e}");
         }
-        let mean = |cells: &[chebloyd::relax::tessellation::Assessment<3>]| {
+        let mean = |cells: &[chebloyd::relax::relaxation_space::CellResult<3>]| {
             cells
                 .iter()
                 .map(|cell| f64::from(cell.evaluations))
@@ -226,12 +230,14 @@ fn interrupted_and_continued_is_the_same_to_the_bit() {
     for stop in [0, 5, 11] {
         let mut sites = random_sites(120, 9);
         let mut last = None;
-        let ended = lloyd(
+        let mut state = RunState::new(sites.len(), 0);
+        let ended = drive(
             &space,
-            &mut sites,
             &options(12, LINF),
+            &mut sites,
+            &mut state,
             None,
-            &mut |record, _| {
+            &mut |record, _, _| {
                 last = Some(record.clone());
                 if record.iteration == stop {
                     ControlFlow::Break(())
@@ -240,14 +246,22 @@ fn interrupted_and_continued_is_the_same_to_the_bit() {
                 }
             },
         );
-        assert_eq!(ended.unwrap(), Ended::Interrupted);
+        assert_eq!(ended.unwrap(), RunEnd::Interrupted);
         let mut rest = Vec::new();
-        let ended = lloyd(
+        // Plain Lloyd goes on from the record alone as well as from the state.
+        let last = last.expect("a record");
+        let mut state = if stop == 5 {
+            RunState::of_lloyd(sites.len(), &last)
+        } else {
+            state
+        };
+        let ended = drive(
             &space,
-            &mut sites,
             &options(12, LINF),
-            last.as_ref(),
-            &mut |record, _| {
+            &mut sites,
+            &mut state,
+            Some(&last),
+            &mut |record, _, _| {
                 rest.push(Record {
                     seconds: 0.0,
                     ..record.clone()
@@ -255,7 +269,7 @@ fn interrupted_and_continued_is_the_same_to_the_bit() {
                 ControlFlow::Continue(())
             },
         );
-        assert_eq!(ended.unwrap(), Ended::Iterations);
+        assert_eq!(ended.unwrap(), RunEnd::Iterations);
         assert_eq!(sites, whole);
         let timeless = |r: &Record| Record {
             seconds: 0.0,
@@ -286,18 +300,24 @@ fn threads_do_not_change_a_bit() {
 #[test]
 fn a_tolerance_ends_the_run() {
     let mut sites = jittered_lattice(3, 0.3, 2);
-    let options = LloydOptions {
-        iterations: 500,
+    let options = Plan {
         tolerance: 1e-3,
-        question: LINF,
-        is_accelerated: false,
+        ..Plan::lloyd(LINF, 500)
     };
     let mut last = None;
-    let ended = lloyd(&unit(), &mut sites, &options, None, &mut |record, _| {
-        last = Some(record.clone());
-        ControlFlow::Continue(())
-    });
-    assert_eq!(ended.unwrap(), Ended::Tolerance);
+    let mut state = RunState::new(sites.len(), 0);
+    let ended = drive(
+        &unit(),
+        &options,
+        &mut sites,
+        &mut state,
+        None,
+        &mut |record, _, _| {
+            last = Some(record.clone());
+            ControlFlow::Continue(())
+        },
+    );
+    assert_eq!(ended.unwrap(), RunEnd::Tolerance);
     let last = last.unwrap();
     assert!(last.movement_percent < 1e-3 && last.iteration < 500);
 }

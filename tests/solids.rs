@@ -33,10 +33,12 @@ use chebloyd::mesh::surface::SurfaceMesh;
 use chebloyd::mesh::tets::TetMesh;
 use chebloyd::mesh::validate::{Solid, validate_surface, validate_tets};
 use chebloyd::minimize::problem::Evaluation;
-use chebloyd::relax::lloyd::{LloydOptions, lloyd};
-use chebloyd::relax::outline::shell;
+use chebloyd::relax::driver::drive;
+use chebloyd::relax::plan::Plan;
+use chebloyd::relax::relaxation_space::{EnergySpec, Norm};
 use chebloyd::relax::space::Space;
-use chebloyd::relax::tessellation::{Norm, Question};
+use chebloyd::relax::space::shell;
+use chebloyd::relax::state::RunState;
 use chebloyd::voronoi::diagram::Diagram;
 use models::shared_model;
 use nalgebra::{Point3, Vector3};
@@ -53,7 +55,7 @@ const MODELS: [&str; 8] = [
     "rocker-arm.obj",
 ];
 
-const LINF: Question = Question {
+const LINF: EnergySpec = EnergySpec {
     norm: Norm::Linf,
     order: 1,
     minimizer: Minimizer::Newton,
@@ -343,17 +345,20 @@ fn relax(
 ) -> (Vec<f64>, Vec<Point3<f64>>) {
     let mut sites = start.to_vec();
     let mut energies = Vec::new();
-    let options = LloydOptions {
-        iterations,
-        tolerance: 0.0,
-        question: Question { norm, ..LINF },
-        is_accelerated: false,
-    };
-    lloyd(space, &mut sites, &options, None, &mut |record, sites| {
-        energies.push(record.energy_percent);
-        assert!(sites.iter().all(|site| space.domain().contains(site)));
-        ControlFlow::Continue(())
-    })
+    let options = Plan::lloyd(EnergySpec { norm, ..LINF }, iterations);
+    let mut state = RunState::new(sites.len(), 0);
+    drive(
+        space,
+        &options,
+        &mut sites,
+        &mut state,
+        None,
+        &mut |record, sites, _| {
+            energies.push(record.energy_percent);
+            assert!(sites.iter().all(|site| space.domain().contains(site)));
+            ControlFlow::Continue(())
+        },
+    )
     .expect("sites stay in the solid");
     (energies, sites)
 }

@@ -7,14 +7,14 @@ use clap::{Args, ValueEnum};
 use nalgebra::{Point3, Vector3};
 use rayon::ThreadPoolBuilder;
 
-use crate::cli::bench_sites::{BenchSites, QUESTION, SiteKind};
+use crate::cli::bench_sites::{BenchSites, ENERGY, SiteKind};
 use crate::cli::failure::{Failure, print};
 use crate::cli::stopwatch::{Stopwatch, forget_peak_memory, peak_memory};
 use crate::domain::domain::Domain;
-use crate::relax::cell_memory::CellMemory;
+use crate::relax::evaluate_cell::CellMemory;
+use crate::relax::relaxation_space::RelaxationSpace;
 use crate::relax::space::Space;
-use crate::relax::tessellation::Tessellation;
-use crate::voronoi::diagram::{Diagram, DiagramError};
+use crate::voronoi::diagram::Diagram;
 
 /// What is timed; the order is that of the columns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -81,6 +81,9 @@ pub(crate) struct Options {
     #[arg(long, value_name = "R", default_value_t = 3)]
     repeat: u32,
 }
+
+/// Why sites cannot be timed.
+type BenchError = Box<dyn std::error::Error + Send + Sync>;
 
 pub(crate) fn run(options: &Options, threads: Option<u32>) -> Result<(), Failure> {
     if let Some(file) = &options.save {
@@ -169,7 +172,7 @@ struct Row {
 }
 
 /// Times the stages in turn, `repeat` times over, so that a slow moment hits all of them.
-fn time(sites: &BenchSites, options: &Options) -> Result<Row, DiagramError> {
+fn time(sites: &BenchSites, options: &Options) -> Result<Row, BenchError> {
     let (sites, space) = (&sites.sites, Space::new(Box::new(sites.domain)));
     let count = sites.len() as f64;
     let mut row = Row::default();
@@ -191,21 +194,25 @@ fn time(sites: &BenchSites, options: &Options) -> Result<Row, DiagramError> {
 }
 
 /// Does the work up to a stage and returns how many energies the minimizer evaluated.
-fn run_stage(stage: Stage, space: &Space, sites: &[Point3<f64>]) -> Result<u64, DiagramError> {
+fn run_stage(stage: Stage, space: &Space, sites: &[Point3<f64>]) -> Result<u64, BenchError> {
     let domain = space.domain();
     match stage {
         Stage::Iteration => {
-            let cells = space.assess(sites, QUESTION)?;
+            let cells = space.assess(sites, ENERGY)?;
             return Ok(cells.iter().map(|cell| u64::from(cell.evaluations)).sum());
         }
-        Stage::Global => drop(space.global(sites, QUESTION.order)?),
+        Stage::Global => drop(space.objective(sites, ENERGY.order)?),
         _ => run_part(stage, domain, &Diagram::borrowed(domain, sites)?)?,
     }
     Ok(0)
 }
 
 /// Does the work of a stage that has no minimizer.
-fn run_part(stage: Stage, domain: &dyn Domain, diagram: &Diagram<'_>) -> Result<(), DiagramError> {
+fn run_part(
+    stage: Stage,
+    domain: &dyn Domain,
+    diagram: &Diagram<'_>,
+) -> Result<(), BenchError> {
     match stage {
         Stage::Index => {
             diagram.sort_sites();

@@ -10,14 +10,14 @@ use crate::domain::shape::DomainShape;
 use crate::export::sites::write_csv;
 use crate::geometry::bounds::Bounds;
 use crate::geometry::random::Random;
+use crate::relax::relaxation_space::{EnergySpec, Minimizer, Norm, RelaxationSpace};
 use crate::relax::space::Space;
-use crate::relax::tessellation::{Minimizer, Norm, Question, Tessellation};
 use crate::scene::site_file;
 
 use crate::cli::failure::{Failure, write_file};
 
 /// What is evaluated in every cell.
-pub(crate) const QUESTION: Question = Question {
+pub(crate) const ENERGY: EnergySpec = EnergySpec {
     norm: Norm::Linf,
     order: 1,
     minimizer: Minimizer::Newton,
@@ -79,7 +79,7 @@ impl BenchSites {
             SiteKind::Relaxed => {
                 let space = Space::new(Box::new(domain));
                 for _ in 0..moves {
-                    let cells = space.assess(&sites, QUESTION).map_err(Failure::run)?;
+                    let cells = space.assess(&sites, ENERGY).map_err(Failure::run)?;
                     sites = cells.iter().map(|cell| cell.target).collect();
                 }
             }

@@ -18,12 +18,12 @@ use crate::plot::patches::Cut;
 use crate::plot::patches::{Patch, picture};
 use crate::plot::png::png;
 use crate::plot::svg::svg;
-use crate::relax::figures::CellFigures;
-use crate::relax::outline::shell;
-use crate::relax::plane::Plane;
+use crate::relax::metrics::CellMetrics;
+use crate::relax::planar::Plane;
 use crate::relax::record::{optimal_energy, optimal_side};
+use crate::relax::relaxation_space::RelaxationSpace;
 use crate::relax::space::Space;
-use crate::relax::tessellation::Tessellation;
+use crate::relax::space::shell;
 use crate::scene::run::RunSpace;
 use crate::voronoi::diagram::Diagram;
 use crate::voronoi::planar::diagram::PlaneDiagram;
@@ -44,7 +44,7 @@ pub(crate) trait DrawCells<const D: usize>: RunSpace<D> {
     fn draw_cells(
         &self,
         sites: &[Point<f64, D>],
-        cells: &[CellFigures<D>],
+        cells: &[CellMetrics<D>],
         directory: &RunDirectory,
     ) -> Result<(), Box<dyn Error>>;
 }
@@ -53,7 +53,7 @@ impl DrawCells<2> for Plane {
     fn draw_cells(
         &self,
         sites: &[Point2<f64>],
-        cells: &[CellFigures<2>],
+        cells: &[CellMetrics<2>],
         directory: &RunDirectory,
     ) -> Result<(), Box<dyn Error>> {
         let colors = Colors::of(cells);
@@ -80,7 +80,7 @@ impl DrawCells<3> for Space {
     fn draw_cells(
         &self,
         sites: &[Point3<f64>],
-        cells: &[CellFigures<3>],
+        cells: &[CellMetrics<3>],
         directory: &RunDirectory,
     ) -> Result<(), Box<dyn Error>> {
         let colors = Colors::of(cells);
@@ -120,7 +120,7 @@ struct Colors(ColorScale);
 
 impl Colors {
     /// Colors spread over the energies of `cells`.
-    fn of<const D: usize>(cells: &[CellFigures<D>]) -> Self {
+    fn of<const D: usize>(cells: &[CellMetrics<D>]) -> Self {
         let label = if D == 2 {
             "energy (% of a square of the cell’s area)"
         } else {
@@ -134,13 +134,13 @@ impl Colors {
         &self.0
     }
 
-    fn value<const D: usize>(cell: &CellFigures<D>) -> f64 {
+    fn value<const D: usize>(cell: &CellMetrics<D>) -> f64 {
         100.0 * cell.chebyshev / optimal_energy::<D>(cell.volume, 1, 1)
     }
 }
 
 /// A cell as `cells.vtu` holds it.
-fn geometry<const D: usize>(site: usize, shell: Shell, cell: &CellFigures<D>) -> CellGeometry {
+fn geometry<const D: usize>(site: usize, shell: Shell, cell: &CellMetrics<D>) -> CellGeometry {
     CellGeometry {
         site,
         shell,

@@ -2,10 +2,10 @@
 
 use clap::Args;
 
-use crate::relax::figures::{CellFigures, Figures};
+use crate::relax::metrics::{CellMetrics, Metrics};
 use crate::scene::description::Scene;
 use crate::scene::overrides::Overrides;
-use crate::scene::run::{RunSpace, plane, question};
+use crate::scene::run::{RunSpace, energy_spec, plane};
 
 use crate::cli::failure::{Failure, print};
 use crate::cli::options::{SceneOptions, space};
@@ -38,17 +38,17 @@ fn print_figures<const D: usize>(
 ) -> Result<(), Failure> {
     let sites = space.place(scene).map_err(Failure::input)?;
     let cells = space
-        .cells(&sites, question(scene))
+        .cells(&sites, energy_spec(scene))
         .map_err(Failure::input)?;
-    let figures = Figures::of(space.volume(), &cells);
+    let figures = Metrics::of(space.volume(), &cells);
     let text = object(&figures, per_cell.then_some(&cells)).map_err(Failure::run)?;
     print(text)
 }
 
 /// The figures as one JSON object; those of every cell too, one per line, where they are given.
 fn object<const D: usize>(
-    figures: &Figures,
-    cells: Option<&Vec<CellFigures<D>>>,
+    figures: &Metrics,
+    cells: Option<&Vec<CellMetrics<D>>>,
 ) -> serde_json::Result<String> {
     let text = serde_json::to_string_pretty(figures)?;
     let Some(cells) = cells else {

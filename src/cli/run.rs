@@ -19,12 +19,13 @@ use crate::export::run::log::read_log;
 use crate::export::sites;
 use crate::plot::convergence::{Run, convergence};
 use crate::plot::svg::svg;
-use crate::relax::figures::{CellFigures, Figures};
-use crate::relax::lloyd::Ended;
+use crate::relax::driver::RunEnd;
+use crate::relax::metrics::{CellMetrics, Metrics};
 use crate::relax::record::{Record, optimal_energy};
-use crate::relax::stand::Stand;
+use crate::relax::relaxation::Checkpoint;
+use crate::relax::state::RunState;
 use crate::scene::description::Scene;
-use crate::scene::run::{Progress, question, relax};
+use crate::scene::run::{energy_spec, relax};
 
 /// How `run.json` calls the end that Ctrl-C brings.
 const INTERRUPTED: &str = "interrupted";
@@ -37,14 +38,14 @@ static IS_INTERRUPTED: AtomicBool = AtomicBool::new(false);
 const KILLED: i32 = 130;
 
 /// What `run.json` holds.
-pub(crate) type Description = directory::Description<Scene, Figures>;
+pub(crate) type Description = directory::Description<Scene, Metrics>;
 
 /// A run that is about to begin or to go on.
 pub(crate) struct FiledRun<'a, const D: usize, S> {
     space: &'a S,
     directory: RunDirectory,
     description: Description,
-    progress: Progress<D>,
+    checkpoint: Checkpoint<D>,
 }
 
 impl<'a, const D: usize, S: DrawCells<D>> FiledRun<'a, D, S> {
@@ -70,7 +71,7 @@ impl<'a, const D: usize, S: DrawCells<D>> FiledRun<'a, D, S> {
             space,
             directory,
             description,
-            progress: Progress::at_start(sites),
+            checkpoint: Checkpoint::at_start(sites),
         })
     }
 
@@ -80,25 +81,21 @@ impl<'a, const D: usize, S: DrawCells<D>> FiledRun<'a, D, S> {
         mut directory: RunDirectory,
         mut description: Description,
     ) -> Result<Self, Failure> {
-        let checkpoint = directory.checkpoint().map_err(Failure::input)?;
-        let progress = match checkpoint {
-            Some(checkpoint) => {
+        let kept = directory.checkpoint().map_err(Failure::input)?;
+        let checkpoint = match kept {
+            Some(kept) => {
                 let wanted = description.scene.method.iterations();
-                if wanted < checkpoint.iteration {
-                    return Err(already_further(wanted, checkpoint.iteration));
+                if wanted < kept.iteration {
+                    return Err(already_further(wanted, kept.iteration));
                 }
-                let state = state(&checkpoint.memory)?;
-                let last = directory.log().rewind(checkpoint.iteration);
-                Progress {
-                    sites: checkpoint.sites,
-                    last: Some(last.map_err(Failure::input)?),
-                    state,
-                }
+                let last = directory.log().rewind(kept.iteration);
+                let last = last.map_err(Failure::input)?;
+                Checkpoint::from_parts(kept.sites, last, &kept.memory).map_err(Failure::input)?
             }
             None => {
                 let sites = space.place(&description.scene).map_err(Failure::input)?;
                 directory.log().clear().map_err(Failure::input)?;
-                Progress::at_start(sites)
+                Checkpoint::at_start(sites)
             }
         };
         description.last = None;
@@ -109,7 +106,7 @@ impl<'a, const D: usize, S: DrawCells<D>> FiledRun<'a, D, S> {
             space,
             directory,
             description,
-            progress,
+            checkpoint,
         })
     }
 
@@ -117,7 +114,7 @@ impl<'a, const D: usize, S: DrawCells<D>> FiledRun<'a, D, S> {
     pub(crate) fn run(mut self, common: Common) -> Result<(), Failure> {
         listen_for_interrupts()?;
         if self.description.initial.is_none() {
-            self.description.initial = Some(self.figures(&self.cells()?));
+            self.description.initial = Some(self.metrics(&self.cells()?));
             self.directory
                 .describe(&self.description)
                 .map_err(Failure::run)?;
@@ -125,8 +122,8 @@ impl<'a, const D: usize, S: DrawCells<D>> FiledRun<'a, D, S> {
         let ended = self.relax(common)?;
         let cells = self.cells()?;
         self.leave_files(&cells)?;
-        let last = self.progress.last.as_ref();
-        self.description.last = Some(self.figures(&cells));
+        let last = self.checkpoint.record.as_ref();
+        self.description.last = Some(self.metrics(&cells));
         self.description.ended = Some(ended.to_owned());
         self.description.seconds = last.map_or(0.0, |record| record.seconds);
         self.directory
@@ -143,7 +140,7 @@ impl<'a, const D: usize, S: DrawCells<D>> FiledRun<'a, D, S> {
     fn relax(&mut self, common: Common) -> Result<&'static str, Failure> {
         let scene = &self.description.scene;
         let iterations = scene.method.iterations();
-        let last = self.progress.last.as_ref();
+        let last = self.checkpoint.record.as_ref();
         let bar = Bar::new(
             iterations,
             last.map_or(0, |record| record.iteration),
@@ -151,33 +148,33 @@ impl<'a, const D: usize, S: DrawCells<D>> FiledRun<'a, D, S> {
         );
         let directory = &mut self.directory;
         let mut failure: Option<RunError> = None;
-        let mut observe = |record: &Record, sites: &[Point<f64, D>], state: Option<&Stand>| {
+        let mut observe = |record: &Record, sites: &[Point<f64, D>], state: &RunState<D>| {
             bar.show(record);
-            failure = directory.record(record, sites, || numbers(state)).err();
+            failure = directory.record(record, sites, || state.to_numbers()).err();
             let is_unfinished = record.iteration < iterations;
             if failure.is_some() || (is_unfinished && is_interrupted()) {
                 return ControlFlow::Break(());
             }
             ControlFlow::Continue(())
         };
-        let ended = relax(self.space, scene, &mut self.progress, &mut observe);
+        let ended = relax(self.space, scene, &mut self.checkpoint, &mut observe);
         bar.finish();
         if let Some(failure) = failure {
             return Err(Failure::run(failure));
         }
         Ok(match ended.map_err(Failure::run)? {
-            Ended::Iterations => "iterations",
-            Ended::Tolerance => "tolerance",
-            Ended::Interrupted => INTERRUPTED,
+            RunEnd::Iterations => "iterations",
+            RunEnd::Tolerance => "tolerance",
+            RunEnd::Interrupted => INTERRUPTED,
         })
     }
 
     /// The checkpoint, the sites, the cells and the curves.
-    fn leave_files(&mut self, cells: &[CellFigures<D>]) -> Result<(), Failure> {
-        let Progress { sites, last, state } = &self.progress;
-        if let Some(last) = last {
+    fn leave_files(&mut self, cells: &[CellMetrics<D>]) -> Result<(), Failure> {
+        let sites = &self.checkpoint.sites;
+        if let Some(last) = &self.checkpoint.record {
             self.directory
-                .keep(last, sites, &numbers(state.as_ref()))
+                .keep(last, sites, &self.checkpoint.state_numbers())
                 .map_err(Failure::run)?;
         }
         self.leave("sites.csv", |file| sites::write_csv(sites, file))?;
@@ -207,30 +204,14 @@ impl<'a, const D: usize, S: DrawCells<D>> FiledRun<'a, D, S> {
         write_file(&self.directory.file(name), content).map_err(Failure::run)
     }
 
-    fn cells(&self) -> Result<Vec<CellFigures<D>>, Failure> {
-        let question = question(&self.description.scene);
-        let cells = self.space.cells(&self.progress.sites, question);
+    fn cells(&self) -> Result<Vec<CellMetrics<D>>, Failure> {
+        let spec = energy_spec(&self.description.scene);
+        let cells = self.space.cells(&self.checkpoint.sites, spec);
         cells.map_err(Failure::run)
     }
 
-    fn figures(&self, cells: &[CellFigures<D>]) -> Figures {
-        Figures::of(self.space.volume(), cells)
-    }
-}
-
-/// A method's state as a checkpoint keeps it.
-fn numbers(state: Option<&Stand>) -> Vec<f64> {
-    state.map_or_else(Vec::new, Stand::tape)
-}
-
-/// The method's state that a checkpoint keeps, if any.
-fn state(numbers: &[f64]) -> Result<Option<Stand>, Failure> {
-    if numbers.is_empty() {
-        return Ok(None);
-    }
-    match Stand::from_tape(numbers) {
-        Some(state) => Ok(Some(state)),
-        None => Err(Failure::input("the checkpoint's memory is damaged")),
+    fn metrics(&self, cells: &[CellMetrics<D>]) -> Metrics {
+        Metrics::of(self.space.volume(), cells)
     }
 }
 

@@ -2,6 +2,8 @@
 
 use thiserror::Error;
 
+use crate::mesh::report::Refusal;
+
 /// Why a description is no domain.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum DomainError {
@@ -53,6 +55,9 @@ pub enum DomainError {
         /// The half-space that removed the rest, from zero.
         number: usize,
     },
+    /// A mesh that bounds or fills no solid.
+    #[error("the mesh {0}")]
+    Mesh(#[from] Refusal),
     /// Tetrahedra whose boundary bounds no solid.
     #[error("the boundary of the tetrahedra {reason}")]
     Boundary {

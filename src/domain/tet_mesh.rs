@@ -20,7 +20,7 @@ use crate::geometry::half_space::HalfSpace;
 use crate::geometry::label::Label;
 use crate::geometry::polyhedron::Polyhedron;
 use crate::mesh::tets::{FACETS, TetMesh};
-use crate::mesh::validate::{ValidTetMesh, validate_surface};
+use crate::mesh::validate::{ValidTetMesh, validate_surface, validate_tets};
 
 /// A solid given by tetrahedra that fill it.
 #[derive(Clone, Debug)]
@@ -58,6 +58,32 @@ impl TetSolid {
         }
         let boundary = SurfaceSolid::new(&surface)?;
         Ok(Self { mesh, boundary })
+    }
+
+    /// The solid of tetrahedra.
+    ///
+    /// # Errors
+    /// [`DomainError::Mesh`] when they fill no solid, and as [`TetSolid::new`].
+    ///
+    /// # Examples
+    /// ```
+    /// use chebloyd::{Domain, TetSolid};
+    ///
+    /// let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    /// let solid = TetSolid::from_arrays(&corners, &[[0, 1, 2, 3]])?;
+    /// assert!((solid.shape().volume() - 1.0 / 6.0).abs() < 1e-15);
+    /// # Ok::<(), chebloyd::DomainError>(())
+    /// ```
+    pub fn from_arrays<P: Copy + Into<Point3<f64>>>(
+        vertices: &[P],
+        tets: &[[u32; 4]],
+    ) -> Result<Self, DomainError> {
+        let mesh = TetMesh {
+            vertices: vertices.iter().map(|&vertex| vertex.into()).collect(),
+            tets: tets.to_vec(),
+            vertex_data: Vec::new(),
+        };
+        Self::new(&validate_tets(&mesh)?.0)
     }
 
     /// The tetrahedra.

@@ -14,7 +14,7 @@ use crate::energy::energy::{EnergyScratch, SignedPiece, energy_jet};
 use crate::energy::prediction::predict;
 use crate::geometry::bounds::Bounds;
 use crate::minimize::lbfgsb::lbfgsb;
-use crate::minimize::lbfgsb_options::LbfgsbOptions;
+use crate::minimize::lbfgsb_state::LbfgsbOptions;
 use crate::minimize::newton::{NewtonOptions, minimize};
 use crate::minimize::objective::{Objective, Plain, Prediction};
 use crate::minimize::problem::{Evaluation, Jet};

@@ -12,6 +12,21 @@ pub struct Bounds<const D: usize> {
 }
 
 impl<const D: usize> Bounds<D> {
+    /// The box between two opposite corners.
+    ///
+    /// # Examples
+    /// ```
+    /// use chebloyd::{Bounds, Cuboid};
+    ///
+    /// let bounds = Bounds::from_corners([0.0, 0.0, 0.0], [2.0, 1.0, 1.0]);
+    /// let cuboid = Cuboid::new(bounds, [true, false, false])?;
+    /// # let _ = cuboid;
+    /// # Ok::<(), chebloyd::DomainError>(())
+    /// ```
+    pub fn from_corners(one: impl Into<Point<f64, D>>, other: impl Into<Point<f64, D>>) -> Self {
+        Self::of(&[one.into(), other.into()])
+    }
+
     /// The box that holds nothing: `min = +∞`, `max = −∞`.
     #[must_use]
     pub fn empty() -> Self {

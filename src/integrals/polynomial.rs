@@ -22,6 +22,22 @@ impl Polynomial {
         }
     }
 
+    /// The sum of terms, each its exponents of x, y, z and its coefficient.
+    ///
+    /// # Examples
+    /// ```
+    /// use chebloyd::Polynomial;
+    ///
+    /// let density = Polynomial::from_terms([([0, 0, 0], 1.0), ([4, 0, 0], 80.0)]);
+    /// assert_eq!(Ok(density), "1 + 80*x^4".parse());
+    /// ```
+    pub fn from_terms(terms: impl IntoIterator<Item = (Exponents, f64)>) -> Self {
+        let monomials = terms.into_iter();
+        monomials.fold(Self::default(), |sum, (exponents, coefficient)| {
+            sum + Self::monomial(coefficient, exponents)
+        })
+    }
+
     /// A constant.
     #[must_use]
     pub fn constant(value: f64) -> Self {

@@ -1,20 +1,20 @@
 //! The generalized Cauchy point: the first local minimizer of the quadratic model along the
 //! projected steepest descent path.
 //!
-//! \[B\] (see `compact`), section 4, Algorithm CP. The path `P(x − t g)` is piecewise
-//! linear with a corner wherever a variable meets its bound; the model is a parabola on each
-//! piece. Corners come from a heap, so that only those up to the minimizer are sorted.
+//! \[B\] (see `compact_bfgs`), section 4, Algorithm CP. The path `P(x − t g)` is piecewise
+//! linear with a breakpoint wherever a variable meets its bound; the model is a parabola on each
+//! segment. Breakpoints come from a heap, so that only those up to the minimizer are sorted.
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
 use nalgebra::DVector;
 
-use crate::minimize::compact::Compact;
+use crate::minimize::compact_bfgs::CompactBfgs;
 
 /// A point in a box and the gradient there.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Place<'a> {
+pub(crate) struct BoxedPoint<'a> {
     /// `x`.
     pub(crate) point: &'a [f64],
     /// `g = ∇f(x)`.
@@ -34,16 +34,16 @@ pub(crate) struct CauchyPoint {
     pub(crate) compressed: DVector<f64>,
 }
 
-/// When the path meets a bound.
+/// A breakpoint of the path (eq. 4.1): when a variable meets its bound.
 #[derive(Debug, PartialEq)]
-struct Corner {
+struct Breakpoint {
     time: f64,
     variable: usize,
 }
 
-impl Eq for Corner {}
+impl Eq for Breakpoint {}
 
-impl Ord for Corner {
+impl Ord for Breakpoint {
     /// The earliest is the greatest, ties by the smaller variable: heaps pop the greatest.
     fn cmp(&self, other: &Self) -> Ordering {
         let by_time = other.time.total_cmp(&self.time);
@@ -51,14 +51,14 @@ impl Ord for Corner {
     }
 }
 
-impl PartialOrd for Corner {
+impl PartialOrd for Breakpoint {
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         Some(self.cmp(other))
     }
 }
 
 /// The model along the current piece of the path.
-struct Piece {
+struct Segment {
     /// `t` where the piece begins.
     start: f64,
     /// `p = Wᵀ d`.
@@ -68,28 +68,28 @@ struct Piece {
     /// `f′` at the beginning.
     slope: f64,
     /// `f″`.
-    bend: f64,
+    curvature: f64,
     /// The least `f″` that rounding leaves, as in the authors' code.
-    least_bend: f64,
+    least_curvature: f64,
 }
 
 /// The generalized Cauchy point; `None` if the model is singular.
-pub(crate) fn cauchy_point(place: &Place, model: &Compact) -> Option<CauchyPoint> {
-    let (mut corners, mut direction) = corners(place);
+pub(crate) fn cauchy_point(place: &BoxedPoint, model: &CompactBfgs) -> Option<CauchyPoint> {
+    let (mut breakpoints, mut direction) = breakpoints(place);
     let mut point = place.point.to_vec();
-    let mut piece = first_piece(&direction, model)?;
+    let mut segment = first_segment(&direction, model)?;
     let mut moving = direction.iter().filter(|d| **d != 0.0).count();
-    while piece.slope < 0.0 && moving > 0 {
-        let to_minimum = -piece.slope / piece.bend;
-        let Some(corner) = corners.pop() else {
-            piece.advance(to_minimum);
+    while segment.slope < 0.0 && moving > 0 {
+        let to_minimum = -segment.slope / segment.curvature;
+        let Some(breakpoint) = breakpoints.pop() else {
+            segment.advance(to_minimum);
             break;
         };
-        if to_minimum < corner.time - piece.start {
-            piece.advance(to_minimum);
+        if to_minimum < breakpoint.time - segment.start {
+            segment.advance(to_minimum);
             break;
         }
-        let variable = corner.variable;
+        let variable = breakpoint.variable;
         point[variable] = if direction[variable] > 0.0 {
             place.upper[variable]
         } else {
@@ -97,21 +97,21 @@ pub(crate) fn cauchy_point(place: &Place, model: &Compact) -> Option<CauchyPoint
         };
         direction[variable] = 0.0;
         moving -= 1;
-        piece.turn(place, &corner, point[variable], model)?;
+        segment.pass(place, &breakpoint, point[variable], model)?;
     }
     for (variable, x) in point.iter_mut().enumerate() {
-        *x += piece.start * direction[variable];
+        *x += segment.start * direction[variable];
         *x = x.max(place.lower[variable]).min(place.upper[variable]);
     }
     Some(CauchyPoint {
         point,
-        compressed: piece.compressed,
+        compressed: segment.compressed,
     })
 }
 
-/// The corners of the path (eq. 4.1) and its first direction.
-fn corners(place: &Place) -> (BinaryHeap<Corner>, Vec<f64>) {
-    let mut corners = Vec::new();
+/// The breakpoints of the path (eq. 4.1) and its first direction.
+fn breakpoints(place: &BoxedPoint) -> (BinaryHeap<Breakpoint>, Vec<f64>) {
+    let mut breakpoints = Vec::new();
     let mut direction = vec![0.0; place.point.len()];
     for (variable, (&x, &slope)) in place.point.iter().zip(place.gradient).enumerate() {
         let bound = if slope < 0.0 {
@@ -125,49 +125,56 @@ fn corners(place: &Place) -> (BinaryHeap<Corner>, Vec<f64>) {
         }
         direction[variable] = -slope;
         if time.is_finite() {
-            corners.push(Corner { time, variable });
+            breakpoints.push(Breakpoint { time, variable });
         }
     }
-    (BinaryHeap::from(corners), direction)
+    (BinaryHeap::from(breakpoints), direction)
 }
 
-/// The model on the first piece.
-fn first_piece(direction: &[f64], model: &Compact) -> Option<Piece> {
+/// The model on the first segment.
+fn first_segment(direction: &[f64], model: &CompactBfgs) -> Option<Segment> {
     let compressed = model.transposed_times(direction);
     let length_squared: f64 = direction.iter().map(|d| d * d).sum();
-    let bend = model.theta * length_squared - compressed.dot(&model.middle_times(&compressed)?);
-    let least_bend = f64::EPSILON * model.theta * length_squared;
-    Some(Piece {
+    let curvature =
+        model.theta * length_squared - compressed.dot(&model.middle_times(&compressed)?);
+    let least_curvature = f64::EPSILON * model.theta * length_squared;
+    Some(Segment {
         start: 0.0,
         compressed: DVector::zeros(model.width()),
         direction: compressed,
         slope: -length_squared,
-        bend: bend.max(least_bend),
-        least_bend,
+        curvature: curvature.max(least_curvature),
+        least_curvature,
     })
 }
 
-impl Piece {
-    /// Goes on by `time` without a corner.
+impl Segment {
+    /// Goes on by `time` without a breakpoint.
     fn advance(&mut self, time: f64) {
         self.start += time;
         self.compressed += &self.direction * time;
     }
 
-    /// Goes to the corner, where a variable stops at `bound`.
-    fn turn(&mut self, place: &Place, corner: &Corner, bound: f64, model: &Compact) -> Option<()> {
-        let time = corner.time - self.start;
-        let gradient = place.gradient[corner.variable];
-        let moved = bound - place.point[corner.variable];
-        let row = model.row(corner.variable);
+    /// Goes to the breakpoint, where a variable stops at `bound`.
+    fn pass(
+        &mut self,
+        place: &BoxedPoint,
+        breakpoint: &Breakpoint,
+        bound: f64,
+        model: &CompactBfgs,
+    ) -> Option<()> {
+        let time = breakpoint.time - self.start;
+        let gradient = place.gradient[breakpoint.variable];
+        let moved = bound - place.point[breakpoint.variable];
+        let row = model.row(breakpoint.variable);
         let weighted = model.middle_times(&row)?;
         self.advance(time);
-        self.slope += time * self.bend + gradient * gradient + model.theta * gradient * moved
+        self.slope += time * self.curvature + gradient * gradient + model.theta * gradient * moved
             - gradient * weighted.dot(&self.compressed);
-        self.bend -= model.theta * gradient * gradient
+        self.curvature -= model.theta * gradient * gradient
             + 2.0 * gradient * weighted.dot(&self.direction)
             + gradient * gradient * weighted.dot(&row);
-        self.bend = self.bend.max(self.least_bend);
+        self.curvature = self.curvature.max(self.least_curvature);
         self.direction += row * gradient;
         Some(())
     }

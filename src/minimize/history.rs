@@ -1,9 +1,11 @@
-//! The last steps of a quasi-Newton run and how the gradient answered them.
+//! The pairs of a limited-memory quasi-Newton method and their dot products.
 //!
-//! A pair is `s = x₊ − x` and `y = ∇f(x₊) − ∇f(x)`. All that L-BFGS knows of the function's
-//! curvature is in the last few of them, and so is all that a run needs to be taken up again.
+//! A pair is `s = x₊ − x` and `y = ∇f(x₊) − ∇f(x)`. The model of the curvature is made of the last
+//! few of them (Byrd, Nocedal & Schnabel, Math. Programming 63, 1994, section 3). Their products are
+//! kept from step to step, at O(memory · n) a step; since `dot` is symmetric to the bit, those of
+//! pairs read from a checkpoint are the same.
 
-use crate::minimize::slices::dot;
+use crate::minimize::blas1::dot;
 
 /// A pair is kept if `s·y` exceeds this share of `|s| |y|`. \[B\] eq. 3.9 compares with `y·y`
 /// instead, which depends on the units: it would drop every pair of a stiff function.
@@ -14,16 +16,48 @@ const LEAST_CURVATURE: f64 = f64::EPSILON;
 pub struct History {
     steps: Vec<Vec<f64>>,
     changes: Vec<Vec<f64>>,
+    products: Products,
+}
+
+/// Dot products of the pairs.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Products {
+    /// `s_i · s_j`.
+    pub(crate) steps: Vec<Vec<f64>>,
+    /// `s_i · y_j`.
+    pub(crate) mixed: Vec<Vec<f64>>,
+    /// `y_i · y_j`.
+    pub(crate) changes: Vec<Vec<f64>>,
 }
 
 impl History {
     /// A history of given pairs, oldest first; surplus steps or changes are dropped.
     #[must_use]
-    pub fn from_parts(mut steps: Vec<Vec<f64>>, mut changes: Vec<Vec<f64>>) -> Self {
-        let count = steps.len().min(changes.len());
-        steps.truncate(count);
-        changes.truncate(count);
-        Self { steps, changes }
+    pub fn from_parts(steps: Vec<Vec<f64>>, changes: Vec<Vec<f64>>) -> Self {
+        let mut history = Self::default();
+        for (step, change) in steps.into_iter().zip(changes) {
+            history.append(step, change);
+        }
+        history
+    }
+
+    /// Adds a pair and its products with those before it.
+    fn append(&mut self, step: Vec<f64>, change: Vec<f64>) {
+        self.steps.push(step);
+        self.changes.push(change);
+        let Self {
+            steps,
+            changes,
+            products,
+        } = self;
+        extend(&mut products.steps, steps, steps);
+        extend(&mut products.mixed, steps, changes);
+        extend(&mut products.changes, changes, changes);
+    }
+
+    /// The dot products of the pairs.
+    pub(crate) fn products(&self) -> &Products {
+        &self.products
     }
 
     /// The steps `s`, oldest first.
@@ -55,6 +89,17 @@ impl History {
         let surplus = self.len().saturating_sub(memory);
         self.steps.drain(..surplus);
         self.changes.drain(..surplus);
+        let Products {
+            steps,
+            mixed,
+            changes,
+        } = &mut self.products;
+        for table in [steps, mixed, changes] {
+            table.drain(..surplus);
+            for row in table {
+                row.drain(..surplus);
+            }
+        }
     }
 
     /// Adds a pair if the curvature along it is positive, and says whether it did.
@@ -65,8 +110,18 @@ impl History {
             return false;
         }
         self.shorten(memory.saturating_sub(1));
-        self.steps.push(step);
-        self.changes.push(change);
+        self.append(step, change);
         true
     }
+}
+
+/// Adds the row and the column of the last vectors to a table of products.
+fn extend(table: &mut Vec<Vec<f64>>, left: &[Vec<f64>], right: &[Vec<f64>]) {
+    let (Some(last_left), Some(last_right)) = (left.last(), right.last()) else {
+        return;
+    };
+    for (row, vector) in table.iter_mut().zip(left) {
+        row.push(dot(vector, last_right));
+    }
+    table.push(right.iter().map(|vector| dot(last_left, vector)).collect());
 }

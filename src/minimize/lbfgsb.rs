@@ -2,7 +2,7 @@
 //!
 //! \[B\] Byrd, Lu, Nocedal & Zhu, *A limited memory algorithm for bound constrained
 //! optimization*, SIAM J. Sci. Comput. 16, 1995. One step: the quadratic model of the last few
-//! pairs (`compact`) is minimized along the projected gradient (`cauchy`), then over the
+//! pairs (`compact_bfgs`) is minimized along the projected gradient (`cauchy`), then over the
 //! variables left free (`subspace`); a line search goes towards that point (`line_search`).
 //! Everything is O(memory · n) a step, in an order that does not depend on threads.
 //!
@@ -14,27 +14,34 @@
 //!
 //! # Departures from \[B\]
 //!
-//! * The first model is `θ I` with the `θ` that moves the farthest group by `first_step`, not the
-//!   identity: sites in a unit cube have gradients of about a cell's volume.
+//! * The first model is `θ I` with the `θ` of the options, or that which moves the farthest
+//!   group by `first_step`, not the identity: sites in a unit cube have gradients of about a cell's volume.
 //! * The whole step is shortened so that no group moves farther than `largest_step`.
 //! * If a model is singular or its search fails, the pairs are dropped and the step is tried
 //!   once more from `θ I`, as in the authors' code.
 //!
 //! # Interruption
 //!
-//! A step depends on nothing but an [`LbfgsbState`]. Stopping after one and going on later with
-//! [`resume`] gives bit for bit what an uninterrupted run would have given.
+//! A step depends on nothing but an [`LbfgsbState`], which keeps the products of its pairs. Stopping
+//! after one and going on later with [`resume`] gives bit for bit what an uninterrupted run would
+//! have given. argmin's executor drives all steps of a call; the state that it carries is its own,
+//! without parameters, of which it would keep copies.
 
 use std::ops::ControlFlow;
 
-use argmin::core::{Error, Executor, KV, Problem, Solver};
+use argmin::core::{Error, Executor, IterState, KV, Problem, Solver, State, TerminationReason};
 
-use crate::minimize::compact::Products;
-use crate::minimize::lbfgsb_options::{LbfgsbError, LbfgsbOptions, check};
-use crate::minimize::lbfgsb_state::LbfgsbState;
-use crate::minimize::lbfgsb_step::{Question, take_step};
-use crate::minimize::problem::Ended;
-use crate::minimize::progress::Progress;
+use crate::minimize::blas1::{dot, largest_group};
+use crate::minimize::cauchy::{BoxedPoint, cauchy_point};
+use crate::minimize::compact_bfgs::CompactBfgs;
+use crate::minimize::lbfgsb_state::{LbfgsbError, LbfgsbOptions, LbfgsbState, check};
+use crate::minimize::line_search::{Line, Search, Trial, line_search};
+use crate::minimize::problem::Termination;
+use crate::minimize::subspace::subspace_minimizer;
+
+/// Changes of the value below this share of it, times √n, are rounding: a long sum is good to
+/// about half an ulp per √term.
+const VALUE_ROUNDING: f64 = 32.0 * f64::EPSILON;
 
 /// An accepted step, as the observer sees it.
 #[derive(Clone, Copy, Debug)]
@@ -53,12 +60,12 @@ pub struct LbfgsbEnd {
     /// The best point found, with all that is needed to go on.
     pub state: LbfgsbState,
     /// Why it ended.
-    pub ended: Ended,
+    pub ended: Termination,
 }
 
 /// Minimizes a function over the box `lower ≤ x ≤ upper`.
 ///
-/// `objective(x, gradient)` fills the gradient and returns the value. `observer` is told of every
+/// `objective(x, gradient)` fills the gradient and returns the value. `observer` is shown every
 /// accepted step and may stop the run. The start is moved into the box first.
 ///
 /// # Errors
@@ -83,52 +90,81 @@ pub fn lbfgsb(
 ///
 /// As [`lbfgsb`].
 pub fn resume(
+    objective: impl FnMut(&[f64], &mut [f64]) -> f64,
+    state: LbfgsbState,
+    lower: &[f64],
+    upper: &[f64],
+    options: &LbfgsbOptions,
+    mut observer: impl FnMut(&LbfgsbStep) -> ControlFlow<()>,
+) -> Result<LbfgsbEnd, LbfgsbError> {
+    let observe = |state: &mut LbfgsbState, displacement| {
+        observer(&LbfgsbStep {
+            state,
+            projected_gradient: state.projected_gradient(lower, upper),
+            displacement,
+        })
+    };
+    run(objective, state, lower, upper, options, observe)
+}
+
+/// As [`resume`], for an observer of the state and the displacement that may take the state for the
+/// time of its call.
+pub(crate) fn run(
     mut objective: impl FnMut(&[f64], &mut [f64]) -> f64,
     state: LbfgsbState,
     lower: &[f64],
     upper: &[f64],
     options: &LbfgsbOptions,
-    observer: impl FnMut(&LbfgsbStep) -> ControlFlow<()>,
+    observer: impl FnMut(&mut LbfgsbState, f64) -> ControlFlow<()>,
 ) -> Result<LbfgsbEnd, LbfgsbError> {
     check(&state, lower, upper, options)?;
     let solver = Lbfgsb {
-        question: Question {
+        bounded: BoxProblem {
             lower,
             upper,
             options,
         },
         observer,
-        products: Products::default(),
+        state,
+        ended: None,
     };
-    let run = Executor::new(&mut objective, solver)
-        .configure(|mut progress| {
-            progress.iterate = state;
-            progress
-        })
-        .ctrlc(false)
-        .run();
-    match run {
-        Ok(result) => Ok(LbfgsbEnd {
-            state: result.state.iterate,
-            ended: result.state.ended.unwrap_or(Ended::NotFinite),
-        }),
-        Err(error) => Err(LbfgsbError::Executor {
-            message: error.to_string(),
-        }),
-    }
+    let run = Executor::new(&mut objective, solver).ctrlc(false).run();
+    let solver = run.map(|result| result.solver);
+    let solver = solver.map_err(|error| LbfgsbError::Executor {
+        message: error.to_string(),
+    })?;
+    Ok(LbfgsbEnd {
+        state: solver.state,
+        ended: solver.ended.unwrap_or(Termination::NotFinite),
+    })
 }
 
-/// The solver: the question without its function.
+/// argmin's bookkeeping: whether the run is over.
+type Bookkeeping = IterState<(), (), (), (), (), f64>;
+
+/// The box and the options of a run.
+#[derive(Clone, Copy, Debug)]
+struct BoxProblem<'a> {
+    /// `l`.
+    lower: &'a [f64],
+    /// `u`.
+    upper: &'a [f64],
+    options: &'a LbfgsbOptions,
+}
+
+/// The solver, with the state that it steps from.
 struct Lbfgsb<'a, O> {
-    question: Question<'a>,
+    bounded: BoxProblem<'a>,
     observer: O,
-    products: Products,
+    state: LbfgsbState,
+    /// Why the run is over, once it is.
+    ended: Option<Termination>,
 }
 
-impl<F, O> Solver<F, Progress<LbfgsbState>> for Lbfgsb<'_, O>
+impl<F, O> Solver<F, Bookkeeping> for Lbfgsb<'_, O>
 where
     F: FnMut(&[f64], &mut [f64]) -> f64,
-    O: FnMut(&LbfgsbStep) -> ControlFlow<()>,
+    O: FnMut(&mut LbfgsbState, f64) -> ControlFlow<()>,
 {
     fn name(&self) -> &'static str {
         "L-BFGS-B"
@@ -137,102 +173,270 @@ where
     fn init(
         &mut self,
         problem: &mut Problem<F>,
-        mut progress: Progress<LbfgsbState>,
-    ) -> Result<(Progress<LbfgsbState>, Option<KV>), Error> {
-        let state = &mut progress.iterate;
+        bookkeeping: Bookkeeping,
+    ) -> Result<(Bookkeeping, Option<KV>), Error> {
+        let BoxProblem {
+            lower,
+            upper,
+            options,
+        } = self.bounded;
+        let state = &mut self.state;
         if let (0, Some(objective)) = (state.evaluations, &mut problem.problem) {
-            for (x, (lower, upper)) in state
-                .point
-                .iter_mut()
-                .zip(self.question.lower.iter().zip(self.question.upper))
-            {
+            for (x, (lower, upper)) in state.point.iter_mut().zip(lower.iter().zip(upper)) {
                 *x = x.max(*lower).min(*upper);
             }
             state.value = objective(&state.point, &mut state.gradient);
             state.evaluations = 1;
         }
-        state.history.shorten(self.question.options.memory);
-        self.products = Products::of(&state.history);
-        let finite = state.value.is_finite() && state.gradient.iter().all(|g| g.is_finite());
-        let ended = if finite {
-            self.convergence(state)
+        state.history.shorten(options.memory);
+        let is_finite = state.value.is_finite() && state.gradient.iter().all(|g| g.is_finite());
+        self.ended = if is_finite {
+            self.convergence()
         } else {
-            Some(Ended::NotFinite)
+            Some(Termination::NotFinite)
         };
-        if let Some(ended) = ended {
-            progress.end(ended);
-        }
-        Ok((progress, None))
+        Ok((noted(bookkeeping, self.ended), None))
     }
 
     fn next_iter(
         &mut self,
         problem: &mut Problem<F>,
-        mut progress: Progress<LbfgsbState>,
-    ) -> Result<(Progress<LbfgsbState>, Option<KV>), Error> {
-        let ended = match &mut problem.problem {
-            Some(objective) => self.advance(objective, &mut progress.iterate),
-            None => Some(Ended::NotFinite),
+        bookkeeping: Bookkeeping,
+    ) -> Result<(Bookkeeping, Option<KV>), Error> {
+        self.ended = match &mut problem.problem {
+            Some(objective) => self.advance(objective),
+            None => Some(Termination::NotFinite),
         };
-        if let Some(ended) = ended {
-            progress.end(ended);
-        }
-        Ok((progress, None))
+        Ok((noted(bookkeeping, self.ended), None))
     }
 }
 
-impl<O: FnMut(&LbfgsbStep) -> ControlFlow<()>> Lbfgsb<'_, O> {
+/// The bookkeeping, with the reason for which the run is over.
+fn noted(bookkeeping: Bookkeeping, ended: Option<Termination>) -> Bookkeeping {
+    let Some(ended) = ended else {
+        return bookkeeping;
+    };
+    bookkeeping.terminate_with(match ended {
+        Termination::EvaluationLimit => TerminationReason::MaxItersReached,
+        Termination::Stopped => TerminationReason::Interrupt,
+        _ => TerminationReason::SolverConverged,
+    })
+}
+
+impl<O: FnMut(&mut LbfgsbState, f64) -> ControlFlow<()>> Lbfgsb<'_, O> {
     /// One accepted step; a reason if it was the last or there is none.
     fn advance(
         &mut self,
         objective: &mut impl FnMut(&[f64], &mut [f64]) -> f64,
-        state: &mut LbfgsbState,
-    ) -> Option<Ended> {
-        let value_before = state.value;
+    ) -> Option<Termination> {
+        let value_before = self.state.value;
         let displacement = loop {
-            match take_step(&self.question, &mut self.products, objective, state) {
+            match self.bounded.take_step(objective, &mut self.state) {
                 Ok(displacement) => break displacement,
-                Err(ended) if self.forget(state, ended) => {}
+                Err(ended) if self.forget(ended) => {}
                 Err(ended) => return Some(ended),
             }
         };
-        let observed = (self.observer)(&LbfgsbStep {
-            state,
-            projected_gradient: state.projected_gradient(self.question.lower, self.question.upper),
-            displacement,
-        });
-        let decrease = value_before - state.value;
-        let size = value_before.abs().max(state.value.abs());
-        let settled = decrease <= self.question.options.value_tolerance * size;
-        let settled = settled && self.question.options.value_tolerance > 0.0;
-        self.convergence(state)
-            .or(settled.then_some(Ended::ValueSettled))
-            .or(observed.is_break().then_some(Ended::Stopped))
+        let observed = (self.observer)(&mut self.state, displacement);
+        let decrease = value_before - self.state.value;
+        let size = value_before.abs().max(self.state.value.abs());
+        let tolerance = self.bounded.options.value_tolerance;
+        let is_settled = tolerance > 0.0 && decrease <= tolerance * size;
+        self.convergence()
+            .or(is_settled.then_some(Termination::ValueSettled))
+            .or(observed.is_break().then_some(Termination::Stopped))
     }
 
     /// Forgets pairs after a step that failed; false if another try would be of no use.
     ///
     /// First all but the last pair go, which keeps the scale of the model, then that one too.
-    fn forget(&mut self, state: &mut LbfgsbState, ended: Ended) -> bool {
-        let left = match (state.history.len(), ended) {
-            (0, _) | (_, Ended::EvaluationLimit) | (1, Ended::AtRounding) => return false,
+    fn forget(&mut self, ended: Termination) -> bool {
+        let left = match (self.state.history.len(), ended) {
+            (0, _) | (_, Termination::EvaluationLimit) | (1, Termination::AtRounding) => {
+                return false;
+            }
             (1, _) => 0,
             _ => 1,
         };
-        state.history.shorten(left);
-        self.products = Products::of(&state.history);
+        self.state.history.shorten(left);
         true
     }
 
     /// Whether the run is over whatever the last step was.
-    fn convergence(&self, state: &LbfgsbState) -> Option<Ended> {
-        let gradient = state.projected_gradient(self.question.lower, self.question.upper);
-        if gradient <= self.question.options.gradient_tolerance * self.question.options.scale {
-            Some(Ended::GradientSmall)
-        } else if state.evaluations >= self.question.options.max_evaluations {
-            Some(Ended::EvaluationLimit)
+    fn convergence(&self) -> Option<Termination> {
+        let BoxProblem {
+            lower,
+            upper,
+            options,
+        } = self.bounded;
+        let gradient = self.state.projected_gradient(lower, upper);
+        if gradient <= options.gradient_tolerance * options.scale {
+            Some(Termination::GradientSmall)
+        } else if self.state.evaluations >= options.max_evaluations {
+            Some(Termination::EvaluationLimit)
         } else {
             None
         }
+    }
+}
+
+impl BoxProblem<'_> {
+    /// Takes one step and returns how far it moved the farthest group.
+    ///
+    /// # Errors
+    ///
+    /// Why there is none; the state then differs in its evaluation count only.
+    fn take_step(
+        &self,
+        objective: &mut impl FnMut(&[f64], &mut [f64]) -> f64,
+        state: &mut LbfgsbState,
+    ) -> Result<f64, Termination> {
+        let target = self.target(state).ok_or(Termination::NoDescent)?;
+        let mut line = LineToTarget::new(self, objective, state, target);
+        let displacement = largest_group(&line.direction, self.options.group);
+        let search = line.search(displacement)?;
+        let found = line_search(&search, &mut line);
+        let evaluations = line.evaluations;
+        let reached = found.map(|trial| (trial, line.point_at(trial.fraction), line.kept_gradient));
+        state.evaluations = evaluations;
+        let (trial, point, gradient) = reached?;
+        let step = difference(&point, &state.point);
+        let change = difference(&gradient, &state.gradient);
+        state.history.push(step, change, self.options.memory);
+        state.point = point;
+        state.value = trial.value;
+        state.gradient = gradient;
+        state.iterations += 1;
+        Ok(trial.fraction * displacement)
+    }
+
+    /// The minimizer of the model in the box, as far as \[B\] goes for it.
+    fn target(&self, state: &LbfgsbState) -> Option<Vec<f64>> {
+        let options = self.options;
+        let first = options
+            .first_curvature
+            .unwrap_or_else(|| largest_group(&state.gradient, options.group) / options.first_step);
+        let model = CompactBfgs::new(&state.history, first);
+        let place = BoxedPoint {
+            point: &state.point,
+            gradient: &state.gradient,
+            lower: self.lower,
+            upper: self.upper,
+        };
+        let cauchy = cauchy_point(&place, &model)?;
+        subspace_minimizer(&place, &model, cauchy)
+    }
+}
+
+/// `a − b`.
+fn difference(a: &[f64], b: &[f64]) -> Vec<f64> {
+    a.iter().zip(b).map(|(a, b)| a - b).collect()
+}
+
+/// The function on the line from the current point to the target and beyond.
+struct LineToTarget<'a, F> {
+    bounded: &'a BoxProblem<'a>,
+    objective: &'a mut F,
+    start: &'a LbfgsbState,
+    target: Vec<f64>,
+    direction: Vec<f64>,
+    trial_gradient: Vec<f64>,
+    kept_gradient: Vec<f64>,
+    evaluations: u64,
+}
+
+impl<'a, F: FnMut(&[f64], &mut [f64]) -> f64> LineToTarget<'a, F> {
+    fn new(
+        bounded: &'a BoxProblem<'a>,
+        objective: &'a mut F,
+        start: &'a LbfgsbState,
+        target: Vec<f64>,
+    ) -> Self {
+        Self {
+            bounded,
+            objective,
+            start,
+            direction: difference(&target, &start.point),
+            target,
+            trial_gradient: vec![0.0; start.point.len()],
+            kept_gradient: vec![0.0; start.point.len()],
+            evaluations: start.evaluations,
+        }
+    }
+
+    /// What the line search needs to know.
+    fn search(&self, displacement: f64) -> Result<Search, Termination> {
+        let slope = dot(&self.start.gradient, &self.direction);
+        if displacement == 0.0 {
+            return Err(Termination::AtRounding);
+        }
+        if !(slope < 0.0 && slope.is_finite()) {
+            return Err(Termination::NoDescent);
+        }
+        let longest = self
+            .longest_in_box()
+            .min(self.bounded.options.largest_step / displacement);
+        let root = (self.direction.len() as f64).sqrt();
+        Ok(Search {
+            start: Trial {
+                fraction: 0.0,
+                value: self.start.value,
+                slope,
+            },
+            first: longest.min(1.0),
+            longest,
+            rounding: VALUE_ROUNDING * root * self.start.value.abs(),
+        })
+    }
+
+    /// The fraction at which the first variable leaves the box; at least 1, where the target is.
+    fn longest_in_box(&self) -> f64 {
+        let mut longest = f64::INFINITY;
+        for (i, &d) in self
+            .direction
+            .iter()
+            .enumerate()
+            .filter(|(_, d)| **d != 0.0)
+        {
+            let bounds = if d > 0.0 {
+                self.bounded.upper
+            } else {
+                self.bounded.lower
+            };
+            longest = longest.min((bounds[i] - self.start.point[i]) / d);
+        }
+        longest.max(1.0)
+    }
+
+    /// The point at a fraction of the line, inside the box; the target itself at 1.
+    fn point_at(&self, fraction: f64) -> Vec<f64> {
+        if fraction.to_bits() == 1.0_f64.to_bits() {
+            return self.target.clone();
+        }
+        let at = |i: usize| {
+            let moved = self.start.point[i] + fraction * self.direction[i];
+            moved.max(self.bounded.lower[i]).min(self.bounded.upper[i])
+        };
+        (0..self.direction.len()).map(at).collect()
+    }
+}
+
+impl<F: FnMut(&[f64], &mut [f64]) -> f64> Line for LineToTarget<'_, F> {
+    fn evaluate(&mut self, fraction: f64) -> Option<Trial> {
+        if self.evaluations >= self.bounded.options.max_evaluations {
+            return None;
+        }
+        self.evaluations += 1;
+        let point = self.point_at(fraction);
+        let value = (self.objective)(&point, &mut self.trial_gradient);
+        Some(Trial {
+            fraction,
+            value,
+            slope: dot(&self.trial_gradient, &self.direction),
+        })
+    }
+
+    fn keep(&mut self) {
+        std::mem::swap(&mut self.trial_gradient, &mut self.kept_gradient);
     }
 }

@@ -12,7 +12,7 @@
 //! * At the longest fraction allowed, sufficient decrease is enough; so it is when the
 //!   trials run out.
 
-use crate::minimize::problem::Ended;
+use crate::minimize::problem::Termination;
 
 /// Sufficient decrease (Nocedal & Wright, section 3.1).
 const DECREASE: f64 = 1e-4;
@@ -69,14 +69,14 @@ pub(crate) struct Search {
 /// # Errors
 ///
 /// Why there is none: rounding, no descent, or no evaluation left.
-pub(crate) fn line_search(search: &Search, line: &mut impl Line) -> Result<Trial, Ended> {
+pub(crate) fn line_search(search: &Search, line: &mut impl Line) -> Result<Trial, Termination> {
     let mut low = search.start;
     let mut high: Option<Trial> = None;
     let mut fraction = search.first.min(search.longest);
     let mut widths = [f64::INFINITY; 2];
     for _ in 0..MAX_TRIALS {
         let Some(trial) = line.evaluate(fraction) else {
-            return kept(search, low, Ended::EvaluationLimit);
+            return kept(search, low, Termination::EvaluationLimit);
         };
         if search.is_high(&trial, &low) {
             if search.promises_at_most(search.rounding, fraction) {
@@ -106,7 +106,7 @@ pub(crate) fn line_search(search: &Search, line: &mut impl Line) -> Result<Trial
 }
 
 /// The best trial if it is lower than the start, else why there is none.
-fn kept(search: &Search, low: Trial, ended: Ended) -> Result<Trial, Ended> {
+fn kept(search: &Search, low: Trial, ended: Termination) -> Result<Trial, Termination> {
     if low.value < search.start.value {
         Ok(low)
     } else {
@@ -138,11 +138,11 @@ impl Search {
     }
 
     /// Why a search found nothing lower: it never had much to gain, or the slope is wrong.
-    fn failure(&self) -> Ended {
+    fn failure(&self) -> Termination {
         if self.promises_at_most(SMALL_GAIN * self.rounding, self.first) {
-            Ended::AtRounding
+            Termination::AtRounding
         } else {
-            Ended::NoDescent
+            Termination::NoDescent
         }
     }
 }

@@ -1,41 +1,32 @@
 //! Bound-constrained minimization on the traits of argmin.
 //!
 //! argmin keeps five nouns apart: the *problem* (a closure), the *solver* (one step), the
-//! *state* (where it stands), the *executor* (the loop) and the *observer*. It ships no solver
+//! *state* between two steps, the *executor* (the loop) and the *observer*. It ships no solver
 //! that respects a box, so the two here are our own, and argmin is named nowhere else:
 //!
-//! * [`newton`]: two or three variables, exact Hessian, convex; one call per Voronoi cell. It
-//!   stands where `newton_state` says, steps (`newton_step`) by its quadratic model in the box
-//!   (`box_quadratic`) and tests the step (`backtracking`) or predicts the minimum (`prediction`). Its loop is
-//!   a plain one, for speed.
-//! * [`lbfgsb`]: any number of variables, gradients only; the paper's choice for a cell, and the
-//!   solver of the global objective. It is asked through [`lbfgsb_options`], stands where
-//!   [`lbfgsb_state`] says, remembers its [`history`], and steps (`lbfgsb_step`) by the compact
-//!   model (`compact`), the generalized Cauchy point (`cauchy`), the step over the free variables
-//!   (`subspace`) and a search along it (`line_search`).
+//! * [`newton`]: two or three variables, exact Hessian, convex; one call per Voronoi cell.
+//!   `newton_step` minimizes the quadratic model in the box (`box_qp`) and tests the step; `ahead`
+//!   predicts the minimum of a polynomial. Its loop is a plain one, for speed.
+//! * [`lbfgsb`]: any number of variables, gradients only; \[BL\]'s choice for a cell, and the
+//!   solver of the global objective, on argmin's executor. Its [`lbfgsb_state`] holds the
+//!   [`history`] of pairs; a step takes the compact model (`compact_bfgs`), the generalized Cauchy
+//!   point (`cauchy`), the minimizer over the free variables (`subspace`) and a `line_search`.
 //!
-//! [`problem`] holds the words all speak: what an evaluation is, and why a run ended; an
-//! `objective` is a function that may know more than its values. `progress`
-//! carries L-BFGS-B through argmin's executor.
+//! [`problem`] holds evaluations, minima and why a run ended; an `objective` is a function that may
+//! know its higher derivatives. `blas1` has the sums over long vectors.
 
 pub mod history;
 pub mod lbfgsb;
-pub mod lbfgsb_options;
 pub mod lbfgsb_state;
 pub mod newton;
 pub(crate) mod objective;
 pub mod problem;
 
-mod backtracking;
-mod box_quadratic;
+mod blas1;
+mod box_qp;
 mod cauchy;
-mod compact;
-mod inverse;
-mod lbfgsb_step;
+mod compact_bfgs;
 mod line_search;
-mod newton_state;
 mod newton_step;
 mod prediction;
-mod progress;
-mod slices;
 mod subspace;

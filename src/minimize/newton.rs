@@ -2,8 +2,8 @@
 //!
 //! The steps themselves are made in `newton_step`.
 //!
-//! The loop is a plain one: a Voronoi cell takes three steps, and argmin's executor around them was
-//! felt in the time of a whole relaxation, by one or two percent.
+//! The loop is a plain one: a Voronoi cell takes three steps, and argmin's executor around them cost
+//! one or two percent of a whole relaxation's time.
 //!
 //! # Conventions
 //!
@@ -23,11 +23,11 @@
 
 use nalgebra::{SMatrix, SVector};
 
-use crate::minimize::backtracking::{VALUE_ROUNDING, cut, is_accepted, is_finite};
-use crate::minimize::newton_state::{NewtonState, predicted};
-use crate::minimize::newton_step::newton_step;
+use crate::minimize::newton_step::{
+    NewtonState, VALUE_ROUNDING, cut, is_accepted, is_finite, newton_step, predicted,
+};
 use crate::minimize::objective::{Objective, Plain};
-use crate::minimize::problem::{Ended, Evaluation, Jet, Minimum};
+use crate::minimize::problem::{Evaluation, Jet, Minimum, Termination};
 
 /// Up to this many times the rounding of values, a gain that does not come is put down to it.
 const SMALL_GAIN: f64 = 1e3;
@@ -36,7 +36,7 @@ const POINT_ROUNDING: f64 = f64::EPSILON;
 /// Cuts of one step before it is given up: at 0.5 each it is then below rounding.
 const MAX_CUTS: usize = 60;
 
-/// What [`newton`] is asked for.
+/// The options of [`newton`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NewtonOptions {
     /// What the gradient is measured by (for a cell of energy order 1: its volume).
@@ -97,7 +97,7 @@ pub(crate) fn minimize<const D: usize>(
     let mut ended = if is_finite(&current.jet.evaluation) {
         solver.convergence(&current)
     } else {
-        Some(Ended::NotFinite)
+        Some(Termination::NotFinite)
     };
     while ended.is_none() {
         ended = solver.advance(objective, &mut current);
@@ -105,7 +105,7 @@ pub(crate) fn minimize<const D: usize>(
     current.minimum(ended)
 }
 
-/// The solver: the question without its function.
+/// The solver: the box and the options.
 #[derive(Debug)]
 pub(crate) struct ProjectedNewton<const D: usize> {
     pub(crate) lower: SVector<f64, D>,
@@ -119,24 +119,24 @@ impl<const D: usize> ProjectedNewton<D> {
         &self,
         objective: &mut impl Objective<D>,
         current: &mut NewtonState<D>,
-    ) -> Option<Ended> {
+    ) -> Option<Termination> {
         let Jet { evaluation, third } = &current.jet;
         let Some(step) = self.step(&current.point, evaluation, third.as_ref()) else {
-            return Some(Ended::NoDescent);
+            return Some(Termination::NoDescent);
         };
         let size = step.amax();
         if is_lost(&step, &current.point) || self.is_noise(current, &step) {
-            return Some(Ended::AtRounding);
+            return Some(Termination::AtRounding);
         }
         let has_third = current.jet.third.is_some();
         if (current.last_step).is_some_and(|last| self.is_negligible(size, last, has_third)) {
             current.jet.evaluation = predicted(&current.jet.evaluation, &step);
             current.point = self.moved(&current.point, &step, 1.0);
-            return Some(Ended::StepNegligible);
+            return Some(Termination::StepNegligible);
         }
         if let Some((point, evaluation)) = self.predicted_minimum(objective, current, &step) {
             (current.point, current.jet.evaluation) = (point, evaluation);
-            return Some(Ended::StepNegligible);
+            return Some(Termination::StepNegligible);
         }
         match self.search(objective, current, &step) {
             Ok(fraction) => current.last_step = (fraction >= 1.0).then_some(size),
@@ -186,13 +186,13 @@ impl<const D: usize> ProjectedNewton<D> {
         objective: &mut impl Objective<D>,
         current: &mut NewtonState<D>,
         step: &SVector<f64, D>,
-    ) -> Result<f64, Ended> {
+    ) -> Result<f64, Termination> {
         let start = current.jet.evaluation;
         let slope = start.gradient.dot(step);
         let mut fraction = 1.0;
         for _ in 0..MAX_CUTS {
             if current.evaluations >= self.options.max_evaluations {
-                return Err(Ended::EvaluationLimit);
+                return Err(Termination::EvaluationLimit);
             }
             let point = self.moved(&current.point, step, fraction);
             let jet = objective.jet(&point);
@@ -208,9 +208,9 @@ impl<const D: usize> ProjectedNewton<D> {
             fraction *= cut(trial.value - start.value, fraction * slope);
         }
         if -slope <= SMALL_GAIN * VALUE_ROUNDING * start.value.abs() {
-            Err(Ended::AtRounding)
+            Err(Termination::AtRounding)
         } else {
-            Err(Ended::NoDescent)
+            Err(Termination::NoDescent)
         }
     }
 
@@ -238,11 +238,11 @@ impl<const D: usize> ProjectedNewton<D> {
     }
 
     /// Whether the run is over at `current`.
-    fn convergence(&self, current: &NewtonState<D>) -> Option<Ended> {
+    fn convergence(&self, current: &NewtonState<D>) -> Option<Termination> {
         if self.is_flat(&current.point, &current.jet.evaluation.gradient) {
-            Some(Ended::GradientSmall)
+            Some(Termination::GradientSmall)
         } else if current.evaluations >= self.options.max_evaluations {
-            Some(Ended::EvaluationLimit)
+            Some(Termination::EvaluationLimit)
         } else {
             None
         }

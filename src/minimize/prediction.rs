@@ -5,9 +5,8 @@
 
 use nalgebra::SVector;
 
-use crate::minimize::backtracking::is_finite;
 use crate::minimize::newton::ProjectedNewton;
-use crate::minimize::newton_state::{NewtonState, predicted};
+use crate::minimize::newton_step::{NewtonState, is_finite, predicted};
 use crate::minimize::objective::Objective;
 use crate::minimize::problem::Evaluation;
 

@@ -1,4 +1,4 @@
-//! What is asked of a minimizer and what it answers.
+//! Functions to minimize, minima, and why a minimization ended.
 //!
 //! A problem is a closure and a box `lower ≤ x ≤ upper` (infinite bounds allowed). A minimizer
 //! never panics on a bad closure: values that are not finite are rejected trials, and why a run
@@ -42,19 +42,19 @@ impl<const D: usize> From<Evaluation<D>> for Jet<D> {
 pub struct Minimum<const D: usize> {
     /// The best point found, inside the box.
     pub point: SVector<f64, D>,
-    /// `f(point)`; by the last quadratic model if it ended with [`Ended::StepNegligible`].
+    /// `f(point)`; by the last quadratic model if it ended with [`Termination::StepNegligible`].
     pub value: f64,
     /// `∇f(point)`, not projected; by the model in the same case.
     pub gradient: SVector<f64, D>,
     /// How many times the function was evaluated.
     pub evaluations: u32,
     /// Why it ended.
-    pub ended: Ended,
+    pub ended: Termination,
 }
 
 /// Why a minimization ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Ended {
+pub enum Termination {
     /// The projected gradient is below the tolerance.
     GradientSmall,
     /// The last step was so short, and shorter than the one before by so much, that the point
@@ -74,7 +74,7 @@ pub enum Ended {
     Stopped,
 }
 
-impl Ended {
+impl Termination {
     /// Whether the point is a minimum to the accuracy asked for or to what `f64` can tell.
     #[must_use]
     pub fn converged(self) -> bool {
@@ -100,7 +100,7 @@ impl Ended {
     }
 }
 
-impl fmt::Display for Ended {
+impl fmt::Display for Termination {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         formatter.write_str(self.sentence())
     }

@@ -1,6 +1,6 @@
 //! The step beyond the generalized Cauchy point, over the variables that are free there.
 //!
-//! \[B\] (see `compact`), section 5.1, the direct primal method: minimize the model over the free
+//! \[B\] (see `compact_bfgs`), section 5.1, the direct primal method: minimize the model over the free
 //! variables as if they had no bounds, by the Sherman-Morrison-Woodbury formula (eq. 5.11), then
 //! return to the box. The return is by projection (Morales & Nocedal, ACM TOMS 38, 2011, section
 //! 3) and by the paper's truncation (eq. 5.8) where projection does not lead downhill.
@@ -11,8 +11,9 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::minimize::cauchy::{CauchyPoint, Place};
-use crate::minimize::compact::{Compact, Products};
+use crate::minimize::cauchy::{BoxedPoint, CauchyPoint};
+use crate::minimize::compact_bfgs::CompactBfgs;
+use crate::minimize::history::Products;
 
 /// Subtraction is used below this share of held variables; above it summing the free ones
 /// costs about as much.
@@ -23,15 +24,14 @@ const CANCELLATION: f64 = 1e-4;
 /// The minimizer of the model over the free variables, returned to the box; `None` if the
 /// model is singular.
 pub(crate) fn subspace_minimizer(
-    place: &Place,
-    model: &Compact,
-    products: &Products,
+    place: &BoxedPoint,
+    model: &CompactBfgs,
     cauchy: CauchyPoint,
 ) -> Option<Vec<f64>> {
     let free: Vec<bool> = (0..cauchy.point.len())
         .map(|i| place.lower[i] < cauchy.point[i] && cauchy.point[i] < place.upper[i])
         .collect();
-    let step = free_step(place, model, products, &cauchy, &free)?;
+    let step = free_step(place, model, &cauchy, &free)?;
     let projected: Vec<f64> = (0..free.len())
         .map(|i| {
             let moved = cauchy.point[i] + step[i];
@@ -50,9 +50,8 @@ pub(crate) fn subspace_minimizer(
 
 /// `d̂` (eq. 5.11), zero for held variables.
 fn free_step(
-    place: &Place,
-    model: &Compact,
-    products: &Products,
+    place: &BoxedPoint,
+    model: &CompactBfgs,
     cauchy: &CauchyPoint,
     free: &[bool],
 ) -> Option<Vec<f64>> {
@@ -66,7 +65,7 @@ fn free_step(
         &model.middle_times(&cauchy.compressed)?,
     );
     restrict(&mut residual, free);
-    let matrix = &model.inverse_middle - free_products(model, products, free) / theta;
+    let matrix = &model.inverse_middle - free_products(model, free) / theta;
     let solved = model.solve_like_middle(&matrix, &model.transposed_times(&residual))?;
     let mut step: Vec<f64> = residual.iter().map(|r| -r / theta).collect();
     model.add_times(&mut step, -1.0 / (theta * theta), &solved);
@@ -82,8 +81,8 @@ fn restrict(vector: &mut [f64], free: &[bool]) {
 }
 
 /// `WᵀZZᵀW`.
-fn free_products(model: &Compact, products: &Products, free: &[bool]) -> DMatrix<f64> {
-    let all = all_products(products, model.theta);
+fn free_products(model: &CompactBfgs, free: &[bool]) -> DMatrix<f64> {
+    let all = all_products(model.products(), model.theta);
     let held = free.iter().filter(|free| !**free).count();
     if held == 0 || all.is_empty() {
         return all;
@@ -111,7 +110,7 @@ fn all_products(products: &Products, theta: f64) -> DMatrix<f64> {
 }
 
 /// `Σ w wᵀ` over the rows of `W` of the free variables, or of the held ones.
-fn sum_of_rows(model: &Compact, free: &[bool], of_free: bool) -> DMatrix<f64> {
+fn sum_of_rows(model: &CompactBfgs, free: &[bool], of_free: bool) -> DMatrix<f64> {
     let mut sum = DMatrix::zeros(model.width(), model.width());
     let mut row = DVector::zeros(model.width());
     for (variable, _) in (0..).zip(free).filter(|(_, free)| **free == of_free) {
@@ -122,7 +121,7 @@ fn sum_of_rows(model: &Compact, free: &[bool], of_free: bool) -> DMatrix<f64> {
 }
 
 /// `xᶜ + α d̂` with the largest `α ≤ 1` in the box (eq. 5.8).
-fn truncated(place: &Place, mut point: Vec<f64>, step: &[f64]) -> Vec<f64> {
+fn truncated(place: &BoxedPoint, mut point: Vec<f64>, step: &[f64]) -> Vec<f64> {
     let mut fraction = 1.0_f64;
     for (i, &d) in step.iter().enumerate() {
         let bound = if d > 0.0 {

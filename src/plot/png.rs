@@ -1,4 +1,4 @@
-//! Figures as PNG, anti-aliased.
+//! Metrics as PNG, anti-aliased.
 
 use nalgebra::Point2;
 use tiny_skia::{FillRule, LineCap, LineJoin, Paint, PathBuilder, Pixmap, StrokeDash, Transform};

@@ -1,4 +1,4 @@
-//! Figures as SVG, coordinates rounded to 0.01 figure units.
+//! Metrics as SVG, coordinates rounded to 0.01 figure units.
 
 use std::fmt::Write;
 

@@ -1,108 +1,83 @@
-//! Lloyd's iteration: every site moves to the minimizer of its own cell's energy.
+//! One move of Lloyd's iteration, perhaps over-relaxed: every site moves to the minimizer of its own
+//! cell's energy.
 //!
 //! With the Chebyshev norm this is the L2∣∞ Lloyd relaxation of \[BL\] section 3.5, with the
-//! Euclidean norm the classical one. The loop is the same in the plane and in space.
-
-use std::ops::ControlFlow;
-use std::time::Instant;
+//! Euclidean norm the classical one. The move is the same in the plane and in space.
+//!
+//! Lloyd's iteration creeps: in long waves the linear part of its map leaves close to all of an error
+//! (Du, Faber & Gunzburger, SIAM Review 41, 1999, section 5.2). A move [`OVERRELAXATION`] times as
+//! far has the same fixed points and leaves that much less of them. In short waves it shoots past, so
+//! of the two moves the one that ends lower is made: no move ends above Lloyd's own from the same
+//! sites. Nothing is remembered from one move to the next. (Anderson's acceleration, with a memory
+//! of 3 to 20 moves and the same safeguard, was measured to gain less.)
 
 use nalgebra::Point;
 
-use crate::relax::over_relaxation::{Moves, advance, look};
-use crate::relax::record::{Movement, Record};
-use crate::relax::tessellation::{Question, Tessellation};
+use crate::relax::relaxation_space::{CellResult, EnergySpec, RelaxationSpace};
 
-/// When to stop, and what to minimize.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LloydOptions {
-    /// Moves in total, those before a resumption counted.
-    pub iterations: u64,
-    /// Stop after a move with `movement_percent` below this.
-    pub tolerance: f64,
-    /// What is asked of every cell.
-    pub question: Question,
-    /// Whether moves are lengthened where that ends lower
-    /// ([`over_relaxation`](crate::relax::over_relaxation)).
-    pub is_accelerated: bool,
+/// How many times as far as Lloyd's a lengthened move goes. Measured over 50 and 150 moves from 1000
+/// random sites, 3, 3.5 and 4 gain alike and 1.5 to 2.5 less, as do lengths that alternate; of these
+/// 3 is rejected least often, one time in five.
+pub const OVERRELAXATION: f64 = 3.0;
+
+/// Sites with the results of their cells.
+#[derive(Clone, Debug)]
+pub(crate) struct EvaluatedSites<const D: usize> {
+    pub(crate) sites: Vec<Point<f64, D>>,
+    pub(crate) cells: Vec<CellResult<D>>,
+    /// Evaluations of a cell's energy that the results took, over all cells.
+    pub(crate) evaluations: u64,
+    /// Whether a lengthened move led here.
+    pub(crate) is_lengthened: bool,
 }
 
-/// Why a run ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Ended {
-    /// All iterations were made.
-    Iterations,
-    /// The movement fell below the tolerance.
-    Tolerance,
-    /// The observer asked to stop.
-    Interrupted,
-}
-
-/// Is shown a record and the sites it describes, and says whether to go on.
-pub type Observer<'a, const D: usize> =
-    dyn FnMut(&Record, &[Point<f64, D>]) -> ControlFlow<()> + 'a;
-
-/// Relaxes `sites` in place, from the start or from where `last` was recorded.
-///
-/// The observer is shown every new record together with the sites that it describes, and may ask
-/// to stop. To continue a run, give the record and the sites that the observer was shown: the
-/// continued run is bit-identical to an uninterrupted one.
-///
-/// # Errors
-/// When the sites have no diagram; `sites` are then as in the last record shown.
-pub fn lloyd<const D: usize, Space: Tessellation<D>>(
-    space: &Space,
-    sites: &mut [Point<f64, D>],
-    options: &LloydOptions,
-    last: Option<&Record>,
-    observer: &mut Observer<'_, D>,
-) -> Result<Ended, Space::Error> {
-    let began = Instant::now();
-    let count = sites.len() as f64;
-    let earlier = last.map_or(0.0, |record| record.seconds);
-    let mut evaluations = last.map_or(0.0, |record| (record.evaluations * count).round());
-    let mut known = last.cloned();
-    let mut iteration = last.map_or(0, |record| record.iteration);
-    if let Some(ended) = known.as_ref().and_then(|record| ended(record, options)) {
-        return Ok(ended);
+/// The sites after Lloyd's move from `sites`, whose cells are `cells`; with `is_accelerated` after
+/// the lengthened move, if that ends no higher.
+pub(crate) fn lloyd_move<const D: usize, S: RelaxationSpace<D>>(
+    space: &S,
+    sites: &[Point<f64, D>],
+    cells: &[CellResult<D>],
+    spec: EnergySpec,
+    is_accelerated: bool,
+) -> Result<EvaluatedSites<D>, S::Error> {
+    let targets: Vec<_> = cells.iter().map(|cell| cell.target).collect();
+    if !is_accelerated {
+        return evaluate(space, targets, spec);
     }
-    let mut movement = Movement::default();
-    let mut now = look(space, sites.to_vec(), options.question)?;
-    let moves = Moves {
-        question: options.question,
-        is_accelerated: options.is_accelerated,
+    let far = sites.iter().zip(&targets);
+    let far = far.map(|(site, target)| space.beyond(site, target, OVERRELAXATION));
+    // Lengthened moves may have brought two sites to one place: then there is no diagram.
+    let Ok(tried) = evaluate(space, far.collect(), spec) else {
+        return evaluate(space, targets, spec);
     };
-    loop {
-        let record = match known.take() {
-            Some(record) => record,
-            None => {
-                evaluations += now.evaluations as f64;
-                let mut record = Record::new(iteration, space.volume(), &now.cells, movement);
-                let is_moved = options.is_accelerated && iteration > 0;
-                record.stage.lengthened = is_moved.then_some(now.is_lengthened);
-                record.evaluations = evaluations / count;
-                record.seconds = earlier + began.elapsed().as_secs_f64();
-                if observer(&record, sites).is_break() {
-                    return Ok(Ended::Interrupted);
-                }
-                record
-            }
-        };
-        if let Some(ended) = ended(&record, options) {
-            return Ok(ended);
-        }
-        now = advance(space, sites, &now.cells, moves)?;
-        movement = Movement::between(space, sites, now.sites.iter());
-        sites.clone_from_slice(&now.sites);
-        iteration += 1;
+    let least = space.energy(&targets, spec)?;
+    let compared = tried.evaluations + sites.len() as u64;
+    if tried.cells.iter().map(|cell| cell.energy).sum::<f64>() <= least {
+        return Ok(EvaluatedSites {
+            evaluations: compared,
+            is_lengthened: true,
+            ..tried
+        });
     }
+    let plain = evaluate(space, targets, spec)?;
+    Ok(EvaluatedSites {
+        evaluations: compared + plain.evaluations,
+        ..plain
+    })
 }
 
-fn ended(record: &Record, options: &LloydOptions) -> Option<Ended> {
-    if record.iteration > 0 && record.movement_percent < options.tolerance {
-        Some(Ended::Tolerance)
-    } else if record.iteration >= options.iterations {
-        Some(Ended::Iterations)
-    } else {
-        None
-    }
+/// The sites with the results of their cells.
+pub(crate) fn evaluate<const D: usize, S: RelaxationSpace<D>>(
+    space: &S,
+    sites: Vec<Point<f64, D>>,
+    spec: EnergySpec,
+) -> Result<EvaluatedSites<D>, S::Error> {
+    let cells = space.assess(&sites, spec)?;
+    let evaluations = cells.iter().map(|cell| u64::from(cell.evaluations)).sum();
+    Ok(EvaluatedSites {
+        sites,
+        cells,
+        evaluations,
+        is_lengthened: false,
+    })
 }

@@ -7,90 +7,80 @@
 //!
 //! \[LL\] Lévy & Liu, *Lp Centroidal Voronoi Tessellation and its Applications*, 2010.
 //!
-//! Every cell is visited once and hands out one push per facet to the site beyond it. The pushes
+//! Every cell is visited once and gives one term per facet to the site beyond it. The terms
 //! are added in site order, so the sum does not depend on the number of threads.
 
-use nalgebra::{Point3, Vector3};
+use nalgebra::Vector3;
 
+use crate::domain::domain::Domain;
 use crate::domain::facet_kind::FacetKind;
 use crate::energy::energy::energy;
 use crate::energy::facet_terms::{FacetTermScratch, facet_terms};
-use crate::relax::cell_memory::CellMemory;
-use crate::relax::space::Space;
+use crate::relax::evaluate_cell::CellMemory;
+use crate::relax::frames::Frames;
+use crate::relax::relaxation_space::ObjectiveValue;
 use crate::voronoi::cell::Cell;
-use crate::voronoi::diagram::DiagramError;
 
-/// The global objective of some sites.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Global {
-    /// F: the sum of the cells' energies of the asked order (L^(3+p)).
-    pub energy: f64,
-    /// The sum of the cells' p = 1 Chebyshev energies, per unit of the domain's mean density (L⁴).
-    pub chebyshev: f64,
-    /// The largest energy of a cell (L^(3+p)).
-    pub energy_max: f64,
-    /// ∂F/∂x_i for every site (L^(2+p)).
-    pub gradient: Vec<Vector3<f64>>,
-    /// Every cell's energy (L^(3+p)).
-    pub energies: Vec<f64>,
-}
-
-/// What one cell adds.
-struct Part {
+/// The terms of one cell.
+#[derive(Debug)]
+pub(crate) struct CellTerms {
     energy: f64,
     chebyshev: f64,
     gradient: Vector3<f64>,
-    pushes: Vec<(u32, Vector3<f64>)>,
+    /// Terms of the gradients by the neighbors.
+    across: Vec<(u32, Vector3<f64>)>,
 }
 
 #[derive(Debug, Default)]
-struct Memory {
+pub(crate) struct ObjectiveScratch {
     cell: CellMemory,
-    facets: FacetTermScratch,
+    borders: FacetTermScratch,
 }
 
-impl Space {
-    /// The global objective of order `order` ≥ 1 at `sites`, with its exact gradient.
-    ///
-    /// # Errors
-    /// When the sites have no diagram.
-    pub fn global(&self, sites: &[Point3<f64>], order: u32) -> Result<Global, DiagramError> {
-        let parts = self.map(sites, |memory: &mut Memory, cell| {
-            self.part_of_cell(memory, &cell, order)
-        })?;
-        let mut global = Global {
-            gradient: vec![Vector3::zeros(); sites.len()],
-            energies: parts.iter().map(|part| part.energy).collect(),
-            ..Global::default()
-        };
-        for (site, part) in parts.iter().enumerate() {
-            global.energy += part.energy;
-            global.chebyshev += part.chebyshev;
-            global.energy_max = global.energy_max.max(part.energy);
-            global.gradient[site] += part.gradient;
-            for &(neighbor, push) in &part.pushes {
-                global.gradient[neighbor as usize] += push;
-            }
+/// The objective at sites whose cells have these terms, in site order.
+pub(crate) fn sum_of(cells: &[CellTerms]) -> ObjectiveValue<3> {
+    let mut sum = ObjectiveValue {
+        energy: 0.0,
+        chebyshev: 0.0,
+        energy_max: 0.0,
+        gradient: vec![Vector3::zeros(); cells.len()],
+        energies: cells.iter().map(|cell| cell.energy).collect(),
+    };
+    for (site, cell) in cells.iter().enumerate() {
+        sum.energy += cell.energy;
+        sum.chebyshev += cell.chebyshev;
+        sum.energy_max = sum.energy_max.max(cell.energy);
+        sum.gradient[site] += cell.gradient;
+        for &(neighbor, term) in &cell.across {
+            sum.gradient[neighbor as usize] += term;
         }
-        Ok(global)
     }
+    sum
+}
 
-    fn part_of_cell(&self, memory: &mut Memory, cell: &Cell<'_>, order: u32) -> Part {
-        let frame = self.frames().of(cell.site);
-        memory.cell.load_in_frame(self.domain(), cell, frame);
-        let (pieces, walk) = memory.cell.pieces();
+impl ObjectiveScratch {
+    /// The terms of a cell of `domain` for the energy of order `order` ≥ 1.
+    pub(crate) fn terms(
+        &mut self,
+        domain: &dyn Domain,
+        frames: &Frames,
+        cell: &Cell<'_>,
+        order: u32,
+    ) -> CellTerms {
+        self.cell.load_in_frame(domain, cell, frames.of(cell.site));
+        let (pieces, walk) = self.cell.pieces();
         let facets = pieces.iter().map(|piece| piece.piece.facets.len());
-        let mut pushes = Vec::with_capacity(facets.sum());
+        let mut across = Vec::with_capacity(facets.sum());
         let mut own = Vector3::zeros();
         let inside = facet_terms(
             pieces,
             order,
-            (&mut *walk, &mut memory.facets),
+            (&mut *walk, &mut self.borders),
             |label| matches!(FacetKind::of(label), FacetKind::Neighbor { .. }),
             |push| {
                 if let FacetKind::Neighbor { site, .. } = FacetKind::of(push.label) {
                     own += push.own;
-                    pushes.push((site, push.across));
+                    across.push((site, push.across));
                 }
             },
         );
@@ -99,14 +89,14 @@ impl Space {
         } else {
             energy(pieces, &Vector3::zeros(), 1, walk).value
         };
-        for (_, push) in &mut pushes {
-            *push = memory.cell.in_space(*push);
+        for (_, term) in &mut across {
+            *term = self.cell.in_space(*term);
         }
-        Part {
+        CellTerms {
             energy: inside.value,
-            chebyshev: chebyshev / self.domain().mean_density(),
-            gradient: memory.cell.in_space(inside.gradient + own),
-            pushes,
+            chebyshev: chebyshev / domain.mean_density(),
+            gradient: self.cell.in_space(inside.gradient + own),
+            across,
         }
     }
 }

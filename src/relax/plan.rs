@@ -1,21 +1,22 @@
-//! What a run is to do beyond plain Lloyd: descend how, kicked how often, over how many levels.
+//! The plan of a run: its moves or descent, its perturbations, its levels. Plain Lloyd is the
+//! simplest one.
 
 use crate::relax::descent::DescentOptions;
-use crate::relax::levels::levels_for_cubes;
-use crate::relax::tessellation::{Minimizer, Norm, Question};
+use crate::relax::multilevel::levels_for_cubes;
+use crate::relax::relaxation_space::{EnergySpec, Minimizer, Norm};
 
-/// Steps after which a first descent has become so slow that kicks gain more.
+/// Steps after which a first descent has become so slow that perturbations gain more.
 pub const FIRST_DESCENT: u64 = 150;
 
-/// More moves than any run makes, and still a number of the tape.
+/// More moves than any run makes, and still exact as `f64`.
 pub const NO_LIMIT: u64 = 1 << 40;
 
-/// A run: levels from coarse to fine, on each a descent and perhaps rounds of kicks, each followed
+/// A run: levels from coarse to fine, on each a descent and perhaps perturbations, each followed
 /// by a descent of its own.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plan {
-    /// What Lloyd's moves ask of every cell.
-    pub question: Question,
+    /// The energy of cells, and how Lloyd's moves minimize it.
+    pub spec: EnergySpec,
     /// How often the number of sites is divided by eight before the first descent.
     pub levels: u32,
     /// Moves in total, over all levels and rounds.
@@ -30,16 +31,26 @@ pub struct Plan {
     pub descent: Option<DescentOptions>,
     /// The most moves of a level's first and last descent.
     pub steps: u64,
-    /// What escapes local minima; `None` descends once.
-    pub kicks: Option<Kicks>,
+    /// How to leave local minima; `None` descends once.
+    pub perturbation: Option<Perturbation>,
 }
 
 impl Plan {
+    /// Plain Lloyd: at most `iterations` moves (\[BL\] section 3.5).
+    #[must_use]
+    pub fn lloyd(spec: EnergySpec, iterations: u64) -> Self {
+        Self {
+            spec,
+            descent: None,
+            ..Self::quasi_newton(spec.order, iterations)
+        }
+    }
+
     /// A single descent of at most `iterations` steps.
     #[must_use]
     pub fn quasi_newton(order: u32, iterations: u64) -> Self {
         Self {
-            question: Question {
+            spec: EnergySpec {
                 norm: Norm::Linf,
                 order,
                 minimizer: Minimizer::Newton,
@@ -54,44 +65,44 @@ impl Plan {
                 ..DescentOptions::default()
             }),
             steps: iterations,
-            kicks: None,
+            perturbation: None,
         }
     }
 
-    /// A descent, then rounds of kicks.
+    /// A descent, then rounds of perturbation.
     #[must_use]
-    pub fn kicked(order: u32, kicks: Kicks) -> Self {
+    pub fn perturbed(order: u32, perturbation: Perturbation) -> Self {
         Self {
             steps: FIRST_DESCENT,
-            kicks: Some(kicks),
+            perturbation: Some(perturbation),
             ..Self::quasi_newton(order, NO_LIMIT)
         }
     }
 
-    /// What makes cubes of the cells of `count` sites, if anything does.
+    /// The plan that makes cubes of the cells of `count` sites, where one does.
     #[must_use]
     pub fn cubes(order: u32, count: usize) -> Self {
         Self {
             levels: levels_for_cubes(count),
-            ..Self::kicked(order, Kicks::default_of(KickStyle::Exchange))
+            ..Self::perturbed(order, Perturbation::default_of(PerturbationKind::Exchange))
         }
     }
 }
 
-impl Kicks {
-    /// The rounds that a style needs in most cases.
+impl Perturbation {
+    /// The rounds that a kind needs in most cases.
     #[must_use]
-    pub fn default_of(style: KickStyle) -> Self {
-        let (rounds, steps, noise) = match style {
-            KickStyle::Anneal => (60, 10, 0.5),
-            KickStyle::Exchange => (200, 20, 0.4),
+    pub fn default_of(kind: PerturbationKind) -> Self {
+        let (rounds, steps, noise) = match kind {
+            PerturbationKind::Anneal => (60, 10, 0.5),
+            PerturbationKind::Exchange => (200, 20, 0.4),
         };
         Self {
             rounds,
             steps,
             noise,
             fall: 1.0,
-            style,
+            kind,
             seed: 1,
         }
     }
@@ -99,24 +110,24 @@ impl Kicks {
 
 /// Rounds of disturbance, each followed by a descent; the best sites are kept.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Kicks {
+pub struct Perturbation {
     /// How many on every level; none are made once all cells are cubes.
     pub rounds: u64,
-    /// Moves of the descent that follows a kick.
+    /// Moves of the descent that follows each.
     pub steps: u64,
     /// Standard deviation of the noise along every axis, in sides of the mean cell.
     pub noise: f64,
-    /// The power of 1 − round/rounds with which [`KickStyle::Anneal`]'s noise falls; 1 is linear.
+    /// The power of 1 − round/rounds with which [`PerturbationKind::Anneal`]'s noise falls; 1 is linear.
     pub fall: f64,
-    /// What the noise falls on.
-    pub style: KickStyle,
-    /// From which the noise comes.
+    /// What is done to the sites.
+    pub kind: PerturbationKind,
+    /// The seed of the noise.
     pub seed: u64,
 }
 
-/// What a kick does.
+/// What a perturbation does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum KickStyle {
+pub enum PerturbationKind {
     /// Noise on all sites as the last round left them, falling to zero over the rounds.
     Anneal,
     /// From the best sites so far: sites from crowded cells go to holes, many at first, fewer when

@@ -1,16 +1,18 @@
-//! One line of a run's log.
+//! Records of a run: one line of its log per move.
 
 use nalgebra::Point;
+#[cfg(feature = "scene")]
 use serde::{Deserialize, Serialize};
 
-use crate::relax::tessellation::{Assessment, Tessellation};
+use crate::relax::relaxation_space::{CellResult, ObjectiveValue, RelaxationSpace};
 
 /// The state of a run after `iteration` moves: one flat JSON object of `log.jsonl`.
 ///
 /// Energies are those of the sites in their own diagram, in the scene's norm and order, except
 /// `energy_percent`, which is always the p = 1 Chebyshev energy relative to equal cubes
 /// (\[BL\] Fig. 13), so that runs compare.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "scene", derive(Serialize, Deserialize))]
 pub struct Record {
     /// Moves made so far; 0 describes the initial sites.
     pub iteration: u64,
@@ -20,7 +22,7 @@ pub struct Record {
     pub energy_max: f64,
     /// 100 · mean p = 1 Chebyshev energy / that of a cube of the mean volume.
     pub energy_percent: f64,
-    /// Mean distance that the sites travelled in the last move (L); 0 for iteration 0.
+    /// Mean distance between the sites before and after the last move (L); 0 for iteration 0.
     pub movement_mean: f64,
     /// Largest such distance (L).
     pub movement_max: f64,
@@ -30,62 +32,65 @@ pub struct Record {
     pub evaluations: f64,
     /// Wall time since the run began (s).
     pub seconds: f64,
-    /// In which part of its plan the run is.
-    #[serde(flatten)]
+    /// The part of its plan that the run is in.
+    #[cfg_attr(feature = "scene", serde(flatten))]
     pub stage: Stage,
 }
 
-/// Where in its plan a run is; empty for plain Lloyd and plain descents.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+/// The part of its plan that a run is in; empty for plain Lloyd and plain descents.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "scene", derive(Serialize, Deserialize))]
 pub struct Stage {
     /// Levels still to come, in coarse-to-fine runs.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(
+        feature = "scene",
+        serde(default, skip_serializing_if = "Option::is_none")
+    )]
     pub level: Option<u32>,
-    /// Kicks made on this level, in runs that have them.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    /// Perturbations made on this level, in runs that have them.
+    #[cfg_attr(
+        feature = "scene",
+        serde(default, skip_serializing_if = "Option::is_none")
+    )]
     pub round: Option<u64>,
     /// How many sites this level has, in coarse-to-fine runs.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(
+        feature = "scene",
+        serde(default, skip_serializing_if = "Option::is_none")
+    )]
     pub sites: Option<usize>,
     /// Whether the move that led here was a lengthened one, in accelerated runs of Lloyd's.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(
+        feature = "scene",
+        serde(default, skip_serializing_if = "Option::is_none")
+    )]
     pub lengthened: Option<bool>,
 }
 
-/// How far sites travelled in one move (L).
+/// How far sites went in one move (L).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Movement {
     /// The mean over the sites.
     pub mean: f64,
-    /// The longest way of a site.
+    /// The largest of them.
     pub max: f64,
 }
 
 impl Movement {
     /// The movement of `sites` to `targets`, the short way round where the space is periodic.
     pub fn between<'a, const D: usize>(
-        space: &impl Tessellation<D>,
+        space: &impl RelaxationSpace<D>,
         sites: &[Point<f64, D>],
         targets: impl Iterator<Item = &'a Point<f64, D>>,
     ) -> Self {
         let mut movement = Self::default();
         for (site, target) in sites.iter().zip(targets) {
-            let way = space.displacement(site, target).norm();
-            movement.mean += way;
-            movement.max = movement.max.max(way);
+            let distance = space.displacement(site, target).norm();
+            movement.mean += distance;
+            movement.max = movement.max.max(distance);
         }
         movement.mean /= sites.len() as f64;
         movement
-    }
-
-    /// The [`percent`](Self::percent) of the movement of `sites` to as many `targets`.
-    pub fn percent_between<const D: usize>(
-        space: &impl Tessellation<D>,
-        sites: &[Point<f64, D>],
-        targets: &[Point<f64, D>],
-    ) -> f64 {
-        let movement = Self::between(space, sites, targets.iter());
-        movement.percent::<D>(space.volume(), sites.len())
     }
 
     /// 100 · mean / diagonal of a cube of the mean of `count` cells' volumes.
@@ -96,34 +101,58 @@ impl Movement {
     }
 }
 
+/// The totals of a diagram's cells.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Totals {
+    /// How many cells there are.
+    pub count: usize,
+    /// The sum of their energies (L^(D+p)).
+    pub energy: f64,
+    /// The largest of them (L^(D+p)).
+    pub energy_max: f64,
+    /// The sum of their p = 1 Chebyshev energies, per mean density (L^(D+1)).
+    pub chebyshev: f64,
+}
+
+impl Totals {
+    /// The totals of `cells`.
+    #[must_use]
+    pub fn of_cells<const D: usize>(cells: &[CellResult<D>]) -> Self {
+        Self {
+            count: cells.len(),
+            energy: cells.iter().map(|cell| cell.energy).sum(),
+            energy_max: cells.iter().map(|cell| cell.energy).fold(0.0, f64::max),
+            chebyshev: cells.iter().map(|cell| cell.chebyshev).sum(),
+        }
+    }
+
+    /// The totals that the objective was summed with.
+    #[must_use]
+    pub fn of_objective<const D: usize>(objective: &ObjectiveValue<D>) -> Self {
+        Self {
+            count: objective.energies.len(),
+            energy: objective.energy,
+            energy_max: objective.energy_max,
+            chebyshev: objective.chebyshev,
+        }
+    }
+}
+
 impl Record {
-    /// The record of `cells`, the answer for every site, after `movement`; `evaluations` and
-    /// `seconds` are left at zero.
+    /// The record of `totals` after `movement`; `evaluations`, `seconds` and `stage` are left empty.
     #[must_use]
     pub fn new<const D: usize>(
         iteration: u64,
         volume: f64,
-        cells: &[Assessment<D>],
+        totals: &Totals,
         movement: Movement,
     ) -> Self {
-        let totals = (
-            cells.len(),
-            cells.iter().map(|cell| cell.energy).sum(),
-            cells.iter().map(|cell| cell.energy).fold(0.0, f64::max),
-            cells.iter().map(|cell| cell.chebyshev).sum(),
-        );
-        Self::of_totals::<D>(iteration, volume, totals, movement)
-    }
-
-    /// The record of so many cells with this total energy, largest energy and total p = 1 Chebyshev
-    /// energy; `evaluations`, `seconds` and `stage` are left empty.
-    #[must_use]
-    pub fn of_totals<const D: usize>(
-        iteration: u64,
-        volume: f64,
-        (count, energy, energy_max, chebyshev): (usize, f64, f64, f64),
-        movement: Movement,
-    ) -> Self {
+        let Totals {
+            count,
+            energy,
+            energy_max,
+            chebyshev,
+        } = *totals;
         let cells = count as f64;
         Self {
             iteration,

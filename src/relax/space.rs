@@ -1,17 +1,39 @@
-//! Diagrams in space: how cells in a domain answer the loops.
+//! Relaxation in space: the cells of a domain's sites, each with its own axes of distance.
 
 use nalgebra::{Point3, Vector3};
+use thiserror::Error;
 
-use crate::domain::domain::Domain;
-use crate::domain::shape::displacement;
+use crate::domain::{
+    domain::Domain,
+    shape::{PieceScratch, displacement},
+};
 use crate::geometry::bounds::Bounds;
-use crate::relax::cell_memory::CellMemory;
-use crate::relax::figures::CellFigures;
+use crate::geometry::shell::Shell;
+use crate::relax::evaluate_cell::CellMemory;
 use crate::relax::frames::Frames;
-use crate::relax::noise::displaced;
-use crate::relax::tessellation::{Assessment, Question, Tessellation};
+use crate::relax::metrics::CellMetrics;
+use crate::relax::objective::{ObjectiveScratch, sum_of};
+use crate::relax::relaxation_space::{
+    CellCrowding, CellResult, EnergySpec, ObjectiveValue, RelaxationError, RelaxationSpace,
+};
 use crate::voronoi::cell::Cell;
 use crate::voronoi::diagram::{Diagram, DiagramError};
+
+/// Why sites have no cells in a [`Space`].
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum SpaceError {
+    /// They have no diagram.
+    #[error(transparent)]
+    Diagram(#[from] DiagramError),
+    /// Not every site has a frame.
+    #[error("there are {frames} frames for {sites} sites")]
+    Frames {
+        /// How many frames there are.
+        frames: usize,
+        /// How many sites there are.
+        sites: usize,
+    },
+}
 
 /// A domain in which sites have cells.
 #[derive(Debug)]
@@ -51,40 +73,50 @@ impl Space {
         self.domain.as_ref()
     }
 
-    /// As [`Diagram::map`].
-    pub(crate) fn map<Memory: Default, Answer: Send>(
-        &self,
-        sites: &[Point3<f64>],
-        ask: impl Fn(&mut Memory, Cell<'_>) -> Answer + Sync,
-    ) -> Result<Vec<Answer>, DiagramError> {
-        Diagram::borrowed(self.domain(), sites)?.map(ask)
-    }
-
-    /// Prepares a cell in its own frame.
-    fn load(&self, memory: &mut CellMemory, cell: &Cell<'_>) {
-        memory.load_in_frame(self.domain(), cell, self.frames.of(cell.site));
-    }
-}
-
-impl Space {
     /// The figures of the cells of all `sites`, in site order.
     ///
     /// # Errors
-    /// When the sites have no diagram.
-    pub fn figures(
+    /// When the sites have no cells.
+    pub fn metrics(
         &self,
         sites: &[Point3<f64>],
-        question: Question,
-    ) -> Result<Vec<CellFigures<3>>, DiagramError> {
+        spec: EnergySpec,
+    ) -> Result<Vec<CellMetrics<3>>, SpaceError> {
+        self.map_loaded(sites, |memory, cell| {
+            memory.metrics(self.domain(), cell, spec)
+        })
+    }
+
+    /// As [`Diagram::map`], where every site has a frame.
+    fn map<Memory: Default, Answer: Send>(
+        &self,
+        sites: &[Point3<f64>],
+        of_cell: impl Fn(&mut Memory, Cell<'_>) -> Answer + Sync,
+    ) -> Result<Vec<Answer>, SpaceError> {
+        if let Some(frames) = self.frames.count()
+            && frames != sites.len()
+        {
+            let sites = sites.len();
+            return Err(SpaceError::Frames { frames, sites });
+        }
+        Ok(Diagram::borrowed(self.domain(), sites)?.map(of_cell)?)
+    }
+
+    /// The same for cells that are prepared in their frames.
+    fn map_loaded<Answer: Send>(
+        &self,
+        sites: &[Point3<f64>],
+        of_cell: impl Fn(&mut CellMemory, &Cell<'_>) -> Answer + Sync,
+    ) -> Result<Vec<Answer>, SpaceError> {
         self.map(sites, |memory: &mut CellMemory, cell| {
-            self.load(memory, &cell);
-            memory.figures(self.domain(), &cell, question)
+            memory.load_in_frame(self.domain(), &cell, self.frames.of(cell.site));
+            of_cell(memory, &cell)
         })
     }
 }
 
-impl Tessellation<3> for Space {
-    type Error = DiagramError;
+impl RelaxationSpace<3> for Space {
+    type Error = SpaceError;
 
     fn volume(&self) -> f64 {
         self.domain.volume()
@@ -94,31 +126,69 @@ impl Tessellation<3> for Space {
         self.domain.bounds()
     }
 
+    fn contains(&self, point: &Point3<f64>) -> bool {
+        self.domain.contains(point)
+    }
+
+    fn periods(&self) -> [Option<f64>; 3] {
+        self.domain.periods()
+    }
+
+    fn wrap(&self, point: &Point3<f64>) -> Point3<f64> {
+        self.domain.wrap(point)
+    }
+
+    fn varying_density(&self) -> Option<f64> {
+        let density = self.domain.mean_density();
+        self.domain.has_density().then_some(density)
+    }
+
     fn displacement(&self, from: &Point3<f64>, to: &Point3<f64>) -> Vector3<f64> {
         displacement(&self.domain.periods(), from, to)
     }
 
-    fn beyond(&self, site: &Point3<f64>, target: &Point3<f64>, factor: f64) -> Point3<f64> {
-        let moved = displaced(self, site, self.displacement(site, target) * factor);
-        if moved == *site { *target } else { moved }
-    }
-
-    fn energy(&self, sites: &[Point3<f64>], question: Question) -> Result<f64, DiagramError> {
-        let energies = self.map(sites, |memory: &mut CellMemory, cell| {
-            self.load(memory, &cell);
-            memory.energy_at_site(question)
-        })?;
+    fn energy(&self, sites: &[Point3<f64>], spec: EnergySpec) -> Result<f64, SpaceError> {
+        let energies = self.map_loaded(sites, |memory, _| memory.energy_at_site(spec))?;
         Ok(energies.iter().sum())
     }
 
     fn assess(
         &self,
         sites: &[Point3<f64>],
-        question: Question,
-    ) -> Result<Vec<Assessment<3>>, DiagramError> {
-        self.map(sites, |memory: &mut CellMemory, cell| {
-            self.load(memory, &cell);
-            memory.assess(self.domain(), &cell, question)
+        spec: EnergySpec,
+    ) -> Result<Vec<CellResult<3>>, SpaceError> {
+        self.map_loaded(sites, |memory, cell| {
+            memory.assess(self.domain(), cell, spec)
         })
     }
+
+    fn objective(
+        &self,
+        sites: &[Point3<f64>],
+        order: u32,
+    ) -> Result<ObjectiveValue<3>, RelaxationError<SpaceError>> {
+        let terms = self.map(sites, |scratch: &mut ObjectiveScratch, cell| {
+            scratch.terms(self.domain(), &self.frames, &cell, order)
+        });
+        terms
+            .map(|terms| sum_of(&terms))
+            .map_err(RelaxationError::Space)
+    }
+
+    fn crowding(
+        &self,
+        sites: &[Point3<f64>],
+    ) -> Result<Vec<CellCrowding<3>>, RelaxationError<SpaceError>> {
+        self.map_loaded(sites, |memory, cell| memory.crowding(self.domain(), cell))
+            .map_err(RelaxationError::Space)
+    }
+}
+
+/// The surface of `cell` within the domain, in the domain's coordinates, for files and pictures.
+pub fn shell(domain: &dyn Domain, cell: &Cell<'_>, scratch: &mut PieceScratch) -> Shell {
+    let mut shell = Shell::default();
+    domain.outline(&cell.position, cell.polyhedron(), scratch, &mut |piece| {
+        shell = Shell::from(piece).translated(&cell.position.coords);
+    });
+    shell
 }

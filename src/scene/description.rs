@@ -6,7 +6,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::domain::domain as space;
-use crate::relax::tessellation::Norm;
+use crate::relax::relaxation_space::Norm;
 use crate::scene::density::Density;
 use crate::scene::domain::Domain;
 use crate::scene::error::Error;

@@ -7,8 +7,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::domain::domain::Domain;
-use crate::relax::boundary_frames::boundary_frames;
 use crate::relax::frames::Frames;
+use crate::relax::frames::boundary_frames;
 use crate::scene::error::Error;
 use crate::scene::site_file;
 

@@ -4,8 +4,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::relax::descent::DescentOptions;
-use crate::relax::plan::{FIRST_DESCENT, KickStyle, Kicks, NO_LIMIT};
-use crate::relax::tessellation::Minimizer;
+use crate::relax::plan::{FIRST_DESCENT, NO_LIMIT, Perturbation, PerturbationKind};
+use crate::relax::relaxation_space::Minimizer;
 use crate::scene::error::Error;
 use crate::scene::numbers::{at_least_one, not_negative};
 
@@ -31,7 +31,7 @@ impl Method {
     /// What makes cubes of the cells: annealing with exchanges.
     #[must_use]
     pub fn cubes() -> Self {
-        Self::Anneal(Anneal::of_style(KickStyle::Exchange))
+        Self::Anneal(Anneal::of_kind(PerturbationKind::Exchange))
     }
 
     /// How many moves the method makes at most.
@@ -186,14 +186,14 @@ impl Default for QuasiNewton {
 
 impl Default for Anneal {
     fn default() -> Self {
-        Self::of_style(KickStyle::Anneal)
+        Self::of_kind(PerturbationKind::Anneal)
     }
 }
 
 impl Anneal {
     /// The defaults of a style.
-    pub(crate) fn of_style(style: KickStyle) -> Self {
-        let (kicks, descent) = (Kicks::default_of(style), DescentOptions::default());
+    pub(crate) fn of_kind(style: PerturbationKind) -> Self {
+        let (kicks, descent) = (Perturbation::default_of(style), DescentOptions::default());
         Self {
             iterations: None,
             tolerance: 0.0,
@@ -206,7 +206,7 @@ impl Anneal {
             memory: descent.memory,
             gradient_tolerance: descent.gradient_tolerance,
             warm_up: 0,
-            exchange: style == KickStyle::Exchange,
+            exchange: style == PerturbationKind::Exchange,
         }
     }
 }

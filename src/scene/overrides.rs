@@ -121,7 +121,7 @@ fn refused(key: &str, message: impl Into<String>) -> Error {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::relax::tessellation::Norm;
+    use crate::relax::relaxation_space::Norm;
     use crate::scene::sites::Sites;
 
     fn keys(value: Value) -> Map<String, Value> {

@@ -1,7 +1,7 @@
 //! A whole run of a scene as one call: from the sites that it names to where its method leaves them.
 //!
 //! [`run`] does all of it; [`RunSpace`] and [`relax`] are its parts for a caller that knows the
-//! dimension, keeps checkpoints ([`Progress`]) or goes on from one. Nothing is printed or written:
+//! dimension, keeps checkpoints ([`Checkpoint`]) or goes on from one. Nothing is printed or written:
 //! an observer is shown every record and says whether to go on.
 
 use std::ops::ControlFlow;
@@ -9,16 +9,16 @@ use std::ops::ControlFlow;
 use nalgebra::{Point, Point2, Point3};
 
 use crate::relax::descent::DescentOptions;
-use crate::relax::figures::CellFigures;
-use crate::relax::levels::levels_for_cubes;
-use crate::relax::lloyd::{Ended, LloydOptions, lloyd};
-use crate::relax::plan::{KickStyle, Kicks, Plan};
-use crate::relax::plane::Plane;
+use crate::relax::driver::RunEnd;
+use crate::relax::metrics::CellMetrics;
+use crate::relax::multilevel::levels_for_cubes;
+use crate::relax::plan::{Perturbation, PerturbationKind, Plan};
+use crate::relax::planar::Plane;
 use crate::relax::record::Record;
+use crate::relax::relaxation::{Checkpoint, continue_run};
+use crate::relax::relaxation_space::{EnergySpec, RelaxationSpace};
 use crate::relax::space::Space;
-use crate::relax::stand::Stand;
-use crate::relax::tessellation::{Question, Tessellation};
-use crate::relax::travel::travel;
+use crate::relax::state::RunState;
 use crate::scene::description::Scene;
 use crate::scene::error::Error;
 use crate::scene::frames::FrameChoice;
@@ -46,7 +46,7 @@ pub struct Outcome {
     /// Every record, the first of the sites before any move.
     pub records: Vec<Record>,
     /// Why the run ended.
-    pub ended: Ended,
+    pub ended: RunEnd,
     /// What was repaired in the scene's mesh, one sentence each.
     pub notes: Vec<String>,
 }
@@ -66,18 +66,18 @@ pub fn run(
     };
     let (sites, ended, notes) = if scene.dimension == 2 {
         let plane = plane(scene)?;
-        let mut progress = Progress::at_start(plane.place(scene)?);
-        let ended = relax(&plane, scene, &mut progress, &mut |record, sites, _| {
+        let mut checkpoint = Checkpoint::at_start(plane.place(scene)?);
+        let ended = relax(&plane, scene, &mut checkpoint, &mut |record, sites, _| {
             keep(record, Points::Plane(sites))
         })?;
-        (Points::Plane(progress.sites), ended, Vec::new())
+        (Points::Plane(checkpoint.sites), ended, Vec::new())
     } else {
         let (space, notes) = space(scene)?;
-        let mut progress = Progress::at_start(space.place(scene)?);
-        let ended = relax(&space, scene, &mut progress, &mut |record, sites, _| {
+        let mut checkpoint = Checkpoint::at_start(space.place(scene)?);
+        let ended = relax(&space, scene, &mut checkpoint, &mut |record, sites, _| {
             keep(record, Points::Space(sites))
         })?;
-        (Points::Space(progress.sites), ended, notes)
+        (Points::Space(checkpoint.sites), ended, notes)
     };
     Ok(Outcome {
         sites,
@@ -87,58 +87,24 @@ pub fn run(
     })
 }
 
-/// How far a run has come: all that it needs to go on, to the bit as if it had not been left.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Progress<const D: usize> {
-    /// The sites.
-    pub sites: Vec<Point<f64, D>>,
-    /// The record that describes them; none before the first.
-    pub last: Option<Record>,
-    /// The method's own state after that record; none for plain Lloyd and before the first.
-    pub state: Option<Stand>,
-}
-
-impl<const D: usize> Progress<D> {
-    /// A run before its first record.
-    #[must_use]
-    pub fn at_start(sites: Vec<Point<f64, D>>) -> Self {
-        Self {
-            sites,
-            last: None,
-            state: None,
-        }
-    }
-}
-
 /// Is shown a record, the sites it describes and the method's state, and says whether to go on.
 pub type Observer<'a, const D: usize> =
-    dyn FnMut(&Record, &[Point<f64, D>], Option<&Stand>) -> ControlFlow<()> + 'a;
+    dyn FnMut(&Record, &[Point<f64, D>], &RunState<D>) -> ControlFlow<()> + 'a;
 
 /// A space in which a scene's sites are placed, measured and relaxed.
-pub trait RunSpace<const D: usize>: Tessellation<D> {
+pub trait RunSpace<const D: usize>: RelaxationSpace<D> {
     /// The domain, to place sites in.
     fn region(&self) -> Region<'_, D>;
 
-    /// The figures of every cell, in the norm of `question`.
+    /// The figures of every cell, in the norm of `spec`.
     ///
     /// # Errors
     /// When the sites have no diagram.
     fn cells(
         &self,
         sites: &[Point<f64, D>],
-        question: Question,
-    ) -> Result<Vec<CellFigures<D>>, Self::Error>;
-
-    /// Carries out a plan from where `progress` is.
-    ///
-    /// # Errors
-    /// When the sites have no diagram, or the plan cannot be carried out here.
-    fn carry_out(
-        &self,
-        plan: &Plan,
-        progress: &mut Progress<D>,
-        observer: &mut Observer<'_, D>,
-    ) -> Result<Ended, Error>;
+        spec: EnergySpec,
+    ) -> Result<Vec<CellMetrics<D>>, Self::Error>;
 
     /// The scene's sites.
     ///
@@ -157,21 +123,9 @@ impl RunSpace<2> for Plane {
     fn cells(
         &self,
         sites: &[Point2<f64>],
-        question: Question,
-    ) -> Result<Vec<CellFigures<2>>, Self::Error> {
-        self.figures(sites, question)
-    }
-
-    fn carry_out(
-        &self,
-        _: &Plan,
-        _: &mut Progress<2>,
-        _: &mut Observer<'_, 2>,
-    ) -> Result<Ended, Error> {
-        Err(Error::value(
-            "method",
-            "in the plane there is plain Lloyd only",
-        ))
+        spec: EnergySpec,
+    ) -> Result<Vec<CellMetrics<2>>, Self::Error> {
+        self.metrics(sites, spec)
     }
 }
 
@@ -183,27 +137,9 @@ impl RunSpace<3> for Space {
     fn cells(
         &self,
         sites: &[Point3<f64>],
-        question: Question,
-    ) -> Result<Vec<CellFigures<3>>, Self::Error> {
-        self.figures(sites, question)
-    }
-
-    fn carry_out(
-        &self,
-        plan: &Plan,
-        progress: &mut Progress<3>,
-        observer: &mut Observer<'_, 3>,
-    ) -> Result<Ended, Error> {
-        let (sites, last) = (&mut progress.sites, &mut progress.last);
-        let fresh = || Stand::new(sites.len(), plan.levels);
-        let state = progress.state.get_or_insert_with(fresh);
-        let resumed = last.clone();
-        let mut watch = |record: &Record, sites: &[Point3<f64>], state: &Stand| {
-            *last = Some(record.clone());
-            observer(record, sites, Some(state))
-        };
-        travel(self, plan, sites, state, resumed.as_ref(), &mut watch)
-            .map_err(|error| Error::Relax(Box::new(error)))
+        spec: EnergySpec,
+    ) -> Result<Vec<CellMetrics<3>>, Self::Error> {
+        self.metrics(sites, spec)
     }
 }
 
@@ -233,52 +169,37 @@ pub fn space(scene: &Scene) -> Result<(Space, Vec<String>), Error> {
     Ok((space.framed(frames), notes))
 }
 
-/// Moves the sites of `progress` by the scene's method, from the start or from where it was left.
+/// Moves the sites of `checkpoint` by the scene's method, from the start or from where it was left.
 ///
 /// # Errors
 /// When the sites have no diagram.
 pub fn relax<const D: usize, S: RunSpace<D>>(
     space: &S,
     scene: &Scene,
-    progress: &mut Progress<D>,
+    checkpoint: &mut Checkpoint<D>,
     observer: &mut Observer<'_, D>,
-) -> Result<Ended, Error> {
-    if let Some(plan) = plan(scene, progress.sites.len()) {
-        return space.carry_out(&plan, progress, observer);
-    }
-    let options = LloydOptions {
-        iterations: scene.method.iterations(),
-        tolerance: scene.method.tolerance(),
-        question: question(scene),
-        is_accelerated: scene.method.is_accelerated(),
-    };
-    let (resumed, last) = (progress.last.clone(), &mut progress.last);
-    let mut observe = |record: &Record, sites: &[Point<f64, D>]| {
-        *last = Some(record.clone());
-        observer(record, sites, None)
-    };
-    let sites = &mut progress.sites;
-    lloyd(space, sites, &options, resumed.as_ref(), &mut observe)
-        .map_err(|error| Error::Relax(Box::new(error)))
+) -> Result<RunEnd, Error> {
+    let plan = plan(scene, checkpoint.sites.len());
+    continue_run(space, &plan, checkpoint, observer).map_err(|error| Error::Relax(Box::new(error)))
 }
 
 /// The norm, the order and the minimizer of a scene's cell energies.
 #[must_use]
-pub fn question(scene: &Scene) -> Question {
-    Question {
+pub fn energy_spec(scene: &Scene) -> EnergySpec {
+    EnergySpec {
         norm: scene.norm,
         order: scene.order,
         minimizer: scene.method.minimizer(),
     }
 }
 
-/// The plan of a scene with `count` sites; `None` where plain Lloyd is all of it.
+/// The plan of a scene with `count` sites.
 #[must_use]
-pub fn plan(scene: &Scene, count: usize) -> Option<Plan> {
+pub fn plan(scene: &Scene, count: usize) -> Plan {
     let levels = levels(scene, count);
     let iterations = scene.method.iterations();
     let whole = Plan {
-        question: question(scene),
+        spec: energy_spec(scene),
         levels,
         tolerance: scene.method.tolerance(),
         steps: iterations.div_ceil(u64::from(levels) + 1),
@@ -292,24 +213,23 @@ pub fn plan(scene: &Scene, count: usize) -> Option<Plan> {
         })
     };
     match &scene.method {
-        Method::Lloyd(_) if levels == 0 => None,
-        Method::Lloyd(lloyd) => Some(Plan {
+        Method::Lloyd(lloyd) => Plan {
             is_accelerated: lloyd.accelerate,
             descent: None,
             ..whole
-        }),
-        Method::QuasiNewton(descent) => Some(Plan {
+        },
+        Method::QuasiNewton(descent) => Plan {
             warm_up: descent.warm_up,
             descent: descend(descent.memory, descent.gradient_tolerance),
             ..whole
-        }),
-        Method::Anneal(anneal) => Some(Plan {
+        },
+        Method::Anneal(anneal) => Plan {
             warm_up: anneal.warm_up,
             descent: descend(anneal.memory, anneal.gradient_tolerance),
             steps: anneal.first_steps,
-            kicks: Some(kicks(anneal)),
+            perturbation: Some(perturbation(anneal)),
             ..whole
-        }),
+        },
     }
 }
 
@@ -322,16 +242,16 @@ fn levels(scene: &Scene, count: usize) -> u32 {
     scene.coarse_to_fine.unwrap_or(chosen)
 }
 
-fn kicks(anneal: &Anneal) -> Kicks {
-    Kicks {
+fn perturbation(anneal: &Anneal) -> Perturbation {
+    Perturbation {
         rounds: anneal.rounds,
         steps: anneal.steps,
         noise: anneal.noise,
         fall: anneal.fall,
-        style: if anneal.exchange {
-            KickStyle::Exchange
+        kind: if anneal.exchange {
+            PerturbationKind::Exchange
         } else {
-            KickStyle::Anneal
+            PerturbationKind::Anneal
         },
         seed: anneal.seed,
     }
@@ -358,7 +278,7 @@ mod tests {
         for text in [descent, lloyd] {
             let outcome = run(&scene(text), |_, _| ControlFlow::Continue(())).expect("a run");
             assert_eq!(outcome.records.len(), 4);
-            assert_eq!(outcome.ended, Ended::Iterations);
+            assert_eq!(outcome.ended, RunEnd::Iterations);
             let count = match &outcome.sites {
                 Points::Plane(sites) => sites.len(),
                 Points::Space(sites) => sites.len(),
@@ -377,8 +297,8 @@ mod tests {
         );
         let (space, _) = space(&scene).expect("a box");
         let sites = space.place(&scene).expect("random sites");
-        let mut whole = Progress::at_start(sites.clone());
-        let mut parts = Progress::at_start(sites);
+        let mut whole = Checkpoint::at_start(sites.clone());
+        let mut parts = Checkpoint::at_start(sites);
         relax(&space, &scene, &mut whole, &mut |_, _, _| {
             ControlFlow::Continue(())
         })
@@ -392,11 +312,11 @@ mod tests {
                 _ => ControlFlow::Continue(()),
             },
         );
-        assert_eq!(ended.expect("a run"), Ended::Interrupted);
+        assert_eq!(ended.expect("a run"), RunEnd::Interrupted);
         let ended = relax(&space, &scene, &mut parts, &mut |_, _, _| {
             ControlFlow::Continue(())
         });
-        assert_eq!(ended.expect("a run"), Ended::Iterations);
+        assert_eq!(ended.expect("a run"), RunEnd::Iterations);
         assert_eq!(whole.sites, parts.sites);
     }
 }

@@ -13,7 +13,7 @@ use crate::geometry::bounds::Bounds;
 use crate::geometry::brep::Piece;
 use crate::geometry::polyhedron::Polyhedron;
 use crate::mesh::surface::SurfaceMesh;
-use crate::mesh::validate::ValidSurface;
+use crate::mesh::validate::{ValidSurface, validate_surface};
 
 /// By which share of its longest extent the box from which cells are cut stands off the solid, so
 /// that no side of it lies on a wall.
@@ -50,6 +50,33 @@ impl SurfaceSolid {
             start,
             volume,
         })
+    }
+
+    /// The solid within a closed surface of triangles, counter-clockwise from outside. What needs no
+    /// guess (winding, duplicates) is repaired.
+    ///
+    /// # Errors
+    /// [`DomainError::Mesh`] when the triangles bound no solid.
+    ///
+    /// # Examples
+    /// ```
+    /// use chebloyd::{Domain, SurfaceSolid};
+    ///
+    /// let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    /// let triangles = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]];
+    /// let solid = SurfaceSolid::from_arrays(&corners, &triangles)?;
+    /// assert!((solid.shape().volume() - 1.0 / 6.0).abs() < 1e-15);
+    /// # Ok::<(), chebloyd::DomainError>(())
+    /// ```
+    pub fn from_arrays<P: Copy + Into<Point3<f64>>>(
+        vertices: &[P],
+        triangles: &[[u32; 3]],
+    ) -> Result<Self, DomainError> {
+        let mesh = SurfaceMesh {
+            vertices: vertices.iter().map(|&vertex| vertex.into()).collect(),
+            triangles: triangles.to_vec(),
+        };
+        Self::new(&validate_surface(&mesh)?.0)
     }
 
     /// The surface.

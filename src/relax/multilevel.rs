@@ -1,20 +1,18 @@
-//! Coarse to fine: few sites that stand for many, and many that follow from few.
+//! Coarse-to-fine relaxation: the choice of few sites for many, and the split of each into 2^D.
 //!
 //! A perfect tessellation of n/8 cubes becomes a perfect one of n by splitting every site into
 //! eight at ± a quarter of its cell's side: what is hard to find, the arrangement of rows, is found
 //! where it is cheap.
 
-use nalgebra::{Point3, Vector3};
+use nalgebra::{Point, SVector};
 
-use crate::relax::noise::displaced;
 use crate::relax::record::optimal_side;
-use crate::relax::space::Space;
-use crate::relax::tessellation::Tessellation;
+use crate::relax::relaxation_space::RelaxationSpace;
 
-/// How many sites a level works on: `count` / 8^level, rounded, at least one.
+/// How many sites a level works on: `count` / 2^(D·level), rounded, at least one.
 #[must_use]
-pub fn sites_of_level(count: usize, level: u32) -> usize {
-    let coarse = count as f64 / 8.0_f64.powi(level as i32);
+pub fn sites_of_level<const D: usize>(count: usize, level: u32) -> usize {
+    let coarse = count as f64 / 2.0_f64.powi((D as u32 * level) as i32);
     (coarse.round() as usize).max(1)
 }
 
@@ -30,8 +28,9 @@ const MANY: usize = 4000;
 #[must_use]
 pub fn levels_for_cubes(count: usize) -> u32 {
     let mut level = 0;
-    while sites_of_level(count, level + 1) >= FEWEST
-        && (count.is_multiple_of(8_usize.pow(level + 1)) || sites_of_level(count, level) > MANY)
+    while sites_of_level::<3>(count, level + 1) >= FEWEST
+        && (count.is_multiple_of(8_usize.pow(level + 1))
+            || sites_of_level::<3>(count, level) > MANY)
     {
         level += 1;
     }
@@ -41,14 +40,18 @@ pub fn levels_for_cubes(count: usize) -> u32 {
 /// `count` of the sites, spread as they are: the sites are cut in halves across their longest
 /// extent until as many groups are left, and each is represented by the member nearest its mean.
 #[must_use]
-pub fn coarsened(sites: &[Point3<f64>], count: usize) -> Vec<Point3<f64>> {
+pub fn coarsened<const D: usize>(sites: &[Point<f64, D>], count: usize) -> Vec<Point<f64, D>> {
     let mut members = sites.to_vec();
     let mut chosen = Vec::with_capacity(count);
     divide(&mut members, count.min(sites.len()), &mut chosen);
     chosen
 }
 
-fn divide(members: &mut [Point3<f64>], count: usize, chosen: &mut Vec<Point3<f64>>) {
+fn divide<const D: usize>(
+    members: &mut [Point<f64, D>],
+    count: usize,
+    chosen: &mut Vec<Point<f64, D>>,
+) {
     if count <= 1 || members.len() <= 1 {
         chosen.extend(representative(members));
         return;
@@ -61,8 +64,8 @@ fn divide(members: &mut [Point3<f64>], count: usize, chosen: &mut Vec<Point3<f64
             });
         ends.1 - ends.0
     };
-    let extents = [extent(0), extent(1), extent(2)];
-    let axis = (1..3).fold(0, |longest, axis| {
+    let extents: [f64; D] = std::array::from_fn(extent);
+    let axis = (1..D).fold(0, |longest, axis| {
         if extents[axis] > extents[longest] {
             axis
         } else {
@@ -77,34 +80,32 @@ fn divide(members: &mut [Point3<f64>], count: usize, chosen: &mut Vec<Point3<f64
     divide(upper, count - lower_count, chosen);
 }
 
-fn representative(members: &[Point3<f64>]) -> Option<Point3<f64>> {
-    let sum: Vector3<f64> = members.iter().map(|site| site.coords).sum();
-    let mean = Point3::from(sum / members.len() as f64);
-    let distance = |site: &Point3<f64>| (site - mean).norm_squared();
+fn representative<const D: usize>(members: &[Point<f64, D>]) -> Option<Point<f64, D>> {
+    let sum: SVector<f64, D> = members.iter().map(|site| site.coords).sum();
+    let mean = Point::from(sum / members.len() as f64);
+    let distance = |site: &Point<f64, D>| (site - mean).norm_squared();
     members
         .iter()
         .min_by(|a, b| distance(a).total_cmp(&distance(b)))
         .copied()
 }
 
-/// `count` sites in place of the coarse ones: eight for each, at ± a quarter of the mean cell's
-/// side. Where eight of each are too many, some are left out, evenly; where they are too few, some
-/// of the coarse sites stay among their eight.
+/// `count` sites in place of the coarse ones: 2^D for each, at ± a quarter of the mean cell's
+/// side. Where these are too many, some are left out, evenly; where they are too few, some of
+/// the coarse sites stay among theirs.
 #[must_use]
-pub fn refined(space: &Space, coarse: &[Point3<f64>], count: usize) -> Vec<Point3<f64>> {
-    let quarter = 0.25 * optimal_side::<3>(space.volume(), coarse.len());
-    let mut fine = Vec::with_capacity(8 * coarse.len());
+pub fn refined<const D: usize>(
+    space: &impl RelaxationSpace<D>,
+    coarse: &[Point<f64, D>],
+    count: usize,
+) -> Vec<Point<f64, D>> {
+    let quarter = 0.25 * optimal_side::<D>(space.volume(), coarse.len());
+    let mut fine = Vec::with_capacity(coarse.len() << D);
     for site in coarse {
-        for corner in 0..8 {
-            let side = |axis: usize| {
-                if corner >> axis & 1 == 1 {
-                    quarter
-                } else {
-                    -quarter
-                }
-            };
-            let way = Vector3::new(side(0), side(1), side(2));
-            fine.push(displaced(space, site, way));
+        for corner in 0..1 << D {
+            let is_upper = |axis: usize| corner >> axis & 1 == 1;
+            let side = |axis, _| if is_upper(axis) { quarter } else { -quarter };
+            fine.push(space.displaced(site, SVector::from_fn(side)));
         }
     }
     let missing = count.saturating_sub(fine.len());

@@ -1,25 +1,24 @@
-//! One cell, prepared for integrals, and what a relaxation asks of it.
+//! The energy of one cell, its minimizer, and how far its site may move at once.
 
 use std::borrow::Cow;
 
 use nalgebra::{Point3, Rotation3, Vector3};
 
-use crate::domain::domain::Domain;
-use crate::domain::shape::PieceScratch;
-use crate::energy::center::{Search, center};
+use crate::domain::{domain::Domain, shape::PieceScratch};
+use crate::energy::center::{BOUNDARY_FRACTION, Search, center};
 use crate::energy::energy::EnergyScratch;
 use crate::energy::energy::{SignedPiece, energy, energy_jet};
+use crate::geometry::bounds::Bounds;
 use crate::geometry::brep::Piece;
 use crate::geometry::clip::ClipScratch;
+use crate::geometry::half_space::HalfSpace;
 use crate::geometry::moments::Moments;
 use crate::geometry::small_polyhedron::SmallPolyhedron;
 use crate::integrals::mesh_moments::of_piece;
 use crate::integrals::polynomial::Polynomial;
 use crate::minimize::problem::Evaluation;
-use crate::relax::figures::CellFigures;
-use crate::relax::reach::{around, reach, target};
-use crate::relax::shape::{Shape, within_cube};
-use crate::relax::tessellation::{Assessment, Norm, Question};
+use crate::relax::metrics::{CellMetrics, ShapeSums, within_cube};
+use crate::relax::relaxation_space::{CellCrowding, CellResult, EnergySpec, Norm};
 use crate::voronoi::cell::Cell;
 
 /// A cell's signed pieces, prepared, and the memory to work on them.
@@ -28,7 +27,7 @@ pub struct CellMemory {
     pieces: Vec<SignedPiece>,
     used: usize,
     /// The cell's volume (L³), and its mass, which is the volume where there is no density; none for a
-    /// cell that is its own only piece, and has not been asked.
+    /// cell that is its own only piece before either is needed.
     measured: Option<(f64, f64)>,
     /// Mass and its moments of the pieces with a density.
     weighted: Moments,
@@ -95,12 +94,12 @@ impl CellMemory {
 
     /// Prepares a cell that is its own only piece.
     fn load_whole(&mut self, cell: &SmallPolyhedron) {
-        let piece = SignedPiece::place(&mut self.pieces, 0, 1.0);
-        piece.assign_compact(cell);
+        let prepared = SignedPiece::place(&mut self.pieces, 0, 1.0);
+        prepared.assign_compact(cell);
         self.measured = None;
         self.weighted = Moments::default();
         if let Some(frame) = &self.frame {
-            piece.rotate(&frame.inverse());
+            prepared.rotate(&frame.inverse());
         }
         self.used = 1;
     }
@@ -154,9 +153,9 @@ impl CellMemory {
     }
 
     /// The loaded cell's energy about its site.
-    pub(crate) fn energy_at_site(&mut self, asked: Question) -> f64 {
-        match asked.norm {
-            Norm::Linf => self.evaluate(&Vector3::zeros(), asked.order).value,
+    pub(crate) fn energy_at_site(&mut self, spec: EnergySpec) -> f64 {
+        match spec.norm {
+            Norm::Linf => self.evaluate(&Vector3::zeros(), spec.order).value,
             Norm::L2 => self.masses().second.trace(),
         }
     }
@@ -172,17 +171,17 @@ impl CellMemory {
     }
 
     /// The figures of `cell`, which is loaded.
-    pub(crate) fn figures(
+    pub(crate) fn metrics(
         &mut self,
         domain: &dyn Domain,
         cell: &Cell<'_>,
-        asked: Question,
-    ) -> CellFigures<3> {
+        spec: EnergySpec,
+    ) -> CellMetrics<3> {
         let volume = self.volume();
         let Self {
             piece, clip, frame, ..
         } = self;
-        let mut shape = Shape::default();
+        let mut shape = ShapeSums::default();
         domain.pieces(
             &cell.position,
             cell.polyhedron(),
@@ -197,19 +196,19 @@ impl CellMemory {
                 shape.add_overlap(sign * part.extent().volume);
             });
         }
-        let found = self.find(domain, cell, asked);
+        let found = self.minimizer(domain, cell, spec);
         let masses = self.masses();
         let centroid = masses.centroid();
-        let center_energy = match asked.norm {
-            Norm::Linf => self.evaluate(&found.way, asked.order).value,
-            Norm::L2 => masses.second_about(&Point3::from(found.way)),
+        let center_energy = match spec.norm {
+            Norm::Linf => self.evaluate(&found.to_minimizer, spec.order).value,
+            Norm::L2 => masses.second_about(&Point3::from(found.to_minimizer)),
         };
-        CellFigures {
+        CellMetrics {
             volume,
             centroid: domain.wrap(&(cell.position + centroid.coords)),
             energy: found.energy,
             gradient: found.gradient,
-            center: domain.wrap(&(cell.position + found.way)),
+            center: domain.wrap(&(cell.position + found.to_minimizer)),
             center_energy,
             facets: shape.facets(volume),
             chebyshev: found.chebyshev,
@@ -218,82 +217,169 @@ impl CellMemory {
         }
     }
 
+    /// How crowded the loaded `cell` is.
+    pub(crate) fn crowding(&mut self, domain: &dyn Domain, cell: &Cell<'_>) -> CellCrowding<3> {
+        let frame = self.frame;
+        let distance =
+            |to: &Vector3<f64>| frame.map_or(to.amax(), |frame| (frame.inverse() * to).amax());
+        let place = |to: &Vector3<f64>| domain.wrap(&(cell.position + to));
+        let mut farthest = Vector3::zeros();
+        for vertex in cell.polyhedron().vertices() {
+            let is_farther = distance(&vertex.coords) > distance(&farthest);
+            if is_farther && domain.contains(&place(&vertex.coords)) {
+                farthest = vertex.coords;
+            }
+        }
+        CellCrowding {
+            energy: self.evaluate(&Vector3::zeros(), 1).value,
+            vertex: place(&farthest),
+            distance: distance(&farthest),
+        }
+    }
+
     pub(crate) fn assess(
         &mut self,
         domain: &dyn Domain,
         cell: &Cell<'_>,
-        asked: Question,
-    ) -> Assessment<3> {
-        let found = self.find(domain, cell, asked);
-        Assessment {
+        spec: EnergySpec,
+    ) -> CellResult<3> {
+        let found = self.minimizer(domain, cell, spec);
+        CellResult {
             energy: found.energy,
             chebyshev: found.chebyshev,
-            target: target(domain, cell, &found.way),
+            target: limited_step(domain, cell, &found.to_minimizer),
             evaluations: found.evaluations,
         }
     }
 
-    fn find(&mut self, domain: &dyn Domain, cell: &Cell<'_>, asked: Question) -> Found {
-        match asked.norm {
-            Norm::Linf => self.find_center(domain, cell, asked),
-            Norm::L2 => self.find_centroid(domain, cell),
+    fn minimizer(&mut self, domain: &dyn Domain, cell: &Cell<'_>, spec: EnergySpec) -> Minimizer {
+        match spec.norm {
+            Norm::Linf => self.center(domain, cell, spec),
+            Norm::L2 => self.centroid(domain, cell),
         }
     }
 
-    fn find_center(&mut self, domain: &dyn Domain, cell: &Cell<'_>, asked: Question) -> Found {
+    fn center(&mut self, domain: &dyn Domain, cell: &Cell<'_>, spec: EnergySpec) -> Minimizer {
         let pieces = &self.pieces[..self.used];
-        let first = energy_jet(pieces, &Vector3::zeros(), asked.order, &mut self.walk);
+        let first = energy_jet(pieces, &Vector3::zeros(), spec.order, &mut self.walk);
         let (volume, mass) = match self.walk.volume() {
             Some(volume) if self.measured.is_none() => (volume, volume),
             _ => self.measured(),
         };
         let search = Search {
-            minimizer: asked.minimizer,
-            order: asked.order,
+            minimizer: spec.minimizer,
+            order: spec.order,
             volume,
             mass,
             bounds: match self.frame {
-                None => reach(domain, cell),
-                Some(_) => around(pieces),
+                None => site_bounds(domain, cell),
+                Some(_) => bounds_of(pieces),
             },
         };
         let center = center(pieces, &search, &first, &mut self.walk);
-        let chebyshev = if asked.order == 1 {
+        let chebyshev = if spec.order == 1 {
             center.energy_at_site
         } else {
             energy(pieces, &Vector3::zeros(), 1, &mut self.walk).value
         };
-        Found {
+        Minimizer {
             energy: center.energy_at_site,
             gradient: self.in_space(center.gradient_at_site),
             chebyshev: chebyshev / domain.mean_density(),
-            way: self.in_space(center.point),
+            to_minimizer: self.in_space(center.point),
             evaluations: center.evaluations,
         }
     }
 
-    fn find_centroid(&mut self, domain: &dyn Domain, cell: &Cell<'_>) -> Found {
+    fn centroid(&mut self, domain: &dyn Domain, cell: &Cell<'_>) -> Minimizer {
         let masses = self.masses();
         let pieces = &self.pieces[..self.used];
         let chebyshev = energy(pieces, &Vector3::zeros(), 1, &mut self.walk).value;
-        Found {
+        Minimizer {
             energy: masses.second.trace(),
             gradient: -2.0 * masses.first,
             chebyshev: chebyshev / domain.mean_density(),
-            way: reach(domain, cell).clamp(&masses.centroid()).coords,
+            to_minimizer: site_bounds(domain, cell).clamp(&masses.centroid()).coords,
             evaluations: 1,
         }
     }
 }
 
-/// What a site finds in its cell, in the asked norm.
-struct Found {
+/// The minimizer of a cell's energy, and the energy at the site.
+struct Minimizer {
     energy: f64,
     /// The energy's gradient at the site.
     gradient: Vector3<f64>,
     /// The p = 1 Chebyshev energy at the site, per mean density.
     chebyshev: f64,
     /// From the site to the minimizer.
-    way: Vector3<f64>,
+    to_minimizer: Vector3<f64>,
     evaluations: u32,
+}
+
+/// The box in which the site may move, relative to it: around its cell and within the domain's.
+fn site_bounds(domain: &dyn Domain, cell: &Cell<'_>) -> Bounds<3> {
+    let cell_bounds = cell.bounds();
+    let mut within = domain.bounds();
+    for (axis, period) in domain.periods().iter().enumerate() {
+        if period.is_some() {
+            within.min[axis] = f64::NEG_INFINITY;
+            within.max[axis] = f64::INFINITY;
+        }
+    }
+    within.min -= cell.position.coords;
+    within.max -= cell.position.coords;
+    cell_bounds.intersection(&within)
+}
+
+/// The site after `step`, or after [`BOUNDARY_FRACTION`] of the way to where the straight line first
+/// leaves the cell or the domain. The energy is convex, also if the cell is not, so it falls all
+/// along the line.
+fn limited_step(domain: &dyn Domain, cell: &Cell<'_>, step: &Vector3<f64>) -> Point3<f64> {
+    let mut share = share_within(cell.half_spaces(), step);
+    if !domain.is_convex() {
+        let exit = domain.first_exit(&cell.position, &(step * share));
+        if exit.is_finite() {
+            share *= BOUNDARY_FRACTION * exit;
+        }
+        // Rounding may put a point that is nearly on the surface on its wrong side.
+        while share > 0.0 && !domain.contains(&(cell.position + step * share)) {
+            share *= 0.5;
+        }
+    }
+    within_walls(domain, domain.wrap(&(cell.position + step * share)))
+}
+
+/// The place itself, or where rounding has put it beyond the box around the domain, that box's wall.
+fn within_walls(domain: &dyn Domain, place: Point3<f64>) -> Point3<f64> {
+    let inside = domain.bounds().clamp(&place);
+    let periods = domain.periods();
+    Point3::from([0, 1, 2].map(|axis| match periods[axis] {
+        Some(_) => place[axis],
+        None => inside[axis],
+    }))
+}
+
+/// The share of `step` that a site may make: all of it while that ends in the cell, else
+/// [`BOUNDARY_FRACTION`] of the way to the border. Since the energy is convex it falls all the way.
+///
+/// Planes that have no facet any more count too: the straight line leaves the cell before it meets them.
+fn share_within(half_spaces: &[HalfSpace], step: &Vector3<f64>) -> f64 {
+    let mut share: f64 = 1.0;
+    for border in half_spaces {
+        let climb = border.normal.dot(step);
+        if climb > border.offset {
+            share = share.min(BOUNDARY_FRACTION * (border.offset / climb).max(0.0));
+        }
+    }
+    share
+}
+
+/// The box around the pieces, in their frame.
+fn bounds_of(pieces: &[SignedPiece]) -> Bounds<3> {
+    let mut bounds = Bounds::empty();
+    for vertex in pieces.iter().flat_map(|piece| piece.piece.vertices()) {
+        bounds.include(&vertex);
+    }
+    bounds
 }

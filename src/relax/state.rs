@@ -1,48 +1,48 @@
-//! Where a run stands between two moves: all that decides how it goes on, as plain numbers.
+//! The state of a run between two moves: all that decides how it goes on, as plain numbers.
 //!
-//! A run that is taken up again from its sites and its stand goes on to the bit as if nothing had
-//! happened. The [`tape`](Stand::tape) is a list of numbers of any of which nothing but `f64` is
-//! expected: counts are far below 2⁵³.
+//! A run that is taken up again from its sites and its state goes on to the bit as if nothing had
+//! happened. All of the [`numbers`](RunState::to_numbers) are `f64`: counts are far below 2⁵³.
 
-use nalgebra::Point3;
+use nalgebra::Point;
 
 use crate::minimize::history::History;
 use crate::minimize::lbfgsb_state::LbfgsbState;
+use crate::relax::record::Record;
 
-/// The layout of the tape.
+/// The layout of the numbers.
 const FORMAT: f64 = 1.0;
 
-/// How many counts begin the tape.
+/// How many counts begin the numbers.
 const COUNTS: usize = 10;
 
-/// Where a run stands.
+/// The state of a run.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Stand {
+pub struct RunState<const D: usize> {
     /// How many sites the finest level has.
     pub(crate) count: usize,
     /// Levels still to come.
     pub(crate) level: u32,
-    /// Kicks made on this level.
+    /// Perturbations made on this level.
     pub(crate) round: u64,
-    /// Kicks made on all levels, which number the streams of noise.
-    pub(crate) kicked: u64,
+    /// Perturbations made on all levels, which number the streams of noise.
+    pub(crate) perturbed: u64,
     /// Moves of the present descent.
     pub(crate) moves: u64,
     /// Whether the present descent is the level's last.
     pub(crate) is_last: bool,
-    /// How many sites the next exchange moves at most; zero when the last kick was noise.
+    /// How many sites the next exchange moves at most; zero when the last perturbation was noise.
     pub(crate) pairs: usize,
     /// Exchanges of one site that did not help since the last noise.
     pub(crate) failures: u64,
     /// Sites × evaluations so far.
     pub(crate) evaluations: f64,
     /// The best sites of the level after a whole round, and their energy.
-    pub(crate) best: Option<(f64, Vec<Point3<f64>>)>,
+    pub(crate) best: Option<(f64, Vec<Point<f64, D>>)>,
     /// The present descent; none before its first step and during Lloyd's moves.
     pub(crate) descent: Option<LbfgsbState>,
 }
 
-impl Stand {
+impl<const D: usize> RunState<D> {
     /// Before the first move of a run with `count` sites and `levels` levels.
     #[must_use]
     pub fn new(count: usize, levels: u32) -> Self {
@@ -53,16 +53,26 @@ impl Stand {
         }
     }
 
+    /// The state of plain Lloyd with `count` sites after `last`, which tells all of it.
+    #[must_use]
+    pub fn of_lloyd(count: usize, last: &Record) -> Self {
+        Self {
+            moves: last.iteration,
+            evaluations: (last.evaluations * count as f64).round(),
+            ..Self::new(count, 0)
+        }
+    }
+
     /// Begins the next finer level.
-    pub(crate) fn descend_to_finer_level(&mut self) {
+    pub(crate) fn begin_finer_level(&mut self) {
         *self = Self {
-            kicked: self.kicked,
+            perturbed: self.perturbed,
             evaluations: self.evaluations,
             ..Self::new(self.count, self.level.saturating_sub(1))
         };
     }
 
-    /// The number of kicks on the present level.
+    /// The number of perturbations on the present level.
     #[must_use]
     pub fn round(&self) -> u64 {
         self.round
@@ -74,15 +84,15 @@ impl Stand {
         self.level
     }
 
-    /// The stand as numbers.
+    /// The state as numbers.
     #[must_use]
-    pub fn tape(&self) -> Vec<f64> {
-        let mut tape = vec![
+    pub fn to_numbers(&self) -> Vec<f64> {
+        let mut numbers = vec![
             FORMAT,
             self.count as f64,
             f64::from(self.level),
             self.round as f64,
-            self.kicked as f64,
+            self.perturbed as f64,
             self.moves as f64,
             f64::from(u8::from(self.is_last)),
             self.pairs as f64,
@@ -90,29 +100,29 @@ impl Stand {
             self.evaluations,
         ];
         let (energy, best) = self.best.as_ref().map_or((0.0, &[][..]), |(e, b)| (*e, b));
-        tape.extend([energy, best.len() as f64]);
-        tape.extend(best.iter().flat_map(|site| site.coords.data.0[0]));
+        numbers.extend([energy, best.len() as f64]);
+        numbers.extend(best.iter().flat_map(|site| site.coords.data.0[0]));
         if let Some(descent) = &self.descent {
-            record_descent(descent, &mut tape);
+            push_descent(descent, &mut numbers);
         }
-        tape
+        numbers
     }
 
-    /// The stand that gave `tape`; `None` if none did.
+    /// The state that gave the numbers; `None` if none did.
     #[must_use]
-    pub fn from_tape(tape: &[f64]) -> Option<Self> {
-        let (counts, rest) = tape.split_at_checked(COUNTS)?;
+    pub fn from_numbers(numbers: &[f64]) -> Option<Self> {
+        let (counts, rest) = numbers.split_at_checked(COUNTS)?;
         let (best, rest) = rest.split_at_checked(2)?;
-        let (sites, descent) = rest.split_at_checked(3 * best[1] as usize)?;
+        let (sites, descent) = rest.split_at_checked(D * best[1] as usize)?;
         if counts[0].to_bits() != FORMAT.to_bits() {
             return None;
         }
-        let sites: Vec<_> = sites.chunks_exact(3).map(Point3::from_slice).collect();
+        let sites: Vec<_> = sites.chunks_exact(D).map(Point::from_slice).collect();
         Some(Self {
             count: counts[1] as usize,
             level: counts[2] as u32,
             round: counts[3] as u64,
-            kicked: counts[4] as u64,
+            perturbed: counts[4] as u64,
             moves: counts[5] as u64,
             is_last: counts[6] > 0.0,
             pairs: counts[7] as usize,
@@ -122,32 +132,32 @@ impl Stand {
             descent: if descent.is_empty() {
                 None
             } else {
-                Some(replayed_descent(descent)?)
+                Some(descent_of(descent)?)
             },
         })
     }
 }
 
-fn record_descent(descent: &LbfgsbState, tape: &mut Vec<f64>) {
+fn push_descent(descent: &LbfgsbState, numbers: &mut Vec<f64>) {
     let history = descent.history();
-    tape.extend([
+    numbers.extend([
         descent.point().len() as f64,
         history.len() as f64,
         descent.value(),
         descent.iterations() as f64,
         descent.evaluations() as f64,
     ]);
-    tape.extend(descent.point());
-    tape.extend(descent.gradient());
+    numbers.extend(descent.point());
+    numbers.extend(descent.gradient());
     let pairs = history.steps().iter().zip(history.changes());
     for (step, change) in pairs {
-        tape.extend(step);
-        tape.extend(change);
+        numbers.extend(step);
+        numbers.extend(change);
     }
 }
 
-fn replayed_descent(tape: &[f64]) -> Option<LbfgsbState> {
-    let (head, vectors) = tape.split_at_checked(5)?;
+fn descent_of(numbers: &[f64]) -> Option<LbfgsbState> {
+    let (head, vectors) = numbers.split_at_checked(5)?;
     let (variables, pairs) = (head[0] as usize, head[1] as usize);
     if variables == 0 || vectors.len() != variables * (2 + 2 * pairs) {
         return None;
@@ -171,18 +181,27 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_stand_reads_back_from_its_tape() {
-        let mut stand = Stand::new(9, 2);
-        assert_eq!(Stand::from_tape(&stand.tape()), Some(stand.clone()));
-        stand.best = Some((0.1 + 0.2, vec![Point3::new(1.0, -0.0, 3.0)]));
-        stand.pairs = 4;
+    fn a_state_reads_back_from_its_numbers() {
+        let mut state = RunState::<3>::new(9, 2);
+        assert_eq!(
+            RunState::from_numbers(&state.to_numbers()),
+            Some(state.clone())
+        );
+        state.best = Some((0.1 + 0.2, vec![Point::from([1.0, -0.0, 3.0])]));
+        state.pairs = 4;
         let history = History::from_parts(vec![vec![1.0, 2.0, 3.0]], vec![vec![4.0, 5.0, 6.0]]);
         let (point, gradient) = (vec![0.5, 0.25, 1e-300], vec![1.0, 2.0, 1.0 / 3.0]);
         let descent = LbfgsbState::from_parts(point, 0.7, gradient, history, 5, 8);
-        stand.descent = Some(descent);
-        assert_eq!(Stand::from_tape(&stand.tape()), Some(stand.clone()));
-        let tape = stand.tape();
-        assert_eq!(Stand::from_tape(&tape[..tape.len() - 1]), None);
-        assert_eq!(Stand::from_tape(&[]), None);
+        state.descent = Some(descent);
+        assert_eq!(
+            RunState::from_numbers(&state.to_numbers()),
+            Some(state.clone())
+        );
+        let numbers = state.to_numbers();
+        assert_eq!(
+            RunState::<3>::from_numbers(&numbers[..numbers.len() - 1]),
+            None
+        );
+        assert_eq!(RunState::<3>::from_numbers(&[]), None);
     }
 }

@@ -15,64 +15,12 @@
 
 use nalgebra::{DMatrix, DVector, Dyn, LU};
 
-use crate::minimize::history::History;
-use crate::minimize::slices::{add_scaled, dot};
-
-/// Dot products of the pairs, kept up to date at O(memory · n) a step.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Products {
-    /// `s_i · s_j`.
-    pub(crate) steps: Vec<Vec<f64>>,
-    /// `s_i · y_j`.
-    pub(crate) mixed: Vec<Vec<f64>>,
-    /// `y_i · y_j`.
-    pub(crate) changes: Vec<Vec<f64>>,
-}
-
-impl Products {
-    /// All products of a history.
-    pub(crate) fn of(history: &History) -> Self {
-        let table = |left: &[Vec<f64>], right: &[Vec<f64>]| -> Vec<Vec<f64>> {
-            let row = |a: &Vec<f64>| right.iter().map(|b| dot(a, b)).collect();
-            left.iter().map(row).collect()
-        };
-        let (steps, changes) = (history.steps(), history.changes());
-        Self {
-            steps: table(steps, steps),
-            mixed: table(steps, changes),
-            changes: table(changes, changes),
-        }
-    }
-
-    /// Takes in the newest pair of `history` after the oldest may have been dropped.
-    pub(crate) fn update(&mut self, history: &History) {
-        let (steps, changes) = (history.steps(), history.changes());
-        extend(&mut self.steps, steps, steps);
-        extend(&mut self.mixed, steps, changes);
-        extend(&mut self.changes, changes, changes);
-    }
-}
-
-/// Drops the first row and column if the table is full, then adds the last ones.
-fn extend(table: &mut Vec<Vec<f64>>, left: &[Vec<f64>], right: &[Vec<f64>]) {
-    let (Some(last_left), Some(last_right)) = (left.last(), right.last()) else {
-        return;
-    };
-    while table.len() >= left.len() {
-        table.remove(0);
-        for row in table.iter_mut() {
-            row.remove(0);
-        }
-    }
-    for (row, vector) in table.iter_mut().zip(left) {
-        row.push(dot(vector, last_right));
-    }
-    table.push(right.iter().map(|vector| dot(last_left, vector)).collect());
-}
+use crate::minimize::blas1::{add_scaled, dot};
+use crate::minimize::history::{History, Products};
 
 /// The matrix `B` of a history.
 #[derive(Debug)]
-pub(crate) struct Compact<'a> {
+pub(crate) struct CompactBfgs<'a> {
     history: &'a History,
     /// `θ`.
     pub(crate) theta: f64,
@@ -82,9 +30,10 @@ pub(crate) struct Compact<'a> {
     factor: LU<f64, Dyn, Dyn>,
 }
 
-impl<'a> Compact<'a> {
+impl<'a> CompactBfgs<'a> {
     /// The matrix of a history, or `theta_at_start · I` if that is empty.
-    pub(crate) fn new(history: &'a History, products: &Products, theta_at_start: f64) -> Self {
+    pub(crate) fn new(history: &'a History, theta_at_start: f64) -> Self {
+        let products = history.products();
         let theta = match products.mixed.len() {
             0 => theta_at_start,
             count => products.changes[count - 1][count - 1] / products.mixed[count - 1][count - 1],
@@ -100,6 +49,11 @@ impl<'a> Compact<'a> {
             inverse_middle,
             scales,
         }
+    }
+
+    /// The dot products of the pairs.
+    pub(crate) fn products(&self) -> &'a Products {
+        self.history.products()
     }
 
     /// `2k`, the number of columns of `W`.
@@ -201,9 +155,9 @@ mod tests {
         let mut matrix = DMatrix::identity(size, size) * theta;
         for (s, y) in history.steps().iter().zip(history.changes()) {
             let (s, y) = (DVector::from_column_slice(s), DVector::from_column_slice(y));
-            let bent = &matrix * &s;
-            matrix =
-                &matrix - &bent * bent.transpose() / s.dot(&bent) + &y * y.transpose() / y.dot(&s);
+            let image = &matrix * &s;
+            matrix = &matrix - &image * image.transpose() / s.dot(&image)
+                + &y * y.transpose() / y.dot(&s);
         }
         matrix
     }
@@ -212,7 +166,6 @@ mod tests {
     fn the_compact_form_is_bfgs() {
         let curvatures = [1.0, 3.0, 0.5, 2.0];
         let mut history = History::default();
-        let mut products = Products::default();
         for pair in 0..5 {
             let step: Vec<f64> = (0..4)
                 .map(|k| f64::from((7 * pair + 3 * k) % 11) - 5.0)
@@ -220,10 +173,10 @@ mod tests {
                 .collect();
             let change = step.iter().zip(curvatures).map(|(s, c)| s * c).collect();
             assert!(history.push(step, change, 3));
-            products.update(&history);
         }
-        assert_eq!(products.mixed, Products::of(&history).mixed);
-        let compact = Compact::new(&history, &products, 1.0);
+        let read = History::from_parts(history.steps().to_vec(), history.changes().to_vec());
+        assert_eq!(read, history);
+        let compact = CompactBfgs::new(&history, 1.0);
         let expected = by_definition(&history, compact.theta, 4);
         for axis in 0..4 {
             let mut unit = vec![0.0; 4];

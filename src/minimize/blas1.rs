@@ -1,4 +1,4 @@
-//! Sums over long slices, in an order that depends on nothing but their length.
+//! Dot products, scaled sums and norms of long vectors, in an order that depends on their length only.
 
 /// Partial sums kept side by side, so that the compiler may use vector registers.
 const LANES: usize = 8;

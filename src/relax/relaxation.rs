@@ -1,0 +1,400 @@
+//! A relaxation in one call: a domain, a method, sites, and perhaps an observer.
+//!
+//! [`Relaxation`] is what most callers need. Sites are `[f64; 3]` or nalgebra's points; parallel work
+//! runs in the rayon pool that the caller has installed, or in the global one. A [`Checkpoint`] holds
+//! all that a run needs to go on, to the bit as if it had not stopped.
+
+use std::ops::ControlFlow;
+
+use nalgebra::{Point, Point3};
+use thiserror::Error;
+
+use crate::domain::domain::Domain;
+use crate::geometry::bounds::Bounds;
+use crate::geometry::random::Random;
+use crate::relax::driver::{RunEnd, drive};
+use crate::relax::frames::Frames;
+use crate::relax::metrics::Metrics;
+use crate::relax::plan::{Perturbation, PerturbationKind, Plan};
+use crate::relax::record::Record;
+use crate::relax::relaxation_space::{
+    EnergySpec, Minimizer, Norm, RelaxationError, RelaxationSpace,
+};
+use crate::relax::space::{Space, SpaceError};
+use crate::relax::state::RunState;
+
+/// Moves of plain Lloyd unless told otherwise, as in the paper.
+const LLOYD_MOVES: u64 = 50;
+
+/// Why a relaxation failed.
+#[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
+pub enum RelaxError {
+    /// The sites have no cells, or the descent was given impossible numbers.
+    #[error(transparent)]
+    Space(#[from] RelaxationError<SpaceError>),
+    /// The numbers of a checkpoint are of no run.
+    #[error("the checkpoint's {numbers} numbers are of no run of {sites} sites")]
+    Checkpoint {
+        /// How many numbers there are.
+        numbers: usize,
+        /// How many sites there are.
+        sites: usize,
+    },
+}
+
+/// How sites move.
+///
+/// # Examples
+/// ```
+/// use chebloyd::Method;
+///
+/// let lloyd = Method::lloyd(150).accelerated();
+/// let descent = Method::quasi_newton(100);
+/// let cubes = Method::cubes(1000);
+/// assert_ne!(lloyd, descent);
+/// # let _ = cubes;
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Method(Plan);
+
+impl Default for Method {
+    /// Fifty of Lloyd's moves.
+    fn default() -> Self {
+        Self::lloyd(LLOYD_MOVES)
+    }
+}
+
+impl Method {
+    /// Lloyd's iteration: every site moves to its own cell's center (\[BL\] section 3.5).
+    #[must_use]
+    pub fn lloyd(iterations: u64) -> Self {
+        let spec = EnergySpec {
+            norm: Norm::Linf,
+            order: 1,
+            minimizer: Minimizer::Newton,
+        };
+        Self(Plan::lloyd(spec, iterations))
+    }
+
+    /// At most so many steps of a descent of the global objective by L-BFGS-B.
+    #[must_use]
+    pub fn quasi_newton(iterations: u64) -> Self {
+        Self(Plan::quasi_newton(1, iterations))
+    }
+
+    /// Rounds of falling noise, each followed by a descent; the best sites are kept.
+    #[must_use]
+    pub fn anneal() -> Self {
+        let noise = Perturbation::default_of(PerturbationKind::Anneal);
+        Self(Plan::perturbed(1, noise))
+    }
+
+    /// From coarse to fine, with exchanges of sites from crowded cells to holes: makes cubes of the
+    /// cells of `count` sites where that many cubes fill the domain.
+    #[must_use]
+    pub fn cubes(count: usize) -> Self {
+        Self(Plan::cubes(1, count))
+    }
+
+    /// Lengthens Lloyd's moves where that ends lower.
+    #[must_use]
+    pub fn accelerated(mut self) -> Self {
+        self.0.is_accelerated = true;
+        self
+    }
+
+    /// At most so many moves in all.
+    #[must_use]
+    pub fn iterations(mut self, moves: u64) -> Self {
+        self.0.iterations = moves;
+        self
+    }
+
+    /// Ends a descent after a move whose `movement_percent` is below this.
+    #[must_use]
+    pub fn tolerance(mut self, movement_percent: f64) -> Self {
+        self.0.tolerance = movement_percent;
+        self
+    }
+
+    /// The order p ≥ 1 of the energy ∫ d∞^p.
+    #[must_use]
+    pub fn order(mut self, order: u32) -> Self {
+        self.0.spec.order = order;
+        if let Some(descent) = &mut self.0.descent {
+            descent.order = order;
+        }
+        self
+    }
+
+    /// The distance that Lloyd's moves minimize; descents are always of the Chebyshev norm.
+    #[must_use]
+    pub fn norm(mut self, norm: Norm) -> Self {
+        self.0.spec.norm = norm;
+        self
+    }
+
+    /// The seed of the noise, in methods that have noise.
+    #[must_use]
+    pub fn seed(mut self, seed: u64) -> Self {
+        if let Some(perturbation) = &mut self.0.perturbation {
+            perturbation.seed = seed;
+        }
+        self
+    }
+}
+
+/// All that a run needs to go on, to the bit as if it had not stopped.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Checkpoint<const D: usize = 3> {
+    /// The sites.
+    pub sites: Vec<Point<f64, D>>,
+    /// The record that describes them; none before the first.
+    pub record: Option<Record>,
+    /// The method's own state after that record; none before the first.
+    pub(crate) state: Option<RunState<D>>,
+}
+
+impl<const D: usize> Checkpoint<D> {
+    /// A run before its first record.
+    #[must_use]
+    pub fn at_start(sites: Vec<Point<f64, D>>) -> Self {
+        Self {
+            sites,
+            record: None,
+            state: None,
+        }
+    }
+
+    /// The checkpoint of these parts, the state as [`Checkpoint::state_numbers`] gave it; that of plain
+    /// Lloyd may be empty, since the record tells all of it.
+    ///
+    /// # Errors
+    /// [`RelaxError::Checkpoint`] when the numbers are of no state of so many sites.
+    pub fn from_parts(
+        sites: Vec<Point<f64, D>>,
+        record: Record,
+        state_numbers: &[f64],
+    ) -> Result<Self, RelaxError> {
+        let state = if state_numbers.is_empty() {
+            RunState::of_lloyd(sites.len(), &record)
+        } else {
+            RunState::from_numbers(state_numbers).ok_or(RelaxError::Checkpoint {
+                numbers: state_numbers.len(),
+                sites: sites.len(),
+            })?
+        };
+        Ok(Self {
+            sites,
+            record: Some(record),
+            state: Some(state),
+        })
+    }
+
+    /// The method's state as plain numbers, to be kept in any form; empty before the first record.
+    #[must_use]
+    pub fn state_numbers(&self) -> Vec<f64> {
+        self.state
+            .as_ref()
+            .map_or_else(Vec::new, RunState::to_numbers)
+    }
+}
+
+/// How a relaxation ended.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Outcome {
+    /// Every record, the first of the sites before any move.
+    pub records: Vec<Record>,
+    /// Why it ended.
+    pub ended: RunEnd,
+}
+
+/// A domain, a method, and axes of distance: all of a relaxation but the sites.
+///
+/// # Examples
+/// ```
+/// use std::ops::ControlFlow;
+/// use chebloyd::{Cuboid, Method, Relaxation};
+///
+/// let mut sites = vec![[0.2, 0.3, 0.4], [0.7, 0.6, 0.5], [0.4, 0.8, 0.1]];
+/// let relaxation = Relaxation::new(Cuboid::unit()).method(Method::lloyd(20));
+/// let outcome = relaxation.run_with(&mut sites, |record, _| {
+///     println!("{} {:.3} %", record.iteration, record.energy_percent);
+///     ControlFlow::Continue(())
+/// })?;
+/// assert_eq!(outcome.records.len(), 21);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug)]
+pub struct Relaxation {
+    space: Space,
+    plan: Plan,
+}
+
+impl Relaxation {
+    /// Fifty moves of Lloyd's iteration in `domain`.
+    #[must_use]
+    pub fn new(domain: impl Domain + 'static) -> Self {
+        Self::boxed(Box::new(domain))
+    }
+
+    /// The same for a domain whose type is known only when the program runs.
+    #[must_use]
+    pub fn boxed(domain: Box<dyn Domain>) -> Self {
+        Self {
+            space: Space::new(domain),
+            plan: Method::default().0,
+        }
+    }
+
+    /// With this method.
+    #[must_use]
+    pub fn method(self, method: Method) -> Self {
+        Self {
+            plan: method.0,
+            ..self
+        }
+    }
+
+    /// With distances measured along these axes instead of those of space.
+    #[must_use]
+    pub fn frames(self, frames: Frames) -> Self {
+        Self {
+            space: self.space.framed(frames),
+            ..self
+        }
+    }
+
+    /// Relaxes `sites` in place.
+    ///
+    /// # Errors
+    /// When a site is not finite or outside the domain, or two coincide; `sites` are then unchanged.
+    pub fn run<P>(&self, sites: &mut Vec<P>) -> Result<Outcome, RelaxError>
+    where
+        P: Copy + Into<Point3<f64>> + From<Point3<f64>>,
+    {
+        self.run_with(sites, |_, _| ControlFlow::Continue(()))
+    }
+
+    /// As [`Relaxation::run`]; the observer is shown every record with the sites it describes, and may
+    /// stop the run.
+    ///
+    /// # Errors
+    /// As [`Relaxation::run`].
+    pub fn run_with<P>(
+        &self,
+        sites: &mut Vec<P>,
+        mut observer: impl FnMut(&Record, &[Point3<f64>]) -> ControlFlow<()>,
+    ) -> Result<Outcome, RelaxError>
+    where
+        P: Copy + Into<Point3<f64>> + From<Point3<f64>>,
+    {
+        let points = sites.iter().map(|&site| site.into()).collect();
+        let mut checkpoint = Checkpoint::at_start(points);
+        let mut records = Vec::new();
+        let ended = self.resume(&mut checkpoint, |record, sites| {
+            records.push(record.clone());
+            observer(record, sites)
+        })?;
+        *sites = checkpoint.sites.into_iter().map(P::from).collect();
+        Ok(Outcome { records, ended })
+    }
+
+    /// Goes on from a checkpoint, which is then where the run stopped: at its end, or where the
+    /// observer stopped it.
+    ///
+    /// # Errors
+    /// As [`Relaxation::run`]; the checkpoint is then of no further use.
+    ///
+    /// # Examples
+    /// ```
+    /// use std::ops::ControlFlow;
+    /// use chebloyd::{Checkpoint, Cuboid, Relaxation};
+    ///
+    /// let sites = [[0.2, 0.3, 0.4], [0.7, 0.6, 0.5]].map(Into::into).to_vec();
+    /// let relaxation = Relaxation::new(Cuboid::unit());
+    /// let mut stopped = Checkpoint::at_start(sites.clone());
+    /// relaxation.resume(&mut stopped, |record, _| match record.iteration {
+    ///     3 => ControlFlow::Break(()),
+    ///     _ => ControlFlow::Continue(()),
+    /// })?;
+    /// relaxation.resume(&mut stopped, |_, _| ControlFlow::Continue(()))?;
+    /// let mut straight = Checkpoint::at_start(sites);
+    /// relaxation.resume(&mut straight, |_, _| ControlFlow::Continue(()))?;
+    /// assert_eq!(stopped.sites, straight.sites);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn resume(
+        &self,
+        checkpoint: &mut Checkpoint,
+        mut observer: impl FnMut(&Record, &[Point3<f64>]) -> ControlFlow<()>,
+    ) -> Result<RunEnd, RelaxError> {
+        let observer = &mut |record: &Record, sites: &[Point3<f64>], _: &_| observer(record, sites);
+        Ok(continue_run(&self.space, &self.plan, checkpoint, observer)?)
+    }
+
+    /// Volume, energy and shape of the cells of `sites`, without any move.
+    ///
+    /// # Errors
+    /// As [`Relaxation::run`].
+    ///
+    /// # Examples
+    /// ```
+    /// use chebloyd::{Cuboid, Relaxation};
+    ///
+    /// let metrics = Relaxation::new(Cuboid::unit()).measure(&[[0.25, 0.5, 0.5], [0.75, 0.5, 0.5]])?;
+    /// assert!((metrics.volume_sum - 1.0).abs() < 1e-12);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn measure<P: Copy + Into<Point3<f64>>>(&self, sites: &[P]) -> Result<Metrics, RelaxError> {
+        let points: Vec<_> = sites.iter().map(|&site| site.into()).collect();
+        let cells = self.space.metrics(&points, self.plan.spec);
+        let cells = cells.map_err(RelaxationError::Space)?;
+        Ok(Metrics::of(self.space.volume(), &cells))
+    }
+}
+
+/// Drives a run on from a checkpoint and keeps that up to date.
+pub(crate) fn continue_run<const D: usize, S: RelaxationSpace<D>>(
+    space: &S,
+    plan: &Plan,
+    checkpoint: &mut Checkpoint<D>,
+    observer: &mut dyn FnMut(&Record, &[Point<f64, D>], &RunState<D>) -> ControlFlow<()>,
+) -> Result<RunEnd, RelaxationError<S::Error>> {
+    let Checkpoint {
+        sites,
+        record,
+        state,
+    } = checkpoint;
+    let count = sites.len();
+    let state = state.get_or_insert_with(|| RunState::new(count, plan.levels));
+    let resumed = record.clone();
+    drive(
+        space,
+        plan,
+        sites,
+        state,
+        resumed.as_ref(),
+        &mut |now, sites, state| {
+            *record = Some(now.clone());
+            observer(now, sites, state)
+        },
+    )
+}
+
+/// Uniform random sites in a box: those that a scene's `"random"` names with this seed.
+///
+/// # Examples
+/// ```
+/// use chebloyd::{Bounds, random_sites};
+///
+/// let cube = Bounds::from_corners([0.0; 3], [1.0; 3]);
+/// assert_eq!(random_sites(10, 1, &cube), random_sites(10, 1, &cube));
+/// ```
+#[must_use]
+pub fn random_sites(count: usize, seed: u64, bounds: &Bounds<3>) -> Vec<Point3<f64>> {
+    let mut random = Random::new(seed);
+    (0..count).map(|_| random.point(bounds)).collect()
+}
