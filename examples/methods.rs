@@ -12,7 +12,7 @@ use std::time::Instant;
 use chebloyd::domain::cuboid::Cuboid;
 use chebloyd::geometry::bounds::Bounds;
 use chebloyd::relax::driver::drive;
-use chebloyd::relax::metrics::Figures;
+use chebloyd::relax::metrics::Metrics;
 use chebloyd::relax::plan::{Perturbation, PerturbationKind, Plan};
 use chebloyd::relax::relaxation_space::{EnergySpec, RelaxationSpace};
 use chebloyd::relax::space::Space;
@@ -77,9 +77,9 @@ fn space() -> Space {
     Space::new(Box::new(Cuboid::new(bounds, [periodic; 3]).expect("a box")))
 }
 
-fn figures(space: &Space, sites: &[Point3<f64>], question: EnergySpec) -> Figures {
-    let cells = space.figures(sites, question).expect("sites have cells");
-    Figures::of(space.volume(), &cells)
+fn figures(space: &Space, sites: &[Point3<f64>], question: EnergySpec) -> Metrics {
+    let cells = space.metrics(sites, question).expect("sites have cells");
+    Metrics::of(space.volume(), &cells)
 }
 
 fn run(space: &Space, name: &str, plan: &Plan, given: &[Point3<f64>], seed: usize) {

@@ -132,7 +132,7 @@ fn row(path: &Path) -> Result<String, String> {
     let [linf, l2] = [Norm::Linf, Norm::L2].map(|norm| relaxed(&space, &start, norm, iterations));
     let many = sites(&space, number("fill", 1000), 2);
     let figures = space
-        .figures(&many, LINF)
+        .metrics(&many, LINF)
         .map_err(|error| error.to_string())?;
     let sum: f64 = figures.iter().map(|cell| cell.volume).sum();
     let error = (sum / space.volume() - 1.0).abs();

@@ -48,6 +48,9 @@ pub mod relax;
 pub mod scene;
 pub mod voronoi;
 
+#[cfg(test)]
+mod tests;
+
 #[cfg(feature = "cli")]
 pub use crate::cli::command::command_line;
 pub use crate::domain::cuboid::Cuboid;

@@ -208,11 +208,7 @@ fn run_stage(stage: Stage, space: &Space, sites: &[Point3<f64>]) -> Result<u64, 
 }
 
 /// Does the work of a stage that has no minimizer.
-fn run_part(
-    stage: Stage,
-    domain: &dyn Domain,
-    diagram: &Diagram<'_>,
-) -> Result<(), BenchError> {
+fn run_part(stage: Stage, domain: &dyn Domain, diagram: &Diagram<'_>) -> Result<(), BenchError> {
     match stage {
         Stage::Index => {
             diagram.sort_sites();

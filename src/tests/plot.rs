@@ -1,21 +1,19 @@
 //! What pictures must hold: well-formed files that show everything, whatever the data.
 
-mod common;
-
-use chebloyd::geometry::bounds::Bounds;
-use chebloyd::geometry::brep::Piece;
-use chebloyd::geometry::half_space::HalfSpace;
-use chebloyd::geometry::section::section;
-use chebloyd::geometry::shell::Shell;
-use chebloyd::plot::color::{Best, ColorScale};
-use chebloyd::plot::convergence::{Run, convergence};
-use chebloyd::plot::cutaway::{CutawayPicture, Removed};
-use chebloyd::plot::exploded::{Fragment, FragmentedCell, exploded};
-use chebloyd::plot::patches::{Cut, Patch, picture};
-use chebloyd::plot::png::png;
-use chebloyd::plot::svg::svg;
-use chebloyd::relax::record::Record;
-use common::{cell, grid_sites, random_sites};
+use crate::geometry::bounds::Bounds;
+use crate::geometry::brep::Piece;
+use crate::geometry::half_space::HalfSpace;
+use crate::geometry::section::section;
+use crate::geometry::shell::Shell;
+use crate::plot::color::{Best, ColorScale};
+use crate::plot::convergence::{Run, convergence};
+use crate::plot::cutaway::{CutawayPicture, Removed};
+use crate::plot::exploded::{Fragment, FragmentedCell, exploded};
+use crate::plot::patches::{Cut, Patch, picture};
+use crate::plot::png::png;
+use crate::plot::svg::svg;
+use crate::relax::record::Record;
+use crate::tests::sites::{cell, grid_sites, random_sites};
 use nalgebra::{Point2, Point3, Vector3};
 
 /// A made-up run whose movement falls from 12.8 % and energy from 126.4 % to `floor`.

@@ -2,12 +2,12 @@
 
 use std::collections::BTreeSet;
 
-use chebloyd::geometry::bounds::Bounds;
-use chebloyd::geometry::clip::{Clip, ClipScratch, clip};
-use chebloyd::geometry::half_space::HalfSpace;
-use chebloyd::geometry::polyhedron::Polyhedron;
-use chebloyd::geometry::small_polyhedron::SmallPolyhedron;
-use chebloyd::geometry::small_polyhedron_clip::{Full, SmallClipScratch};
+use crate::geometry::bounds::Bounds;
+use crate::geometry::clip::{Clip, ClipScratch, clip};
+use crate::geometry::half_space::HalfSpace;
+use crate::geometry::polyhedron::Polyhedron;
+use crate::geometry::small_polyhedron::SmallPolyhedron;
+use crate::geometry::small_polyhedron_clip::{Full, SmallClipScratch};
 use nalgebra::{Point3, Vector3};
 use proptest::prelude::*;
 

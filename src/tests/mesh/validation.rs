@@ -1,12 +1,12 @@
 //! What may bound or fill a solid, what is repaired and told, what is refused.
 
-use chebloyd::geometry::bounds::Bounds;
-use chebloyd::mesh::report::{EdgePlace, Refusal, Tally};
-use chebloyd::mesh::shapes;
-use chebloyd::mesh::similarity::Similarity;
-use chebloyd::mesh::surface::SurfaceMesh;
-use chebloyd::mesh::tets::VertexData;
-use chebloyd::mesh::validate::{validate_surface, validate_tets};
+use crate::geometry::bounds::Bounds;
+use crate::mesh::report::{EdgePlace, Refusal, Tally};
+use crate::mesh::shapes;
+use crate::mesh::similarity::Similarity;
+use crate::mesh::surface::SurfaceMesh;
+use crate::mesh::tets::VertexData;
+use crate::mesh::validate::{validate_surface, validate_tets};
 use nalgebra::{Point3, Vector3};
 use proptest::prelude::*;
 
@@ -434,7 +434,7 @@ fn tetrahedra_are_turned_dropped_and_told() {
         sound
             .mesh()
             .all_corners()
-            .all(|c| chebloyd::mesh::tets::tet_volume(&c) > 0.0)
+            .all(|c| crate::mesh::tets::tet_volume(&c) > 0.0)
     );
     assert!(near(sound.mesh().volume(), 1.0));
 }

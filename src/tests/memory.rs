@@ -5,36 +5,36 @@
 
 use std::ops::ControlFlow;
 use std::path::Path;
-use std::sync::{Mutex, PoisonError};
+use std::process::Command;
 
-use chebloyd::domain::cuboid::Cuboid;
-use chebloyd::domain::shape::PieceScratch;
-use chebloyd::export::run::directory::RunDirectory;
-use chebloyd::export::sites::write_csv;
-use chebloyd::export::vtu::{CellGeometry, VtuWriter};
-use chebloyd::geometry::shell::Shell;
-use chebloyd::relax::driver::drive;
-use chebloyd::relax::metrics::Figures;
-use chebloyd::relax::plan::Plan;
-use chebloyd::relax::record::Record;
-use chebloyd::relax::relaxation_space::{EnergySpec, Minimizer, Norm, RelaxationSpace};
-use chebloyd::relax::space::Space;
-use chebloyd::relax::space::shell;
-use chebloyd::relax::state::RunState;
-use chebloyd::voronoi::cell::Cell;
-use chebloyd::voronoi::diagram::{Diagram, DiagramError};
+use crate::domain::cuboid::Cuboid;
+use crate::domain::shape::PieceScratch;
+use crate::export::run::directory::RunDirectory;
+use crate::export::sites::write_csv;
+use crate::export::vtu::{CellGeometry, VtuWriter};
+use crate::geometry::shell::Shell;
+use crate::relax::driver::drive;
+use crate::relax::metrics::Metrics;
+use crate::relax::plan::Plan;
+use crate::relax::record::Record;
+use crate::relax::relaxation_space::{EnergySpec, Minimizer, Norm, RelaxationSpace};
+use crate::relax::space::Space;
+use crate::relax::space::shell;
+use crate::relax::state::RunState;
+use crate::voronoi::cell::Cell;
+use crate::voronoi::diagram::{Diagram, DiagramError};
 use nalgebra::Point3;
 use peak_alloc::PeakAlloc;
 use rayon::ThreadPoolBuilder;
 
-mod common;
-use common::random_sites;
+use crate::tests::sites::random_sites;
 
 #[global_allocator]
 static HEAP: PeakAlloc = PeakAlloc;
 
-/// The heap is one for all threads: tests take turns.
-static TURN: Mutex<()> = Mutex::new(());
+/// Tells the test's own process, started anew, to do the work: the heap of a process is one for all
+/// tests that run in it.
+const IS_CHILD: &str = "CHEBLOYD_MEMORY_TEST";
 
 /// Cubes along an edge of the smaller and of the larger number of sites.
 const FEW: usize = 20;
@@ -59,7 +59,6 @@ fn peak(work: impl FnOnce()) -> usize {
 
 /// How much more each further site takes (bytes).
 fn per_site(work: impl Fn(usize) -> usize + Sync) -> f64 {
-    let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
     let pool = ThreadPoolBuilder::new().num_threads(2).build().unwrap();
     let [few, many] = [FEW, MANY].map(|side| pool.install(|| work(side)) as f64);
     (many - few) / (MANY.pow(3) - FEW.pow(3)) as f64
@@ -69,7 +68,7 @@ fn per_site(work: impl Fn(usize) -> usize + Sync) -> f64 {
 /// and at its end.
 fn relax(space: &Space, sites: &mut Vec<Point3<f64>>, options: &Plan, folder: &Path) {
     let mut directory = RunDirectory::create(folder, &"a run").unwrap();
-    directory.describe(&figures(space, sites)).unwrap();
+    directory.describe(&metrics(space, sites)).unwrap();
     let mut keep = |record: &Record, sites: &[Point3<f64>], state: &RunState<3>| {
         directory
             .record(record, sites, || state.to_numbers())
@@ -79,19 +78,20 @@ fn relax(space: &Space, sites: &mut Vec<Point3<f64>>, options: &Plan, folder: &P
     };
     let mut state = RunState::new(sites.len(), 0);
     drive(space, options, sites, &mut state, None, &mut keep).unwrap();
-    whole_file::write(&folder.join("sites.csv"), |file| write_csv(sites, file)).unwrap();
+    crate::export::atomic_write::write(&folder.join("sites.csv"), |file| write_csv(sites, file))
+        .unwrap();
     write_cells(space, sites, &folder.join("cells.vtu"));
-    directory.describe(&figures(space, sites)).unwrap();
+    directory.describe(&metrics(space, sites)).unwrap();
 }
 
-fn figures(space: &Space, sites: &[Point3<f64>]) -> Figures {
-    let cells = space.figures(sites, QUESTION).unwrap();
-    Figures::of(space.volume(), &cells)
+fn metrics(space: &Space, sites: &[Point3<f64>]) -> Metrics {
+    let cells = space.metrics(sites, QUESTION).unwrap();
+    Metrics::of(space.volume(), &cells)
 }
 
 /// Writes the cells while the figures of all are held.
 fn write_cells(space: &Space, sites: &[Point3<f64>], path: &Path) {
-    let cells = space.figures(sites, QUESTION).unwrap();
+    let cells = space.metrics(sites, QUESTION).unwrap();
     let diagram = Diagram::new(space.domain(), sites).unwrap();
     let mut file = VtuWriter::new(path);
     let outline =
@@ -116,13 +116,31 @@ fn write_cells(space: &Space, sites: &[Point3<f64>], path: &Path) {
 /// The peak of a run of so many moves from `sites`.
 fn run(mut sites: Vec<Point3<f64>>, iterations: u64, is_accelerated: bool) -> usize {
     let space = Space::new(Box::new(Cuboid::unit()));
-    let options = Plan::lloyd(QUESTION, iterations);
+    let options = Plan {
+        is_accelerated,
+        ..Plan::lloyd(QUESTION, iterations)
+    };
     let folder = tempfile::tempdir().unwrap();
     peak(|| relax(&space, &mut sites, &options, folder.path()))
 }
 
 #[test]
 fn a_run_takes_little_memory_per_site() {
+    if std::env::var_os(IS_CHILD).is_none() {
+        let program = std::env::current_exe().expect("a test has a program");
+        let name = "tests::memory::a_run_takes_little_memory_per_site";
+        let child = Command::new(program)
+            .args([name, "--exact", "--nocapture"])
+            .env(IS_CHILD, "1")
+            .output()
+            .expect("the test's program starts");
+        let report = String::from_utf8_lossy(&child.stdout).into_owned();
+        assert!(
+            child.status.success() && report.contains("1 passed"),
+            "{report}"
+        );
+        return;
+    }
     for is_accelerated in [false, true] {
         let bytes = per_site(|side| run(random_sites(side.pow(3), 1), 2, is_accelerated));
         assert!(bytes <= MOST_PER_SITE, "{bytes} bytes per site");

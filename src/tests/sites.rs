@@ -1,11 +1,10 @@
-//! Voronoi cells of a unit cube by brute force: every cell clipped by every bisector.
-#![allow(dead_code, reason = "every test file uses its own part")]
+//! Sites in the unit cube, and their Voronoi cells by brute force.
 
-use chebloyd::geometry::bounds::Bounds;
-use chebloyd::geometry::clip::{ClipScratch, clip};
-use chebloyd::geometry::half_space::HalfSpace;
-use chebloyd::geometry::polyhedron::Polyhedron;
-use chebloyd::geometry::random::Random;
+use crate::geometry::bounds::Bounds;
+use crate::geometry::clip::{ClipScratch, clip};
+use crate::geometry::half_space::HalfSpace;
+use crate::geometry::polyhedron::Polyhedron;
+use crate::geometry::random::Random;
 use nalgebra::Point3;
 
 pub(crate) fn random_sites(count: usize, seed: u64) -> Vec<Point3<f64>> {

@@ -1,15 +1,13 @@
 //! What files must hold: another reader gets back what was written.
 
-mod common;
-
 use std::collections::BTreeMap;
 use std::fs;
 
-use chebloyd::export::run::log::{LogError, read_log};
-use chebloyd::export::vtu::{CellGeometry, VtuWriter, write_cells};
-use chebloyd::geometry::brep::Piece;
-use chebloyd::geometry::shell::Shell;
-use common::{cell, grid_sites, random_sites};
+use crate::export::run::log::{LogError, read_log};
+use crate::export::vtu::{CellGeometry, VtuWriter, write_cells};
+use crate::geometry::brep::Piece;
+use crate::geometry::shell::Shell;
+use crate::tests::sites::{cell, grid_sites, random_sites};
 use nalgebra::{Point2, Point3};
 
 const LINE: &str = r#"{"iteration":0,"energy_mean":1.0,"energy_max":2.0,"energy_percent":126.4,"movement_mean":0.0,"movement_max":0.0,"movement_percent":0.0,"evaluations":1.0,"seconds":0.1,"temperature":0.5}"#;

@@ -1,11 +1,11 @@
 //! What must hold of the closed forms: printed tables, rational arithmetic, additivity.
 
-use chebloyd::geometry::moments::Moments;
-use chebloyd::integrals::mesh_moments::LinearDensity;
-use chebloyd::integrals::polynomial::Polynomial;
-use chebloyd::integrals::reference::polygon::{self, Face};
-use chebloyd::integrals::reference::{cattani_paoluzzi, mirtich, tetrahedron};
-use chebloyd::integrals::{mesh_moments, series};
+use crate::geometry::moments::Moments;
+use crate::integrals::mesh_moments::LinearDensity;
+use crate::integrals::polynomial::Polynomial;
+use crate::integrals::reference::polygon::{self, Face};
+use crate::integrals::reference::{cattani_paoluzzi, mirtich, tetrahedron};
+use crate::integrals::{mesh_moments, series};
 use nalgebra::{Matrix3, Point2, Point3, Vector3};
 use num_bigint::BigInt;
 use num_rational::BigRational;

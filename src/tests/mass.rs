@@ -1,26 +1,23 @@
 //! What must hold of bodies: transfer of axes, cutting, profiles, three ways to one mass.
 
-#[path = "common/models.rs"]
-mod models;
-
-use chebloyd::geometry::bounds::Bounds;
-use chebloyd::geometry::moments::Moments;
-use chebloyd::integrals::mesh_moments;
-use chebloyd::integrals::polynomial::Polynomial;
-use chebloyd::integrals::reference::{cattani_paoluzzi, tetrahedron};
-use chebloyd::mass::body::Body;
-use chebloyd::mass::cut::cut;
-use chebloyd::mass::density::{Density, Ramp};
-use chebloyd::mass::profile::{Profile, ProfileError};
-use chebloyd::mass::split::{Side, split};
-use chebloyd::mass::weigh::{WeighError, weigh_surface, weigh_tets};
-use chebloyd::mesh::formats::read::load;
-use chebloyd::mesh::shapes::{bracket, cuboid, icosphere, torus, unit_cube, unit_cube_tets};
-use chebloyd::mesh::similarity::Similarity;
-use chebloyd::mesh::surface::SurfaceMesh;
-use chebloyd::mesh::tets::{TetMesh, VertexData};
-use chebloyd::mesh::validate::{Solid, validate_surface, validate_tets};
-use models::shared_model;
+use crate::geometry::bounds::Bounds;
+use crate::geometry::moments::Moments;
+use crate::integrals::mesh_moments;
+use crate::integrals::polynomial::Polynomial;
+use crate::integrals::reference::{cattani_paoluzzi, tetrahedron};
+use crate::mass::body::Body;
+use crate::mass::cut::cut;
+use crate::mass::density::{Density, Ramp};
+use crate::mass::profile::{Profile, ProfileError};
+use crate::mass::split::{Side, split};
+use crate::mass::weigh::{WeighError, weigh_surface, weigh_tets};
+use crate::mesh::formats::read::load;
+use crate::mesh::shapes::{bracket, cuboid, icosphere, torus, unit_cube, unit_cube_tets};
+use crate::mesh::similarity::Similarity;
+use crate::mesh::surface::SurfaceMesh;
+use crate::mesh::tets::{TetMesh, VertexData};
+use crate::mesh::validate::{Solid, validate_surface, validate_tets};
+use crate::tests::models::shared_model;
 use nalgebra::{Matrix3, Point3, Rotation3, Vector3};
 use proptest::prelude::*;
 

@@ -2,19 +2,19 @@
 
 use std::collections::BTreeSet;
 
-use chebloyd::domain::convex::ConvexPolyhedron;
-use chebloyd::domain::cuboid::Cuboid;
-use chebloyd::domain::domain::Domain;
-use chebloyd::domain::error::DomainError;
-use chebloyd::domain::facet_kind::FacetKind;
-use chebloyd::domain::shape::DomainShape;
-use chebloyd::geometry::bounds::Bounds;
-use chebloyd::geometry::clip::{ClipScratch, clip};
-use chebloyd::geometry::half_space::HalfSpace;
-use chebloyd::geometry::polyhedron::Polyhedron;
-use chebloyd::geometry::random::Random;
-use chebloyd::voronoi::cell::Cell;
-use chebloyd::voronoi::diagram::{Diagram, DiagramError};
+use crate::domain::convex::ConvexPolyhedron;
+use crate::domain::cuboid::Cuboid;
+use crate::domain::domain::Domain;
+use crate::domain::error::DomainError;
+use crate::domain::facet_kind::FacetKind;
+use crate::domain::shape::DomainShape;
+use crate::geometry::bounds::Bounds;
+use crate::geometry::clip::{ClipScratch, clip};
+use crate::geometry::half_space::HalfSpace;
+use crate::geometry::polyhedron::Polyhedron;
+use crate::geometry::random::Random;
+use crate::voronoi::cell::Cell;
+use crate::voronoi::diagram::{Diagram, DiagramError};
 use nalgebra::{Point3, Vector3};
 
 fn points(random: &mut Random, count: usize) -> Vec<Point3<f64>> {
@@ -53,7 +53,7 @@ fn cells(
     sites: &[Point3<f64>],
     least: f64,
 ) -> Vec<(f64, BTreeSet<FacetKind>)> {
-    let ask = |(): &mut (), cell: chebloyd::voronoi::cell::Cell<'_>| {
+    let ask = |(): &mut (), cell: crate::voronoi::cell::Cell<'_>| {
         let facets = cell.polyhedron().facets();
         let large = facets.filter(|facet| facet.area_vector().norm() > least);
         let neighbors = large.map(|facet| FacetKind::of(facet.label())).collect();

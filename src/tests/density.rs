@@ -1,38 +1,35 @@
 //! Cells in domains that weigh more in one place than in another.
 
-#[path = "common/quadrature.rs"]
-mod quadrature;
-
 use std::ops::ControlFlow;
 
-use chebloyd::domain::cuboid::Cuboid;
-use chebloyd::domain::domain::Domain;
-use chebloyd::domain::domain::WeightedDomain;
-use chebloyd::domain::shape::DomainShape;
-use chebloyd::domain::tet_mesh::TetSolid;
-use chebloyd::domain::tri_surface::solid::SurfaceSolid;
-use chebloyd::energy::center::Minimizer;
-use chebloyd::energy::energy::EnergyScratch;
-use chebloyd::energy::energy::{SignedPiece, energy};
-use chebloyd::energy::fragments::{fragments, tetrahedra};
-use chebloyd::energy::prepared::PreparedPiece;
-use chebloyd::geometry::bounds::Bounds;
-use chebloyd::geometry::brep::Piece;
-use chebloyd::geometry::polyhedron::Polyhedron;
-use chebloyd::geometry::random::Random;
-use chebloyd::integrals::mesh_moments::of_piece;
-use chebloyd::integrals::polynomial::Polynomial;
-use chebloyd::mesh::shapes::{icosphere, torus, unit_cube, unit_cube_tets};
-use chebloyd::mesh::validate::{validate_surface, validate_tets};
-use chebloyd::minimize::problem::Evaluation;
-use chebloyd::relax::driver::drive;
-use chebloyd::relax::plan::Plan;
-use chebloyd::relax::relaxation_space::{EnergySpec, Norm};
-use chebloyd::relax::space::Space;
-use chebloyd::relax::state::RunState;
+use crate::domain::cuboid::Cuboid;
+use crate::domain::domain::Domain;
+use crate::domain::domain::WeightedDomain;
+use crate::domain::shape::DomainShape;
+use crate::domain::tet_mesh::TetSolid;
+use crate::domain::tri_surface::solid::SurfaceSolid;
+use crate::energy::center::Minimizer;
+use crate::energy::energy::EnergyScratch;
+use crate::energy::energy::{SignedPiece, energy};
+use crate::energy::fragments::{fragments, tetrahedra};
+use crate::energy::prepared::PreparedPiece;
+use crate::geometry::bounds::Bounds;
+use crate::geometry::brep::Piece;
+use crate::geometry::polyhedron::Polyhedron;
+use crate::geometry::random::Random;
+use crate::integrals::mesh_moments::of_piece;
+use crate::integrals::polynomial::Polynomial;
+use crate::mesh::shapes::{icosphere, torus, unit_cube, unit_cube_tets};
+use crate::mesh::validate::{validate_surface, validate_tets};
+use crate::minimize::problem::Evaluation;
+use crate::relax::driver::drive;
+use crate::relax::plan::Plan;
+use crate::relax::relaxation_space::{EnergySpec, Norm};
+use crate::relax::space::Space;
+use crate::relax::state::RunState;
 use nalgebra::{Point3, Vector3};
 
-use quadrature::gauss;
+use crate::tests::quadrature::gauss;
 
 const LINF: EnergySpec = EnergySpec {
     norm: Norm::Linf,
@@ -183,7 +180,7 @@ type Row = (f64, Vector3<f64>, Point3<f64>);
 /// The rows of all cells, per domain.
 fn domains_figures(spaces: &[Space; 3], sites: &[Point3<f64>], asked: EnergySpec) -> [Vec<Row>; 3] {
     spaces.each_ref().map(|space| {
-        let cells = space.figures(sites, asked).expect("a diagram");
+        let cells = space.metrics(sites, asked).expect("a diagram");
         let figures = cells
             .iter()
             .map(|cell| (cell.energy, cell.gradient, cell.center));
@@ -197,7 +194,7 @@ fn cells_follow_the_wanted_size() {
     let space = Space::new(tets(4, |y| size(y).powi(-4)));
     let mut sites = random_sites(200, 2);
     let spread = |sites: &[Point3<f64>]| {
-        let cells = space.figures(sites, LINF).expect("a diagram");
+        let cells = space.metrics(sites, LINF).expect("a diagram");
         let ratios: Vec<f64> = cells
             .iter()
             .zip(sites)
@@ -312,7 +309,7 @@ fn cells_follow_a_wanted_size_within_a_surface() {
     let inside = places.filter(|place| space.domain().contains(place));
     let mut sites: Vec<_> = inside.take(120).collect();
     let spread = |sites: &[Point3<f64>]| {
-        let cells = space.figures(sites, LINF).expect("a diagram");
+        let cells = space.metrics(sites, LINF).expect("a diagram");
         let edges = cells
             .iter()
             .map(|cell| cell.volume.cbrt() / wanted.at(&cell.centroid));
@@ -361,7 +358,7 @@ fn a_density_along_a_period_is_refused_and_across_it_weighs() {
         .iter()
         .map(|site| space.domain().wrap(&(site + Vector3::new(0.3, 0.0, 0.0))))
         .collect();
-    let [one, other] = [&sites, &moved].map(|sites| space.figures(sites, LINF).expect("a diagram"));
+    let [one, other] = [&sites, &moved].map(|sites| space.metrics(sites, LINF).expect("a diagram"));
     for (one, other) in one.iter().zip(&other) {
         assert!((one.energy - other.energy).abs() < 1e-13);
     }

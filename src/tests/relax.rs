@@ -2,18 +2,19 @@
 
 use std::ops::ControlFlow;
 
-use chebloyd::domain::convex::ConvexPolyhedron;
-use chebloyd::domain::cuboid::Cuboid;
-use chebloyd::domain::domain::Domain;
-use chebloyd::domain::shape::DomainShape;
-use chebloyd::geometry::half_space::HalfSpace;
-use chebloyd::relax::driver::{RunEnd, drive};
-use chebloyd::relax::metrics::Figures;
-use chebloyd::relax::plan::Plan;
-use chebloyd::relax::record::Record;
-use chebloyd::relax::relaxation_space::{EnergySpec, Minimizer, Norm, RelaxationSpace};
-use chebloyd::relax::space::Space;
-use chebloyd::relax::state::RunState;
+use crate::domain::convex::ConvexPolyhedron;
+use crate::domain::cuboid::Cuboid;
+use crate::domain::domain::Domain;
+use crate::domain::shape::DomainShape;
+use crate::geometry::half_space::HalfSpace;
+use crate::geometry::random::Random;
+use crate::relax::driver::{RunEnd, drive};
+use crate::relax::metrics::Metrics;
+use crate::relax::plan::Plan;
+use crate::relax::record::Record;
+use crate::relax::relaxation_space::{EnergySpec, Minimizer, Norm, RelaxationSpace};
+use crate::relax::space::Space;
+use crate::relax::state::RunState;
 use nalgebra::{Point3, Vector3};
 
 const LINF: EnergySpec = EnergySpec {
@@ -93,7 +94,7 @@ fn a_thousand_random_sites_follow_the_reference_curve() {
         within(percent(50), (102.3, 102.8), "iteration 50");
         within(records[1].movement_percent, (12.0, 13.8), "first movement");
         within(records[50].movement_percent, (0.15, 0.35), "last movement");
-        let figures = Figures::of(1.0, &unit().figures(&sites, LINF).unwrap());
+        let figures = Metrics::of(1.0, &unit().metrics(&sites, LINF).unwrap());
         within(figures.cubeness, (0.75, 0.81), "cubeness");
         within(figures.axis_aligned_area, (0.37, 0.47), "axis-aligned area");
         within(
@@ -122,7 +123,7 @@ fn a_jittered_grid_becomes_the_grid() {
     let records = run(&unit(), &mut sites, &options(60, LINF));
     within(records[0].energy_percent, (106.5, 108.5), "iteration 0");
     within(records[60].energy_percent, (100.0, 100.01), "iteration 60");
-    let figures = Figures::of(1.0, &unit().figures(&sites, LINF).unwrap());
+    let figures = Metrics::of(1.0, &unit().metrics(&sites, LINF).unwrap());
     within(figures.six_facet_fraction, (1.0, 1.0), "six-facet fraction");
     assert_eq!(
         figures.facet_histogram.into_iter().collect::<Vec<_>>(),
@@ -197,7 +198,7 @@ fn newton_and_lbfgsb_find_the_same_centers() {
             let apart = (one.target - other.target).norm() / (1.0f64 / 300.0).cbrt();
             assert!(apart < 1e-8, "p = {order}: {apart:e}");
         }
-        let mean = |cells: &[chebloyd::relax::relaxation_space::CellResult<3>]| {
+        let mean = |cells: &[crate::relax::relaxation_space::CellResult<3>]| {
             cells
                 .iter()
                 .map(|cell| f64::from(cell.evaluations))
@@ -215,7 +216,7 @@ fn newton_and_lbfgsb_find_the_same_centers() {
 #[test]
 fn a_center_is_in_the_domain_and_never_worse_than_its_site() {
     let space = unit();
-    for cell in space.figures(&random_sites(200, 8), LINF).unwrap() {
+    for cell in space.metrics(&random_sites(200, 8), LINF).unwrap() {
         assert!(cell.center.iter().all(|x| (0.0..=1.0).contains(x)));
         assert!(cell.center_energy <= cell.energy);
         assert!(cell.center_energy >= 0.375 * cell.volume.powf(4.0 / 3.0));

@@ -1,17 +1,17 @@
 //! The plane: diagrams fill their domain, energies are exact, relaxation goes downhill.
 
-use chebloyd::domain::facet_kind::FacetKind;
-use chebloyd::domain::planar::{PlaneDomain, PlaneDomainError};
-use chebloyd::energy::planar::{FRAGMENTS, energy, energy_with_derivatives, fragments, triangles};
-use chebloyd::geometry::bounds::Bounds;
-use chebloyd::geometry::half_plane::HalfPlane;
-use chebloyd::geometry::label::Label;
-use chebloyd::geometry::polygon::ConvexPolygon;
-use chebloyd::minimize::problem::Evaluation;
-use chebloyd::relax::metrics::Figures;
-use chebloyd::relax::planar::Plane;
-use chebloyd::relax::relaxation_space::{EnergySpec, Minimizer, Norm, RelaxationSpace};
-use chebloyd::voronoi::plane::{PlaneDiagram, PlaneDiagramError};
+use crate::domain::facet_kind::FacetKind;
+use crate::domain::planar::{PlaneDomain, PlaneDomainError};
+use crate::energy::planar::{FRAGMENTS, energy, energy_with_derivatives, fragments, triangles};
+use crate::geometry::bounds::Bounds;
+use crate::geometry::half_plane::HalfPlane;
+use crate::geometry::label::Label;
+use crate::geometry::polygon::ConvexPolygon;
+use crate::minimize::problem::Evaluation;
+use crate::relax::metrics::Metrics;
+use crate::relax::planar::Plane;
+use crate::relax::relaxation_space::{EnergySpec, Minimizer, Norm, RelaxationSpace};
+use crate::voronoi::planar::diagram::{PlaneDiagram, PlaneDiagramError};
 use nalgebra::{Matrix2, Point2, Vector2};
 
 const LINF: EnergySpec = EnergySpec {
@@ -281,7 +281,7 @@ fn a_square_lattice_has_square_cells_with_four_neighbors_or_walls() {
     let plane = Plane {
         domain: unit_square(),
     };
-    let figures = plane.figures(&sites, LINF).unwrap();
+    let figures = plane.metrics(&sites, LINF).unwrap();
     for (cell, site) in figures.iter().zip(&sites) {
         assert!((cell.volume - 0.01).abs() < 1e-15);
         assert_eq!(cell.facets, 4);
@@ -290,7 +290,7 @@ fn a_square_lattice_has_square_cells_with_four_neighbors_or_walls() {
         assert!((cell.chebyshev - 0.001 / 3.0).abs() < 1e-17);
         assert!((cell.center - site).norm() < 1e-13);
     }
-    let all = Figures::of(plane.volume(), &figures);
+    let all = Metrics::of(plane.volume(), &figures);
     assert!((all.energy_percent - 100.0).abs() < 1e-10);
     assert!((all.six_facet_fraction - 1.0).abs() < 1e-15);
 }
@@ -622,7 +622,7 @@ fn at_the_center_opposite_fragments_have_equal_area() {
     let plane = Plane {
         domain: unit_square(),
     };
-    let figures = plane.figures(&sites, LINF).unwrap();
+    let figures = plane.metrics(&sites, LINF).unwrap();
     let answers = plane.assess(&sites, LINF).unwrap();
     for (cell, figures) in diagram.cells.iter().zip(&figures) {
         let center = Point2::from(figures.center - cell.site);
@@ -649,7 +649,7 @@ fn both_minimizers_find_the_same_centers() {
                     order,
                     ..LINF
                 };
-                plane.figures(&sites, question).unwrap()
+                plane.metrics(&sites, question).unwrap()
             };
             let both = by(Minimizer::Newton).into_iter().zip(by(Minimizer::Lbfgsb));
             for (newton, lbfgsb) in both {
@@ -678,7 +678,7 @@ fn euclidean_figures_are_those_of_the_second_moment() {
         ..LINF
     };
     let cells = PlaneDiagram::new(&plane.domain, &sites).unwrap().cells;
-    for (cell, figures) in cells.iter().zip(plane.figures(&sites, question).unwrap()) {
+    for (cell, figures) in cells.iter().zip(plane.metrics(&sites, question).unwrap()) {
         let about = |c: Point2<f64>| {
             let square = |y: Point2<f64>| (y - c).norm_squared();
             over_polygon(&cell.polygon, &square)

@@ -1,46 +1,43 @@
 //! Cells in solids: meshes as domains.
 
-#[path = "common/models.rs"]
-mod models;
-
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 
-use chebloyd::domain::convex::ConvexPolyhedron;
-use chebloyd::domain::cuboid::Cuboid;
-use chebloyd::domain::domain::{Domain, WeightedDomain};
-use chebloyd::domain::facet_kind::FacetKind;
-use chebloyd::domain::shape::{DomainShape, PieceScratch};
-use chebloyd::domain::tet_mesh::TetSolid;
-use chebloyd::domain::tri_surface::clip_cell::{ClipStatus, ClippedCell};
-use chebloyd::domain::tri_surface::signed_prisms::signed_prisms;
-use chebloyd::domain::tri_surface::solid::SurfaceSolid;
-use chebloyd::energy::center::Minimizer;
-use chebloyd::energy::energy::EnergyScratch;
-use chebloyd::energy::energy::{SignedPiece, energy};
-use chebloyd::energy::prepared::PreparedPiece;
-use chebloyd::geometry::bounds::Bounds;
-use chebloyd::geometry::brep::Piece;
-use chebloyd::geometry::half_space::HalfSpace;
-use chebloyd::geometry::random::Random;
-use chebloyd::geometry::shell::Shell;
-use chebloyd::mesh::formats::read::load;
-use chebloyd::mesh::shapes::{
+use crate::domain::convex::ConvexPolyhedron;
+use crate::domain::cuboid::Cuboid;
+use crate::domain::domain::{Domain, WeightedDomain};
+use crate::domain::facet_kind::FacetKind;
+use crate::domain::shape::{DomainShape, PieceScratch};
+use crate::domain::tet_mesh::TetSolid;
+use crate::domain::tri_surface::clip_cell::{ClipStatus, ClippedCell};
+use crate::domain::tri_surface::signed_prisms::signed_prisms;
+use crate::domain::tri_surface::solid::SurfaceSolid;
+use crate::energy::center::Minimizer;
+use crate::energy::energy::EnergyScratch;
+use crate::energy::energy::{SignedPiece, energy};
+use crate::energy::prepared::PreparedPiece;
+use crate::geometry::bounds::Bounds;
+use crate::geometry::brep::Piece;
+use crate::geometry::half_space::HalfSpace;
+use crate::geometry::random::Random;
+use crate::geometry::shell::Shell;
+use crate::mesh::formats::read::load;
+use crate::mesh::shapes::{
     bracket, cuboid, icosphere, torus, trefoil, unit_cube, unit_cube_five_tets, unit_cube_tets,
 };
-use chebloyd::mesh::similarity::Similarity;
-use chebloyd::mesh::surface::SurfaceMesh;
-use chebloyd::mesh::tets::TetMesh;
-use chebloyd::mesh::validate::{Solid, validate_surface, validate_tets};
-use chebloyd::minimize::problem::Evaluation;
-use chebloyd::relax::driver::drive;
-use chebloyd::relax::plan::Plan;
-use chebloyd::relax::relaxation_space::{EnergySpec, Norm};
-use chebloyd::relax::space::Space;
-use chebloyd::relax::space::shell;
-use chebloyd::relax::state::RunState;
-use chebloyd::voronoi::diagram::Diagram;
-use models::shared_model;
+use crate::mesh::similarity::Similarity;
+use crate::mesh::surface::SurfaceMesh;
+use crate::mesh::tets::TetMesh;
+use crate::mesh::validate::{Solid, validate_surface, validate_tets};
+use crate::minimize::problem::Evaluation;
+use crate::relax::driver::drive;
+use crate::relax::plan::Plan;
+use crate::relax::relaxation_space::{EnergySpec, Norm};
+use crate::relax::space::Space;
+use crate::relax::space::shell;
+use crate::relax::state::RunState;
+use crate::tests::models::shared_model;
+use crate::voronoi::diagram::Diagram;
 use nalgebra::{Point3, Vector3};
 
 /// The closed models of the shared folder.
@@ -308,11 +305,11 @@ fn the_unit_cube_is_the_same_in_every_form() {
     ];
     let reference = Space::new(Box::new(Cuboid::unit()));
     let start = random_sites(reference.domain(), 60, 8);
-    let expected = reference.figures(&start, LINF).expect("a diagram");
+    let expected = reference.metrics(&start, LINF).expect("a diagram");
     let relaxed = relax(&reference, &start, Norm::Linf, 50).1;
     for (name, domain) in forms {
         let space = Space::new(domain);
-        let figures = space.figures(&start, LINF).expect("a diagram");
+        let figures = space.metrics(&start, LINF).expect("a diagram");
         for (cell, expected) in figures.iter().zip(&expected) {
             let differences = [
                 cell.volume - expected.volume,
@@ -508,7 +505,7 @@ fn assert_one_with_its_boundary(filled: TetSolid) {
     let filled = with_density_one(filled);
     let sites = random_sites(&boundary, 300, 9);
     let [filled, bounded] = [Space::new(Box::new(filled)), Space::new(Box::new(boundary))]
-        .map(|space| space.figures(&sites, LINF).expect("a diagram"));
+        .map(|space| space.metrics(&sites, LINF).expect("a diagram"));
     let size = (1.0 / 300.0_f64).cbrt();
     for (one, other) in filled.iter().zip(&bounded) {
         assert!((one.volume - other.volume).abs() < 1e-11 * size.powi(3));
@@ -598,7 +595,7 @@ fn a_solid_thinner_than_a_cell_and_a_single_tetrahedron_are_relaxed() {
         let space = Space::new(domain);
         let (energies, sites) = relax(&space, &start, Norm::Linf, 30);
         assert!(energies[30] < energies[0]);
-        let figures = space.figures(&sites, LINF).expect("a diagram");
+        let figures = space.metrics(&sites, LINF).expect("a diagram");
         let sum: f64 = figures.iter().map(|cell| cell.volume).sum();
         assert!((sum / volume - 1.0).abs() < 1e-11);
     }

@@ -3,18 +3,18 @@
 use std::fs;
 use std::path::PathBuf;
 
-use chebloyd::mesh::formats::mesh::Mesh;
-use chebloyd::mesh::formats::read::{read, read_surface, read_tets};
-use chebloyd::mesh::formats::{gmsh, medit, obj, off, ply, stl, tetgen, vtk, vtu};
-use chebloyd::mesh::shapes;
-use chebloyd::mesh::surface::SurfaceMesh;
-use chebloyd::mesh::tets::{TetMesh, VertexData};
-use chebloyd::mesh::validate::{validate_surface, validate_tets};
+use crate::mesh::formats::mesh::Mesh;
+use crate::mesh::formats::read::{read, read_surface, read_tets};
+use crate::mesh::formats::{gmsh, medit, obj, off, ply, stl, tetgen, vtk, vtu};
+use crate::mesh::shapes;
+use crate::mesh::surface::SurfaceMesh;
+use crate::mesh::tets::{TetMesh, VertexData};
+use crate::mesh::validate::{validate_surface, validate_tets};
 use nalgebra::Point3;
 use proptest::prelude::*;
 use tempfile::TempDir;
 
-use crate::samples::{self, Sample};
+use crate::tests::mesh::samples::{self, Sample};
 
 fn solid_surface() -> SurfaceMesh {
     let mut mesh = shapes::bracket(2);
@@ -46,7 +46,7 @@ fn file(directory: &TempDir, name: &str, bytes: &[u8]) -> PathBuf {
     path
 }
 
-fn parse((extension, bytes): &Sample) -> Result<Mesh, chebloyd::mesh::formats::error::ParseError> {
+fn parse((extension, bytes): &Sample) -> Result<Mesh, crate::mesh::formats::error::ParseError> {
     match *extension {
         "off" => off::parse(bytes).map(Mesh::Surface),
         "obj" => obj::parse(bytes).map(Mesh::Surface),
@@ -265,7 +265,7 @@ fn a_file_cut_anywhere_is_refused_or_a_smaller_mesh() {
 
 /// A mesh that is read refers to its own vertices only, with finite numbers, so that checking it
 /// cannot panic; a fault has something to say.
-fn check(outcome: Result<Mesh, chebloyd::mesh::formats::error::ParseError>) {
+fn check(outcome: Result<Mesh, crate::mesh::formats::error::ParseError>) {
     match outcome {
         Ok(Mesh::Surface(mesh)) => {
             assert!(

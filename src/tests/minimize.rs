@@ -3,12 +3,12 @@
 
 use std::ops::ControlFlow;
 
-use chebloyd::geometry::random;
-use chebloyd::minimize::history::History;
-use chebloyd::minimize::lbfgsb::{LbfgsbEnd, LbfgsbStep, lbfgsb, resume};
-use chebloyd::minimize::lbfgsb_state::{LbfgsbError, LbfgsbOptions, LbfgsbState};
-use chebloyd::minimize::newton::{NewtonOptions, newton};
-use chebloyd::minimize::problem::{Evaluation, Minimum, Termination};
+use crate::geometry::random;
+use crate::minimize::history::History;
+use crate::minimize::lbfgsb::{LbfgsbEnd, LbfgsbStep, lbfgsb, resume};
+use crate::minimize::lbfgsb_state::{LbfgsbError, LbfgsbOptions, LbfgsbState};
+use crate::minimize::newton::{NewtonOptions, newton};
+use crate::minimize::problem::{Evaluation, Minimum, Termination};
 use nalgebra::{DMatrix, DVector, SMatrix, SVector};
 
 // ───────────────────────────── a source of problems ─────────────────────────────

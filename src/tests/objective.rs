@@ -1,22 +1,22 @@
 //! The global objective: its gradient against central differences, its value against the sum of
 //! the cells, in every domain.
 
-use chebloyd::domain::convex::ConvexPolyhedron;
-use chebloyd::domain::cuboid::Cuboid;
-use chebloyd::domain::domain::Domain;
-use chebloyd::domain::domain::WeightedDomain;
-use chebloyd::domain::tet_mesh::TetSolid;
-use chebloyd::domain::tri_surface::solid::SurfaceSolid;
-use chebloyd::geometry::bounds::Bounds;
-use chebloyd::geometry::half_space::HalfSpace;
-use chebloyd::geometry::random::Random;
-use chebloyd::mesh::shapes::{bracket, torus, unit_cube_tets};
-use chebloyd::mesh::surface::SurfaceMesh;
-use chebloyd::mesh::validate::{validate_surface, validate_tets};
-use chebloyd::relax::frames::Frames;
-use chebloyd::relax::record::optimal_energy;
-use chebloyd::relax::relaxation_space::{EnergySpec, Minimizer, Norm, RelaxationSpace};
-use chebloyd::relax::space::Space;
+use crate::domain::convex::ConvexPolyhedron;
+use crate::domain::cuboid::Cuboid;
+use crate::domain::domain::Domain;
+use crate::domain::domain::WeightedDomain;
+use crate::domain::tet_mesh::TetSolid;
+use crate::domain::tri_surface::solid::SurfaceSolid;
+use crate::geometry::bounds::Bounds;
+use crate::geometry::half_space::HalfSpace;
+use crate::geometry::random::Random;
+use crate::mesh::shapes::{bracket, torus, unit_cube_tets};
+use crate::mesh::surface::SurfaceMesh;
+use crate::mesh::validate::{validate_surface, validate_tets};
+use crate::relax::frames::Frames;
+use crate::relax::record::optimal_energy;
+use crate::relax::relaxation_space::{EnergySpec, Minimizer, Norm, RelaxationSpace};
+use crate::relax::space::Space;
 use nalgebra::{Point3, Rotation3, Unit, Vector3};
 
 fn random_sites(domain: &dyn Domain, count: usize, seed: u64) -> Vec<Point3<f64>> {
@@ -203,8 +203,8 @@ fn a_turned_cube_with_turned_frames_is_worth_the_same() {
         order: 1,
         minimizer: Minimizer::Newton,
     };
-    let cells = upright.figures(&sites, question).unwrap();
-    let turned_cells = space.figures(&turned_sites, question).unwrap();
+    let cells = upright.metrics(&sites, question).unwrap();
+    let turned_cells = space.metrics(&turned_sites, question).unwrap();
     for (a, b) in cells.iter().zip(&turned_cells) {
         assert!((a.energy / b.energy - 1.0).abs() < 1e-12);
         assert!((a.center_energy / b.center_energy - 1.0).abs() < 1e-12);

@@ -4,8 +4,8 @@
 use std::fmt::Write as _;
 use std::io::Write as _;
 
-use chebloyd::mesh::surface::SurfaceMesh;
-use chebloyd::mesh::tets::TetMesh;
+use crate::mesh::surface::SurfaceMesh;
+use crate::mesh::tets::TetMesh;
 
 /// A format's file extension and a file of it.
 pub(crate) type Sample = (&'static str, Vec<u8>);

@@ -2,11 +2,11 @@
 
 use std::fs;
 
-use chebloyd::mesh::formats::read::{load, read, read_tets};
-use chebloyd::mesh::shapes;
+use crate::mesh::formats::read::{load, read, read_tets};
+use crate::mesh::shapes;
 use tempfile::TempDir;
 
-use crate::samples;
+use crate::tests::mesh::samples;
 
 /// The message of reading `bytes` from a file called `name`, from its name on.
 fn message(name: &str, bytes: &[u8]) -> String {

@@ -3,23 +3,23 @@
 
 use std::ops::ControlFlow;
 
-use chebloyd::domain::convex::ConvexPolyhedron;
-use chebloyd::domain::cuboid::Cuboid;
-use chebloyd::domain::domain::WeightedDomain;
-use chebloyd::domain::tri_surface::solid::SurfaceSolid;
-use chebloyd::geometry::bounds::Bounds;
-use chebloyd::geometry::half_space::HalfSpace;
-use chebloyd::mesh::shapes::tubes::torus;
-use chebloyd::mesh::validate::validate;
-use chebloyd::relax::driver::{RunEnd, drive};
-use chebloyd::relax::metrics::Figures;
-use chebloyd::relax::multilevel::{coarsened, levels_for_cubes, refined, sites_of_level};
-use chebloyd::relax::plan::{Perturbation, PerturbationKind, Plan};
-use chebloyd::relax::record::Record;
-use chebloyd::relax::relaxation_space::RelaxationSpace;
-use chebloyd::relax::space::Space;
-use chebloyd::relax::state::RunState;
-use chebloyd::scene::random::Uniform;
+use crate::domain::convex::ConvexPolyhedron;
+use crate::domain::cuboid::Cuboid;
+use crate::domain::domain::WeightedDomain;
+use crate::domain::tri_surface::solid::SurfaceSolid;
+use crate::geometry::bounds::Bounds;
+use crate::geometry::half_space::HalfSpace;
+use crate::geometry::random::Random;
+use crate::mesh::shapes::torus;
+use crate::mesh::validate::validate_surface;
+use crate::relax::driver::{RunEnd, drive};
+use crate::relax::metrics::Metrics;
+use crate::relax::multilevel::{coarsened, levels_for_cubes, refined, sites_of_level};
+use crate::relax::plan::{Perturbation, PerturbationKind, Plan};
+use crate::relax::record::Record;
+use crate::relax::relaxation_space::RelaxationSpace;
+use crate::relax::space::Space;
+use crate::relax::state::RunState;
 use nalgebra::{Point3, Vector3};
 
 fn boxed(extent: [f64; 3], periodic: [bool; 3]) -> Space {
@@ -96,9 +96,9 @@ fn run(space: &Space, plan: &Plan, given: &[Point3<f64>]) -> Run {
     }
 }
 
-fn figures(space: &Space, sites: &[Point3<f64>]) -> Figures {
+fn figures(space: &Space, sites: &[Point3<f64>]) -> Metrics {
     let question = Plan::quasi_newton(1, 1).spec;
-    Figures::of(space.volume(), &space.figures(sites, question).unwrap())
+    Metrics::of(space.volume(), &space.metrics(sites, question).unwrap())
 }
 
 fn assert_cubes(space: &Space, sites: &[Point3<f64>]) {

@@ -3,23 +3,23 @@
 
 use std::ops::ControlFlow;
 
-use chebloyd::domain::convex::ConvexPolyhedron;
-use chebloyd::domain::cuboid::Cuboid;
-use chebloyd::domain::domain::WeightedDomain;
-use chebloyd::domain::planar::PlaneDomain;
-use chebloyd::domain::tri_surface::solid::SurfaceSolid;
-use chebloyd::geometry::bounds::Bounds;
-use chebloyd::geometry::half_space::HalfSpace;
-use chebloyd::mesh::shapes::tubes::torus;
-use chebloyd::mesh::validate::validate;
-use chebloyd::relax::driver::drive;
-use chebloyd::relax::plan::Plan;
-use chebloyd::relax::planar::Plane;
-use chebloyd::relax::record::Record;
-use chebloyd::relax::relaxation_space::{EnergySpec, Minimizer, Norm, RelaxationSpace};
-use chebloyd::relax::space::Space;
-use chebloyd::relax::state::RunState;
-use chebloyd::scene::random::Uniform;
+use crate::domain::convex::ConvexPolyhedron;
+use crate::domain::cuboid::Cuboid;
+use crate::domain::domain::WeightedDomain;
+use crate::domain::planar::PlaneDomain;
+use crate::domain::tri_surface::solid::SurfaceSolid;
+use crate::geometry::bounds::Bounds;
+use crate::geometry::half_space::HalfSpace;
+use crate::geometry::random::Random;
+use crate::mesh::shapes::torus;
+use crate::mesh::validate::validate_surface;
+use crate::relax::driver::drive;
+use crate::relax::plan::Plan;
+use crate::relax::planar::Plane;
+use crate::relax::record::Record;
+use crate::relax::relaxation_space::{EnergySpec, Minimizer, Norm, RelaxationSpace};
+use crate::relax::space::Space;
+use crate::relax::state::RunState;
 use nalgebra::{Point, Point2, Point3, Vector3};
 
 const LINF: EnergySpec = EnergySpec {

@@ -2,20 +2,18 @@
 
 mod faults;
 mod formats;
-#[path = "../common/models.rs"]
-mod models;
 mod samples;
 mod validation;
 
 use std::path::Path;
 
-use chebloyd::mesh::formats::off;
-use chebloyd::mesh::formats::read::{load, read_surface, read_tets};
-use chebloyd::mesh::shapes;
-use chebloyd::mesh::surface::SurfaceMesh;
-use chebloyd::mesh::tets::TetMesh;
-use chebloyd::mesh::validate::{Solid, validate_surface, validate_tets};
-use models::shared_model;
+use crate::mesh::formats::off;
+use crate::mesh::formats::read::{load, read_surface, read_tets};
+use crate::mesh::shapes;
+use crate::mesh::surface::SurfaceMesh;
+use crate::mesh::tets::TetMesh;
+use crate::mesh::validate::{Solid, validate_surface, validate_tets};
+use crate::tests::models::shared_model;
 
 /// |one − other| in shares of the greater.
 fn difference(one: f64, other: f64) -> f64 {

@@ -1,22 +1,19 @@
 //! The energy of pieces: value, gradient and Hessian against independent evaluations.
 
-#[path = "common/quadrature.rs"]
-mod quadrature;
-
-use chebloyd::domain::cuboid::Cuboid;
-use chebloyd::energy::energy::{EnergyScratch, SignedPiece, energy, energy_jet};
-use chebloyd::energy::fragments::{fragments, tetrahedra};
-use chebloyd::energy::prepared::PreparedPiece;
-use chebloyd::geometry::bounds::Bounds;
-use chebloyd::geometry::clip::{ClipScratch, clip};
-use chebloyd::geometry::half_space::HalfSpace;
-use chebloyd::geometry::polyhedron::Polyhedron;
-use chebloyd::geometry::random::Random;
-use chebloyd::minimize::problem::Evaluation;
-use chebloyd::voronoi::diagram::Diagram;
+use crate::domain::cuboid::Cuboid;
+use crate::energy::energy::{EnergyScratch, SignedPiece, energy, energy_jet};
+use crate::energy::fragments::{fragments, tetrahedra};
+use crate::energy::prepared::PreparedPiece;
+use crate::geometry::bounds::Bounds;
+use crate::geometry::clip::{ClipScratch, clip};
+use crate::geometry::half_space::HalfSpace;
+use crate::geometry::polyhedron::Polyhedron;
+use crate::geometry::random::Random;
+use crate::minimize::problem::Evaluation;
+use crate::voronoi::diagram::Diagram;
 use nalgebra::{Matrix3, Point3, Vector3};
 
-use quadrature::gauss;
+use crate::tests::quadrature::gauss;
 
 fn point(random: &mut Random) -> Point3<f64> {
     Point3::new(random.uniform(), random.uniform(), random.uniform())

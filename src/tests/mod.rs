@@ -1,0 +1,24 @@
+//! Tests of the crate's parts against second opinions: quadrature, rational arithmetic, brute force.
+
+mod acceleration;
+mod cubes;
+mod density;
+mod energy;
+mod export;
+mod frames;
+mod geometry;
+mod integrals;
+mod mass;
+mod memory;
+mod mesh;
+mod minimize;
+mod models;
+mod objective;
+mod plane;
+mod plot;
+mod properties;
+mod quadrature;
+mod relax;
+mod sites;
+mod solids;
+mod voronoi;
