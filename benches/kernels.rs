@@ -1,99 +1,54 @@
-//! The kernels of an iteration, each on the cells of the same random sites.
+//! The stages of an iteration of 10 000 sites, as `relax` takes them.
 //!
-//! `cargo bench` times them with criterion; `chebloyd bench` prints the stages of whole iterations.
+//! `cargo bench` times them with criterion; `chebloyd bench` prints them per site and thread.
 
 use std::hint::black_box;
 
-use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
-use nalgebra::{Point3, Vector3};
-
-use chebloyd::domain::cuboid::Cuboid;
-use chebloyd::energy::energy::{EnergyScratch, SignedPiece, energy};
-use chebloyd::energy::prepared::PreparedPiece;
-use chebloyd::geometry::clip::{ClipScratch, clip};
-use chebloyd::geometry::half_space::HalfSpace;
-use chebloyd::geometry::polyhedron::Polyhedron;
-use chebloyd::relax::relaxation_space::{EnergySpec, Minimizer, Norm, RelaxationSpace};
-use chebloyd::relax::space::Space;
-use chebloyd::voronoi::diagram::Diagram;
+use chebloyd::{Cuboid, Diagram, Method, Norm, Relaxation, random_sites};
+use criterion::{Criterion, criterion_group, criterion_main};
+use nalgebra::Point3;
 
 const SITES: usize = 10_000;
 
 fn sites() -> Vec<Point3<f64>> {
-    let mut random = Random::new(1);
-    let mut number = || random.uniform();
-    (0..SITES)
-        .map(|_| Point3::new(number(), number(), number()))
-        .collect()
+    random_sites(&Cuboid::unit(), SITES, 1).expect("a cube has room")
 }
 
-/// The cells of the sites, each about its own site.
-fn cells(sites: &[Point3<f64>]) -> Vec<Polyhedron> {
-    let domain = Cuboid::unit();
-    let diagram = Diagram::new(&domain, sites).expect("random sites have a diagram");
-    diagram
-        .map(|(): &mut (), cell| cell.polyhedron().clone())
-        .expect("random sites are distinct")
-}
-
-fn kernels(criterion: &mut Criterion) {
-    let cells = cells(&sites());
-    let mut turn = cells.iter().cycle();
-    let mut next = move || turn.next().expect("a cycle has no end").clone();
-
-    let halving = HalfSpace {
-        normal: Vector3::new(1.0, 0.2, 0.1),
-        offset: 0.0,
-    };
-    let mut scratch = ClipScratch::default();
-    criterion.bench_function("clip a cell in half", |bencher| {
-        let cut = |mut cell: Polyhedron| clip(&mut cell, &halving, 0, &mut scratch);
-        bencher.iter_batched(&mut next, cut, BatchSize::SmallInput);
-    });
-    criterion.bench_function("moments of a cell", |bencher| {
-        let moments = |cell: Polyhedron| cell.moments();
-        bencher.iter_batched(&mut next, moments, BatchSize::SmallInput);
-    });
-    criterion.bench_function("prepare a cell for integrals", |bencher| {
-        let prepare = |cell: Polyhedron| PreparedPiece::new(&cell);
-        bencher.iter_batched(&mut next, prepare, BatchSize::SmallInput);
-    });
-    for order in [1, 3] {
-        let mut scratch = EnergyScratch::default();
-        let mut piece = || SignedPiece {
-            sign: 1.0,
-            piece: PreparedPiece::new(&next()),
-        };
-        let name = format!("energy, gradient and Hessian of order {order}");
-        criterion.bench_function(&name, |bencher| {
-            let evaluate =
-                |piece: SignedPiece| energy([&piece], &Vector3::zeros(), order, &mut scratch);
-            bencher.iter_batched(&mut piece, evaluate, BatchSize::SmallInput);
-        });
-    }
-}
-
-fn iterations(criterion: &mut Criterion) {
-    let sites = sites();
-    let space = Space::new(Box::new(Cuboid::unit()));
-    let mut group = criterion.benchmark_group("one iteration of 10 000 sites");
+fn diagrams(criterion: &mut Criterion) {
+    let (sites, cube) = (sites(), Cuboid::unit());
+    let diagram = || Diagram::new(&cube, &sites).expect("random sites have a diagram");
+    let mut group = criterion.benchmark_group("10 000 cells");
     group.sample_size(10);
-    for (name, norm, minimizer) in [
-        ("linf, Newton", Norm::Linf, Minimizer::Newton),
-        ("linf, L-BFGS-B", Norm::Linf, Minimizer::Lbfgsb),
-        ("l2", Norm::L2, Minimizer::Newton),
+    group.bench_function("spatial index", |bencher| {
+        bencher.iter(|| diagram().sort_sites());
+    });
+    group.bench_function("built", |bencher| {
+        bencher.iter(|| diagram().map_cells(|cell| black_box(cell.site)));
+    });
+    group.bench_function("moments", |bencher| {
+        bencher.iter(|| diagram().map_cells(|cell| black_box(cell.moments())));
+    });
+    group.finish();
+}
+
+/// One move of a method includes the evaluation before it.
+fn moves(criterion: &mut Criterion) {
+    let sites = sites();
+    let mut group = criterion.benchmark_group("one move of 10 000 sites");
+    group.sample_size(10);
+    for (name, method) in [
+        ("lloyd", Method::lloyd(1)),
+        ("lloyd, order 3", Method::lloyd(1).order(3)),
+        ("lloyd, l2", Method::lloyd(1).norm(Norm::L2)),
+        ("quasi-newton", Method::quasi_newton(1)),
     ] {
-        let question = EnergySpec {
-            norm,
-            order: 1,
-            minimizer,
-        };
+        let relaxation = Relaxation::new(Cuboid::unit()).method(method);
         group.bench_function(name, |bencher| {
-            bencher.iter(|| space.assess(black_box(&sites), question));
+            bencher.iter(|| relaxation.run(&mut sites.clone()));
         });
     }
     group.finish();
 }
 
-criterion_group!(benches, kernels, iterations);
+criterion_group!(benches, diagrams, moves);
 criterion_main!(benches);

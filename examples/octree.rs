@@ -9,7 +9,7 @@
 //! the center of mass, rows by their length) relative, center ε_C in units of the height. Without
 //! models: three generated shapes.
 
-use chebloyd::geometry::moments::Moments;
+use chebloyd::Moments;
 use chebloyd::mass::body::Body;
 use chebloyd::mass::density::{Density, Ramp};
 use chebloyd::mass::weigh::weigh_surface;

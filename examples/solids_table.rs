@@ -9,30 +9,14 @@
 //! that of as many in a cube. Without models: the scenes' torus, trefoil and bracket, and
 //! `../shared/models` where that is there.
 
-use std::ops::ControlFlow;
+use std::error::Error;
 use std::path::{Path, PathBuf};
-use std::time::Instant;
 
-use chebloyd::domain::cuboid::Cuboid;
-use chebloyd::domain::domain::Domain;
-use chebloyd::domain::tet_mesh::TetSolid;
-use chebloyd::domain::tri_surface::solid::SurfaceSolid;
-use chebloyd::geometry::random::Random;
 use chebloyd::mesh::formats::read::load;
 use chebloyd::mesh::similarity::Similarity;
-use chebloyd::relax::driver::drive;
-use chebloyd::relax::plan::Plan;
-use chebloyd::relax::relaxation_space::{EnergySpec, Minimizer, Norm, RelaxationSpace};
-use chebloyd::relax::space::Space;
-use chebloyd::relax::state::RunState;
-use chebloyd::scene::random::Uniform;
+use chebloyd::mesh::validate::Solid;
+use chebloyd::{Cuboid, Domain, Method, Norm, Relaxation, SurfaceSolid, TetSolid, random_sites};
 use nalgebra::Point3;
-
-const LINF: EnergySpec = EnergySpec {
-    norm: Norm::Linf,
-    order: 1,
-    minimizer: Minimizer::Newton,
-};
 
 /// Iterations that are timed; the fastest counts.
 const REPEATS: usize = 3;
@@ -64,8 +48,8 @@ fn models() -> Vec<PathBuf> {
 }
 
 /// The domain of a mesh file, and how many elements it has.
-fn domain(path: &Path) -> Result<(Box<dyn Domain>, usize), String> {
-    let mut solid = load(path).map_err(|error| error.to_string())?;
+fn domain(path: &Path) -> Result<(Box<dyn Domain>, usize), Box<dyn Error>> {
+    let mut solid = load(path)?;
     let bounds = match &solid {
         Solid::Surface(surface, _) => surface.mesh().bounds(),
         Solid::Tets(tets, _) => tets.mesh().bounds(),
@@ -74,71 +58,50 @@ fn domain(path: &Path) -> Result<(Box<dyn Domain>, usize), String> {
     Ok(match solid {
         Solid::Surface(surface, _) => {
             let count = surface.mesh().triangles.len();
-            let domain = SurfaceSolid::new(&surface).map_err(|error| error.to_string())?;
-            (Box::new(domain), count)
+            (Box::new(SurfaceSolid::new(&surface)?), count)
         }
         Solid::Tets(tets, _) => {
             let count = tets.mesh().tets.len();
-            let domain = TetSolid::new(&tets).map_err(|error| error.to_string())?;
-            (Box::new(domain), count)
+            (Box::new(TetSolid::new(&tets)?), count)
         }
     })
 }
 
-fn sites(space: &Space, count: usize, seed: u64) -> Vec<Point3<f64>> {
-    let mut uniform = Random::new(seed);
-    let bounds = space.bounds();
-    let places = std::iter::from_fn(|| Some(uniform.point(&bounds)));
-    let inside = places.filter(|place| space.domain().contains(place));
-    inside.take(count).collect()
+/// Microseconds a site and iteration: what a move adds to the evaluation of the start.
+fn cost(relaxation: &Relaxation, sites: &[Point3<f64>]) -> Result<f64, Box<dyn Error>> {
+    let mut least = f64::INFINITY;
+    for _ in 0..REPEATS {
+        let outcome = relaxation.run(&mut sites.to_vec())?;
+        let seconds = outcome.records[1].seconds - outcome.records[0].seconds;
+        least = least.min(seconds * 1e6 / sites.len() as f64);
+    }
+    Ok(least)
 }
 
-/// The last energy of a run, in percent.
-fn relaxed(space: &Space, start: &[Point3<f64>], norm: Norm, iterations: u64) -> f64 {
-    let mut sites = start.to_vec();
-    let mut energy = f64::NAN;
-    let options = Plan::lloyd(EnergySpec { norm, ..LINF }, iterations);
-    let mut state = RunState::new(sites.len(), 0);
-    drive(
-        space,
-        &options,
-        &mut sites,
-        &mut state,
-        None,
-        &mut |record, _, _| {
-            energy = record.energy_percent;
-            ControlFlow::Continue(())
-        },
-    )
-    .expect("sites stay in the solid");
-    energy
-}
-
-/// Microseconds a site and iteration.
-fn cost(space: &Space, sites: &[Point3<f64>]) -> f64 {
-    let once = || {
-        let began = Instant::now();
-        space.assess(sites, LINF).expect("a diagram");
-        began.elapsed().as_secs_f64() * 1e6 / sites.len() as f64
-    };
-    (0..REPEATS).map(|_| once()).fold(f64::INFINITY, f64::min)
-}
-
-fn row(path: &Path) -> Result<String, String> {
+fn row(path: &Path) -> Result<String, Box<dyn Error>> {
     let (count, iterations) = (number("count", 300), number("iterations", 50) as u64);
     let (domain, elements) = domain(path)?;
-    let space = Space::new(domain);
-    let start = sites(&space, count, 1);
-    let [linf, l2] = [Norm::Linf, Norm::L2].map(|norm| relaxed(&space, &start, norm, iterations));
-    let many = sites(&space, number("fill", 1000), 2);
-    let figures = space
-        .metrics(&many, LINF)
-        .map_err(|error| error.to_string())?;
-    let sum: f64 = figures.iter().map(|cell| cell.volume).sum();
-    let error = (sum / space.volume() - 1.0).abs();
-    let cube = Space::new(Box::new(Cuboid::unit()));
-    let beside = sites(&cube, many.len(), 2);
-    let (here, there) = (cost(&space, &many), cost(&cube, &beside));
+    let (start, many) = (
+        random_sites(domain.as_ref(), count, 1)?,
+        random_sites(domain.as_ref(), number("fill", 1000), 2)?,
+    );
+    let volume = domain.volume();
+    let mut solid = Relaxation::boxed(domain);
+    let mut energies = [0.0; 2];
+    for (energy, norm) in energies.iter_mut().zip([Norm::Linf, Norm::L2]) {
+        solid = solid.method(Method::lloyd(iterations).norm(norm));
+        let outcome = solid.run(&mut start.clone())?;
+        *energy = outcome
+            .records
+            .last()
+            .map_or(f64::NAN, |record| record.energy_percent);
+    }
+    let [linf, l2] = energies;
+    let error = (solid.measure(&many)?.volume_sum / volume - 1.0).abs();
+    let cube = Relaxation::new(Cuboid::unit()).method(Method::lloyd(1));
+    let beside = random_sites(&Cuboid::unit(), many.len(), 2)?;
+    let here = cost(&solid.method(Method::lloyd(1)), &many)?;
+    let there = cost(&cube, &beside)?;
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let verdict = if linf < l2 { "" } else { " NOT LOWER" };
     Ok(format!(

@@ -30,32 +30,60 @@
 //! Site indices count from zero. The library never prints and never panics on bad input; long
 //! work reports to an observer.
 
-#[cfg(feature = "cli")]
-mod cli;
-pub mod domain;
-pub mod energy;
-#[cfg(feature = "files")]
-pub mod export;
-pub mod geometry;
+#![cfg_attr(
+    not(feature = "cli"),
+    allow(dead_code, reason = "parts that only files, scenes or the command use")
+)]
+
 pub mod integrals;
 pub mod mass;
 pub mod mesh;
-pub mod minimize;
-#[cfg(feature = "cli")]
-pub mod plot;
-pub mod relax;
+
+#[cfg(feature = "files")]
+pub mod export;
 #[cfg(feature = "scene")]
 pub mod scene;
-pub mod voronoi;
+
+#[cfg(feature = "cli")]
+mod cli;
+mod domain;
+mod energy;
+mod geometry;
+mod minimize;
+#[cfg(feature = "cli")]
+mod plot;
+mod relax;
+mod voronoi;
 
 #[cfg(test)]
 mod tests;
 
-#[cfg(feature = "cli")]
-pub use crate::cli::command::command_line;
+pub use crate::domain::convex::ConvexPolyhedron;
 pub use crate::domain::cuboid::Cuboid;
+pub use crate::domain::domain::{Domain, WeightedDomain};
+pub use crate::domain::error::DomainError;
+pub use crate::domain::facet_kind::FacetKind;
+pub use crate::domain::shape::DomainShape;
+pub use crate::domain::tet_mesh::TetSolid;
+pub use crate::domain::tri_surface::solid::SurfaceSolid;
+pub use crate::geometry::bounds::Bounds;
+pub use crate::geometry::half_space::HalfSpace;
+pub use crate::geometry::moments::Moments;
+pub use crate::integrals::polynomial::Polynomial;
+pub use crate::relax::driver::RunEnd;
+pub use crate::relax::frames::Frames;
+pub use crate::relax::metrics::Metrics;
+pub use crate::relax::record::Record;
+pub use crate::relax::relaxation::{
+    Checkpoint, Method, Outcome, RelaxError, Relaxation, random_sites,
+};
+pub use crate::relax::relaxation_space::Norm;
+pub use crate::voronoi::cell::{Cell, CellFacet};
 pub use crate::voronoi::check::CheckError;
 pub use crate::voronoi::diagram::{Diagram, DiagramError};
+
+#[cfg(feature = "cli")]
+pub use crate::cli::command::command_line;
 
 /// The README's code compiles and runs.
 #[cfg(doctest)]

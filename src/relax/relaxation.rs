@@ -10,7 +10,6 @@ use nalgebra::{Point, Point3};
 use thiserror::Error;
 
 use crate::domain::domain::Domain;
-use crate::geometry::bounds::Bounds;
 use crate::geometry::random::Random;
 use crate::relax::driver::{RunEnd, drive};
 use crate::relax::frames::Frames;
@@ -26,6 +25,9 @@ use crate::relax::state::RunState;
 /// Moves of plain Lloyd unless told otherwise, as in the paper.
 const LLOYD_MOVES: u64 = 50;
 
+/// So many draws in a row may miss the domain: it then fills less than a millionth of its box.
+const MISSES_ALLOWED: u64 = 10_000_000;
+
 /// Why a relaxation failed.
 #[derive(Clone, Debug, Error, PartialEq)]
 #[non_exhaustive]
@@ -33,6 +35,12 @@ pub enum RelaxError {
     /// The sites have no cells, or the descent was given impossible numbers.
     #[error(transparent)]
     Space(#[from] RelaxationError<SpaceError>),
+    /// The domain is too thin to draw random points in it.
+    #[error("no random point fell into the domain in {draws} draws; give sites of your own")]
+    Thin {
+        /// How many points were drawn in a row.
+        draws: u64,
+    },
     /// The numbers of a checkpoint are of no run.
     #[error("the checkpoint's {numbers} numbers are of no run of {sites} sites")]
     Checkpoint {
@@ -384,17 +392,36 @@ pub(crate) fn continue_run<const D: usize, S: RelaxationSpace<D>>(
     )
 }
 
-/// Uniform random sites in a box: those that a scene's `"random"` names with this seed.
+/// Uniform random sites in a domain: those that a scene's `"random"` names with this seed.
+///
+/// # Errors
+/// [`RelaxError::Thin`] when the domain fills next to nothing of its bounding box.
 ///
 /// # Examples
 /// ```
-/// use chebloyd::{Bounds, random_sites};
+/// use chebloyd::{Cuboid, random_sites};
 ///
-/// let cube = Bounds::from_corners([0.0; 3], [1.0; 3]);
-/// assert_eq!(random_sites(10, 1, &cube), random_sites(10, 1, &cube));
+/// let cube = Cuboid::unit();
+/// assert_eq!(random_sites(&cube, 10, 1)?, random_sites(&cube, 10, 1)?);
+/// # Ok::<(), chebloyd::RelaxError>(())
 /// ```
-#[must_use]
-pub fn random_sites(count: usize, seed: u64, bounds: &Bounds<3>) -> Vec<Point3<f64>> {
-    let mut random = Random::new(seed);
-    (0..count).map(|_| random.point(bounds)).collect()
+pub fn random_sites(
+    domain: &dyn Domain,
+    count: usize,
+    seed: u64,
+) -> Result<Vec<Point3<f64>>, RelaxError> {
+    let (mut random, bounds) = (Random::new(seed), domain.bounds());
+    let (mut sites, mut misses) = (Vec::new(), 0);
+    while sites.len() < count {
+        let site = random.point(&bounds);
+        if domain.contains(&site) {
+            sites.push(site);
+            misses = 0;
+        } else if misses < MISSES_ALLOWED {
+            misses += 1;
+        } else {
+            return Err(RelaxError::Thin { draws: misses });
+        }
+    }
+    Ok(sites)
 }
