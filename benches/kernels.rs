@@ -10,7 +10,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_core::{Rng, SeedableRng};
 
 use chebloyd::domain::cuboid::Cuboid;
-use chebloyd::energy::energy::{EnergyScratch, SignedPiece, energy};
+use chebloyd::energy::evaluation::{EnergyScratch, SignedPiece, energy};
 use chebloyd::energy::prepared::PreparedPiece;
 use chebloyd::geometry::clip::{ClipScratch, clip};
 use chebloyd::geometry::half_space::HalfSpace;

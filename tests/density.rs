@@ -11,7 +11,7 @@ use chebloyd::domain::surface::solid::SurfaceSolid;
 use chebloyd::domain::tets::TetSolid;
 use chebloyd::domain::weighted::WeightedDomain;
 use chebloyd::energy::center::Minimizer;
-use chebloyd::energy::energy::{EnergyScratch, SignedPiece, energy};
+use chebloyd::energy::evaluation::{EnergyScratch, SignedPiece, energy};
 use chebloyd::energy::fragments::{fragments, tetrahedra};
 use chebloyd::energy::moments::mass_moments;
 use chebloyd::energy::prepared::PreparedPiece;

@@ -4,7 +4,7 @@
 mod quadrature;
 
 use chebloyd::domain::cuboid::Cuboid;
-use chebloyd::energy::energy::{EnergyScratch, SignedPiece, energy, energy_jet};
+use chebloyd::energy::evaluation::{EnergyScratch, SignedPiece, energy, energy_jet};
 use chebloyd::energy::fragments::{fragments, tetrahedra};
 use chebloyd::energy::prepared::PreparedPiece;
 use chebloyd::geometry::bounds::Bounds;

@@ -13,7 +13,7 @@ use chebloyd::domain::surface::shadow::shadows;
 use chebloyd::domain::surface::solid::SurfaceSolid;
 use chebloyd::domain::tets::TetSolid;
 use chebloyd::energy::center::Minimizer;
-use chebloyd::energy::energy::{EnergyScratch, SignedPiece, energy};
+use chebloyd::energy::evaluation::{EnergyScratch, SignedPiece, energy};
 use chebloyd::energy::prepared::PreparedPiece;
 use chebloyd::geometry::bounds::Bounds;
 use chebloyd::geometry::faceted::Piece;

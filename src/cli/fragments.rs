@@ -8,7 +8,7 @@ use nalgebra::{Point3, Rotation3, Vector3};
 
 use chebloyd::domain::beyond::Beyond;
 use chebloyd::domain::space::{Domain, PieceScratch};
-use chebloyd::energy::energy::{EnergyScratch, SignedPiece, energy};
+use chebloyd::energy::evaluation::{EnergyScratch, SignedPiece, energy};
 use chebloyd::energy::fragments::fragments_in_frame;
 use chebloyd::energy::prepared::PreparedPiece;
 use chebloyd::energy::sector::Sector;

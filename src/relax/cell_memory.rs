@@ -6,7 +6,7 @@ use nalgebra::{Point3, Rotation3, Vector3};
 
 use crate::domain::space::{Domain, PieceScratch};
 use crate::energy::center::{Search, center};
-use crate::energy::energy::{EnergyScratch, SignedPiece, energy, energy_jet};
+use crate::energy::evaluation::{EnergyScratch, SignedPiece, energy, energy_jet};
 use crate::energy::moments::mass_moments;
 use crate::geometry::clip::ClipScratch;
 use crate::geometry::compact::Compact;

@@ -13,7 +13,7 @@
 use nalgebra::{Point3, Vector3};
 
 use crate::domain::beyond::Beyond;
-use crate::energy::energy::energy;
+use crate::energy::evaluation::energy;
 use crate::energy::facet_terms::{FacetTermScratch, facet_terms};
 use crate::relax::cell_memory::CellMemory;
 use crate::relax::space::Space;

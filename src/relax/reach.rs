@@ -4,7 +4,7 @@ use nalgebra::{Point3, Vector3};
 
 use crate::domain::space::Domain;
 use crate::energy::center::BOUNDARY_FRACTION;
-use crate::energy::energy::SignedPiece;
+use crate::energy::evaluation::SignedPiece;
 use crate::geometry::bounds::Bounds;
 use crate::geometry::half_space::HalfSpace;
 use crate::voronoi::cell::Cell;
