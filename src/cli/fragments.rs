@@ -8,8 +8,8 @@ use nalgebra::{Point3, Rotation3, Vector3};
 
 use crate::domain::facet_kind::FacetKind;
 use crate::domain::{domain::Domain, shape::PieceScratch};
-use crate::energy::energy::EnergyScratch;
-use crate::energy::energy::{SignedPiece, energy};
+use crate::energy::evaluation::EnergyScratch;
+use crate::energy::evaluation::{SignedPiece, energy};
 use crate::energy::fragments::fragments_in_frame;
 use crate::energy::prepared::PreparedPiece;
 use crate::energy::sector::Sector;

@@ -10,7 +10,7 @@ use std::ops::ControlFlow;
 
 use nalgebra::{SVector, Vector3};
 
-use crate::energy::energy::{EnergyScratch, SignedPiece, energy_jet};
+use crate::energy::evaluation::{EnergyScratch, SignedPiece, energy_jet};
 use crate::energy::prediction::predict;
 use crate::geometry::bounds::Bounds;
 use crate::minimize::lbfgsb::lbfgsb;

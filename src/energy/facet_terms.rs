@@ -13,7 +13,7 @@
 
 use nalgebra::Vector3;
 
-use crate::energy::energy::{EnergyScratch, SignedPiece};
+use crate::energy::evaluation::{EnergyScratch, SignedPiece};
 use crate::energy::prepared::PreparedPiece;
 use crate::energy::sums_linear::LinearFacetSums;
 use crate::energy::sums_polynomial::{PolynomialSums, PolynomialTerms};

@@ -7,7 +7,7 @@
 //!
 //! A cell's energy for p = 1, from a center to value and derivatives, passes through eight files:
 //!
-//! 1. [`energy`]: `energy_jet` adds up signed pieces and chooses the sums;
+//! 1. [`evaluation`]: `energy_jet` adds up signed pieces and chooses the sums;
 //! 2. `surface`: `sum_over_surface` loops over edges, then over segments;
 //! 3. `prepared`: vertices, facets and edges of the piece about the center, four at a time;
 //! 4. `edge_crossings_simd`: the sectors of four edges' ends, and where the edges cross between them;
@@ -28,7 +28,7 @@
 //! \[BL\] Bukenberger & Lensch, *Tetrahedra of Varying Density and their Applications*.
 
 pub mod center;
-pub mod energy;
+pub mod evaluation;
 pub mod facet_terms;
 pub mod fragments;
 pub mod moments;

@@ -191,7 +191,7 @@ mod tests {
     use nalgebra::Point3;
 
     use super::*;
-    use crate::energy::energy::{EnergyScratch, SignedPiece, energy_jet};
+    use crate::energy::evaluation::{EnergyScratch, SignedPiece, energy_jet};
     use crate::geometry::bounds::Bounds;
     use crate::geometry::clip::{ClipScratch, clip};
     use crate::geometry::half_space::HalfSpace;

@@ -6,8 +6,8 @@ use nalgebra::{Point3, Rotation3, Vector3};
 
 use crate::domain::{domain::Domain, shape::PieceScratch};
 use crate::energy::center::{BOUNDARY_FRACTION, Search, center};
-use crate::energy::energy::EnergyScratch;
-use crate::energy::energy::{SignedPiece, energy, energy_jet};
+use crate::energy::evaluation::EnergyScratch;
+use crate::energy::evaluation::{SignedPiece, energy, energy_jet};
 use crate::geometry::bounds::Bounds;
 use crate::geometry::brep::Piece;
 use crate::geometry::clip::ClipScratch;

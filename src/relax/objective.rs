@@ -14,7 +14,7 @@ use nalgebra::Vector3;
 
 use crate::domain::domain::Domain;
 use crate::domain::facet_kind::FacetKind;
-use crate::energy::energy::energy;
+use crate::energy::evaluation::energy;
 use crate::energy::facet_terms::{FacetTermScratch, facet_terms};
 use crate::relax::evaluate_cell::CellMemory;
 use crate::relax::frames::Frames;

@@ -1,7 +1,7 @@
 //! The energy of pieces: value, gradient and Hessian against independent evaluations.
 
 use crate::domain::cuboid::Cuboid;
-use crate::energy::energy::{EnergyScratch, SignedPiece, energy, energy_jet};
+use crate::energy::evaluation::{EnergyScratch, SignedPiece, energy, energy_jet};
 use crate::energy::fragments::{fragments, tetrahedra};
 use crate::energy::prepared::PreparedPiece;
 use crate::geometry::bounds::Bounds;

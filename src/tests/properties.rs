@@ -6,7 +6,7 @@ use proptest::prelude::*;
 use crate::domain::cuboid::Cuboid;
 use crate::domain::shape::DomainShape;
 use crate::energy::center::{Minimizer, Search, center};
-use crate::energy::energy::{EnergyScratch, SignedPiece, energy, energy_jet};
+use crate::energy::evaluation::{EnergyScratch, SignedPiece, energy, energy_jet};
 use crate::energy::prepared::PreparedPiece;
 use crate::geometry::bounds::Bounds;
 use crate::geometry::clip::{ClipScratch, clip};
