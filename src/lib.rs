@@ -1,34 +1,97 @@
 //! Chebyshev Lloyd relaxation: point sets whose Voronoi cells become near-cubic.
 //!
-//! The method is the L2∣∞ Lloyd relaxation of Bukenberger & Lensch, *Tetrahedra of Varying
-//! Density and their Applications* \[BL\]: build the L2 Voronoi cell of every site clipped to
-//! the domain, integrate the Chebyshev distance d∞ over it exactly, move the site to the
-//! minimizer of that energy (its *center*), repeat.
+//! The method is the L2∣∞ Lloyd relaxation of Bukenberger & Lensch \[BL\]: build the L2 Voronoi cell
+//! of every site clipped to the domain, integrate the Chebyshev distance d∞ over it exactly, move the
+//! site to the minimizer of that energy (its *center*), repeat.
 //!
-//! # The house
+//! ```
+//! use chebloyd::{Cuboid, Method, Relaxation, random_sites};
+//!
+//! let cube = Cuboid::unit();
+//! let mut sites = random_sites(&cube, 100, 1)?;
+//! let relaxation = Relaxation::new(cube).method(Method::quasi_newton(20));
+//! let outcome = relaxation.run(&mut sites)?;
+//! assert!(outcome.records[20].energy_percent < outcome.records[0].energy_percent);
+//! assert!((relaxation.measure(&sites)?.volume_sum - 1.0).abs() < 1e-12);
+//! # Ok::<(), chebloyd::RelaxError>(())
+//! ```
+//!
+//! The root holds what most callers need: [`Relaxation`] and its [`Method`]s, domains, [`Diagram`] for
+//! cells alone. [`mass`] weighs solids, [`integrals`] are the closed forms below, [`mesh`] validates
+//! surfaces and tetrahedra. With the feature `files` meshes and sites are read and written, with `scene`
+//! a whole run is one call ([`scene::run::run`](crate::scene)), with `cli` there is the command.
+//!
+//! # Layout
 //!
 //! ```text
 //! floor 8   main.rs                             the program: one call of the command line
 //! floor 7   cli/                                one file per subcommand (feature `cli`)
-//! floor 6   scene/        export/      plot/    what comes in, what goes out
-//! floor 5   relax/                              the loops and their records
-//! floor 4   voronoi/      energy/               where a cell comes from │ what a cell is worth
-//! floor 3   domain/                    mass/    which pieces overlap a cell │ mass properties
-//! floor 2   mesh/         integrals/            meshes read from files │ closed forms
-//! floor 1   geometry/     minimize/             half-spaces, polyhedra, clip │ projected Newton
+//! floor 6   scene/        export/      plot/    input, files, pictures (`scene`, `files`, `cli`)
+//! floor 5   relax/                              the driver, its moves and records
+//! floor 4   voronoi/      energy/               cells of sites │ energies of cells
+//! floor 3   domain/                    mass/    pieces of cells in solids │ mass properties
+//! floor 2   mesh/         integrals/            surfaces and tetrahedra │ closed forms
+//! floor 1   geometry/     minimize/             polyhedra and clipping │ Newton, L-BFGS-B
 //! ```
 //!
-//! Data goes up once: scene → diagram → fragments → energy → new sites → record → files. A
-//! module imports only from the floors below it, and only what `tests/architecture.rs` lists.
-//! Two wings stand on one ground: `voronoi` builds cells, `energy` says what they are worth
-//! (it takes a center and convex pieces and never sees a diagram), `relax` is where they meet.
+//! A file imports from floors below its own and only what `tests/architecture.rs` lists; no two files
+//! import each other, directly or through others. `voronoi` builds cells and knows no energy, `energy`
+//! takes a center and convex pieces and knows no diagram; `relax` is where they meet.
+//!
+//! # A site's way through an iteration
+//!
+//! ```text
+//! scene::run         the scene's domain and sites
+//!   relax::driver    which move comes next; one record per move
+//!     relax::lloyd   every site to its own cell's center
+//!       voronoi::diagram → cell → search → kd_tree      the cell: bisectors up to the security radius
+//!         geometry::small_polyhedron_clip               each cut
+//!       relax::evaluate_cell                            the cell's signed pieces in the domain
+//!         domain::shape, density                        … clipped to a solid, weighted
+//!         energy::preparation → evaluation → surface    the energy and its derivatives
+//!         energy::center → minimize::newton             its minimizer: the site's target
+//!     relax::record  energy and movement
+//! export::run        log, checkpoint, sites (the command)
+//! ```
+//!
+//! # Equations
+//!
+//! | source | what | function |
+//! |---|---|---|
+//! | \[BL\] eq. 1, 10 | mass of a tetrahedron of linear density | `integrals::reference::tetrahedron` |
+//! | \[BL\] eq. 1-4 | moments of linear densities | [`integrals::mesh_moments::linear`], [`at_vertices`](integrals::mesh_moments::at_vertices) |
+//! | \[BL\] eq. 6, 7 | energy of a cell and its derivatives | `energy::evaluation::energy`, `energy_jet` |
+//! | … for p = 1 | | `energy::sums_linear` |
+//! | … for any p | | `energy::sums_power` |
+//! | … with a density | | `energy::sums_polynomial` |
+//! | \[BL\] section 3.5 | Lloyd's move | `relax::lloyd` |
+//! | \[BL\] Fig. 12 | the six fragments | `energy::fragments` |
+//! | \[BL\] Fig. 13 | energy and movement in percent | [`Record`] |
+//! | \[BL\] Appendix B | tetrahedra cut by a plane | [`mass::split`], [`mass::cut`] |
+//! | \[M\] eq. 18-27 | the ten integrals of a solid | [`integrals::mesh_moments::constant`] |
+//! | \[M\] eq. 29-98 | the same by faces and their projections | [`integrals::reference::mirtich`] |
+//! | \[M\] eq. 3, 5-17 | inertia, center of mass, transfer of axes | [`mass::body`] |
+//! | \[CP\] eq. 3-15 | polynomials over surfaces and solids | [`integrals::reference::cattani_paoluzzi`] |
+//! | \[RSL\] section 3 | security radius | `voronoi::search` |
+//! | \[LL\] | the global objective and its gradient | `relax::objective`, `energy::facet_terms` |
+//! | \[B\] | L-BFGS-B | `minimize::lbfgsb` |
+//!
+//! - \[BL\] Bukenberger & Lensch, *Tetrahedra of Varying Density and their Applications*.
+//! - \[M\] Mirtich, *Fast and Accurate Computation of Polyhedral Mass Properties*, 1996.
+//! - \[CP\] Cattani & Paoluzzi, *Boundary Integration over Linear Polyhedra*, 1990, as restated in
+//!   Paoluzzi, *Finite Domain Integration of Polynomials*, 2015.
+//! - \[RSL\] Ray, Sokolov, Lefebvre & Lévy, *Meshless Voronoi on the GPU*, 2018.
+//! - \[LL\] Lévy & Liu, *Lp Centroidal Voronoi Tessellation and its Applications*, 2010.
+//! - \[B\] Byrd, Lu, Nocedal & Zhu, *A Limited Memory Algorithm for Bound Constrained Optimization*, 1995.
 //!
 //! # Conventions
 //!
 //! Lengths are in the unit of the input (L), volumes in L³ (L² in the plane), energies of order
-//! p in L^(3+p). Positions are `nalgebra::Point`, displacements are vectors, all in `f64`.
-//! Site indices count from zero. The library never prints and never panics on bad input; long
-//! work reports to an observer.
+//! p in L^(3+p). Positions are `nalgebra::Point` or arrays, displacements are vectors, all in `f64`.
+//! Site indices count from zero. The library never prints and never panics on bad input; long work
+//! reports to an observer, runs in the caller's rayon pool, and gives the same bits for any number of
+//! threads. On x86-64 it is fastest where the whole program is built for AVX2
+//! (`RUSTFLAGS="-C target-cpu=x86-64-v3"`).
 
 #![cfg_attr(
     not(feature = "cli"),
