@@ -36,9 +36,13 @@ pub(crate) fn predict(
     velocity_determinants: &[f64; Interface::SLOTS],
 ) -> Option<Prediction<3>> {
     let hits = ends.hits()?;
+    // The likeliest event first.
+    if !do_vertices_stay(piece, [center, &(center + step)]) {
+        return None;
+    }
     let losses = reach_losses(piece, step, hits);
     let areas = area_changes(step, (hits, &losses), ends, velocity_determinants)?;
-    do_vertices_stay(piece, [center, &(center + step)]).then(|| Prediction {
+    Some(Prediction {
         fourth: hessian_from_areas(&areas) * 4.0,
     })
 }

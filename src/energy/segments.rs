@@ -220,9 +220,21 @@ impl SegmentEnds {
         self.are_rounded = true;
     }
 
-    /// All segments between a start and an end of one interface on one facet.
+    /// The facets and interfaces that have a segment between a start and an end.
     #[inline]
-    pub(crate) fn paired(&mut self) -> impl Iterator<Item = Segment> + '_ {
+    pub(crate) fn paired(&self) -> impl Iterator<Item = (u32, Interface)> + '_ {
+        let words = self.words.iter().enumerate();
+        words.flat_map(|(chunk, &word)| {
+            Bits(word).map(move |bit| {
+                let facet = chunk * FACETS + bit / Interface::SLOTS;
+                (facet as u32, Interface::of_number(bit % Interface::SLOTS))
+            })
+        })
+    }
+
+    /// Finds the pairs of a start and an end, for [`SegmentEnds::paired`].
+    #[inline]
+    pub(crate) fn pair(&mut self) {
         self.words.clear();
         self.words.extend(self.present.chunks(FACETS).map(|chunk| {
             let sets = chunk.iter().enumerate();
@@ -231,19 +243,17 @@ impl SegmentEnds {
                 word | u64::from(both) << (place * Interface::SLOTS)
             })
         }));
-        let (words, ends) = (self.words.iter().enumerate(), &self.ends);
-        words.flat_map(move |(chunk, &word)| {
-            Bits(word).map(move |bit| {
-                let facet = chunk * FACETS + bit / Interface::SLOTS;
-                let interface = Interface::of_number(bit % Interface::SLOTS);
-                let at = |is_end| ends[facet][InterfaceEnd::of(interface, is_end).number()];
-                Segment {
-                    facet: facet as u32,
-                    interface,
-                    ends: [at(false), at(true)],
-                }
-            })
-        })
+    }
+
+    /// The segment of an interface on a facet.
+    #[inline(always)]
+    pub(crate) fn segment(&self, (facet, interface): (u32, Interface)) -> Segment {
+        let ends = &self.ends[facet as usize];
+        Segment {
+            facet,
+            interface,
+            ends: [false, true].map(|is_end| ends[InterfaceEnd::of(interface, is_end).number()]),
+        }
     }
 
     /// Pairs the unpaired ends and removes them. Which of several go together makes no difference: they

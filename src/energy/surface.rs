@@ -82,8 +82,13 @@ pub(crate) fn sum_over_surface(
         }
     }
     ends.add_diagonals(&view);
-    for four in array_chunks(ends.paired(), Segment::NONE) {
-        sums.add_segments(&view, &four);
+    ends.pair();
+    for four in array_chunks(ends.paired(), (0, Interface::NONE)) {
+        let segments = four.map(
+            #[inline(always)]
+            |key| ends.segment(key),
+        );
+        sums.add_segments(&view, &segments);
     }
     while let Some(segment) = ends.next_unpaired() {
         sums.add_segments(

@@ -179,6 +179,46 @@ fn third_derivatives_agree_with_central_differences() {
     }
 }
 
+/// Diagonals lie in the plane of a facet, or leave along it: their triangles with the center have no volume.
+#[test]
+fn centers_in_the_plane_of_a_facet_that_holds_diagonals_have_the_energy_of_their_fragments() {
+    let normals = [
+        (1.0, -1.0, 0.0),
+        (1.0, 1.0, 0.0),
+        (0.0, 1.0, -1.0),
+        (2.0, -1.0, -1.0),
+    ];
+    for (seed, (x, y, z)) in (0..40).flat_map(|seed| normals.map(|normal| (seed, normal))) {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let normal = Vector3::new(x, y, z);
+        let mut piece = random_piece(seed);
+        let away = (point(&mut random).coords * 2.0).add_scalar(-1.0) * 0.4;
+        let center = if seed == 0 {
+            Vector3::zeros()
+        } else {
+            away - normal * (normal.dot(&away) / normal.norm_squared())
+        };
+        let plane = HalfSpace {
+            normal,
+            offset: 0.0,
+        };
+        clip(&mut piece, &plane, 9, &mut ClipScratch::default());
+        for order in [1, 2, 3] {
+            let found = evaluate(&piece, &center, order);
+            let expected = by_fragments(&piece, &Point3::from(center), order);
+            let what = format!("seed {seed}, normal {normal:?}, p = {order}");
+            assert_close(found.value, expected, 1e-12, &what);
+            let parts = fragments(&piece, &Point3::from(center), 9);
+            let volumes = parts.map(|part| Moments::of(&part).volume);
+            let differences = [0, 2, 4].map(|plus| volumes[plus + 1] - volumes[plus]);
+            if order == 1 {
+                let error = found.gradient - Vector3::from(differences);
+                assert_close(error.amax(), 0.0, 1e-12, &what);
+            }
+        }
+    }
+}
+
 #[test]
 fn fragments_partition_the_piece() {
     for seed in 0..40 {

@@ -186,7 +186,7 @@ fn no_energy_is_below_that_of_cubes_in_any_domain_or_order() {
 #[test]
 fn newton_and_lbfgsb_find_the_same_centers() {
     let sites = random_sites(300, 6);
-    for order in [1, 2, 4] {
+    for (order, most) in [(1, 2.95), (2, 5.15), (4, 5.6)] {
         let asked = |minimizer| EnergySpec {
             minimizer,
             order,
@@ -206,7 +206,7 @@ fn newton_and_lbfgsb_find_the_same_centers() {
                 / 300.0
         };
         assert!(
-            mean(&newton) <= 6.0,
+            mean(&newton) <= most,
             "p = {order}: {} evaluations",
             mean(&newton)
         );
