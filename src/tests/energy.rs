@@ -189,7 +189,7 @@ fn centers_in_the_plane_of_a_facet_that_holds_diagonals_have_the_energy_of_their
         (2.0, -1.0, -1.0),
     ];
     for (seed, (x, y, z)) in (0..40).flat_map(|seed| normals.map(|normal| (seed, normal))) {
-        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let mut random = Random::new(seed);
         let normal = Vector3::new(x, y, z);
         let mut piece = random_piece(seed);
         let away = (point(&mut random).coords * 2.0).add_scalar(-1.0) * 0.4;
@@ -209,7 +209,7 @@ fn centers_in_the_plane_of_a_facet_that_holds_diagonals_have_the_energy_of_their
             let what = format!("seed {seed}, normal {normal:?}, p = {order}");
             assert_close(found.value, expected, 1e-12, &what);
             let parts = fragments(&piece, &Point3::from(center), 9);
-            let volumes = parts.map(|part| Moments::of(&part).volume);
+            let volumes = parts.map(|part| part.moments().mass);
             let differences = [0, 2, 4].map(|plus| volumes[plus + 1] - volumes[plus]);
             if order == 1 {
                 let error = found.gradient - Vector3::from(differences);
