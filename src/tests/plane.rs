@@ -634,7 +634,7 @@ fn at_the_center_opposite_fragments_have_equal_area() {
     for answer in &answers {
         evaluations += f64::from(answer.evaluations) / 300.0;
     }
-    assert!(evaluations < 6.0, "{evaluations} evaluations per cell");
+    assert!(evaluations < 3.0, "{evaluations} evaluations per cell");
 }
 
 #[test]
