@@ -72,12 +72,10 @@ impl PreparedPiece {
                 // The facet on the right is the one before, in turn.
                 let (row, slot) = (number / 3, number % 3);
                 let right = if slot == 0 { number + 2 } else { number - 1 };
-                Edge {
-                    from: first + row as u32,
-                    to: ends[number],
-                    left: facets[number],
-                    right: facets[right],
-                }
+                Edge::new(
+                    [first + row as u32, ends[number]],
+                    [facets[number], facets[right]],
+                )
             })
         });
         self.edges.assign(edges, piece.facets.len() * 3 / 2);
@@ -98,14 +96,11 @@ impl PreparedPiece {
 
     fn assign_sparse(&mut self, piece: &SmallPolyhedron) {
         let lists = Lists::of(piece);
-        let slots = lists.slots.listed().iter();
-        self.vertices.assign(slots.map(|&slot| {
-            let [x, y, z] =
-                [&piece.x, &piece.y, &piece.z].map(|axis| axis[usize::from(slot) % SLOTS]);
+        self.vertices.assign(lists.slots.numbers().map(|slot| {
+            let [x, y, z] = [&piece.x, &piece.y, &piece.z].map(|axis| axis[slot % SLOTS]);
             [x, y, z, x]
         }));
-        let planes = lists.planes.listed().iter();
-        let planes = planes.map(|&plane| usize::from(plane));
+        let planes = lists.planes.numbers();
         self.assign_facets(
             planes.clone().map(|plane| &piece.planes[plane]),
             planes.map(|plane| &piece.labels[plane]),
@@ -151,13 +146,8 @@ impl PreparedPiece {
         fill_words(words, piece);
         let edges = piece.upward().map(|edge| {
             let [from, to, left, right] = words[edge % EDGES].to_le_bytes();
-            let [[from, to], [left, right]] = numbered([[from, to], [left, right]]);
-            Edge {
-                from,
-                to,
-                left,
-                right,
-            }
+            let [ends, facets] = numbered([[from, to], [left, right]]);
+            Edge::new(ends, facets)
         });
         self.edges.assign(edges, SLOTS * 3 / 2);
     }
@@ -201,7 +191,7 @@ mod tests {
         };
         let mut compact = SmallPolyhedron::default();
         assert!(compact.assign(&Polyhedron::cuboid(&bounds, [1, 2, 3, 4, 5, 6])));
-        let (mut straight, mut polyhedron) = (PreparedPiece::default(), Polyhedron::default());
+        let (mut prepared, mut polyhedron) = (PreparedPiece::default(), Polyhedron::default());
         for number in 0..40 {
             let turn = f64::from(number);
             let away = Vector3::new((2.3 * turn).sin(), (3.7 * turn).cos(), (1.9 * turn).sin());
@@ -210,11 +200,11 @@ mod tests {
             compact
                 .clip(&bisector, || 7 + number as u64, scratch)
                 .unwrap();
-            straight.assign_compact(&compact);
+            prepared.assign_compact(&compact);
             compact.write(&mut polyhedron);
-            let detour = PreparedPiece::new(&polyhedron);
-            assert_eq!(format!("{straight:?}"), format!("{detour:?}"));
+            let expected = PreparedPiece::new(&polyhedron);
+            assert_eq!(format!("{prepared:?}"), format!("{expected:?}"));
         }
-        assert!(polyhedron.planes.len() < 46 && straight.volume() > 0.0);
+        assert!(polyhedron.planes.len() < 46 && prepared.volume() > 0.0);
     }
 }

@@ -40,6 +40,24 @@ impl<const D: usize> Bounds<D> {
         }
     }
 
+    /// The box moved by `displacement`.
+    #[must_use]
+    pub fn translated(&self, displacement: &SVector<f64, D>) -> Self {
+        Self {
+            min: self.min + displacement,
+            max: self.max + displacement,
+        }
+    }
+
+    /// The box with its sides moved outward by `margin` (L), per axis.
+    #[must_use]
+    pub fn grown(&self, margin: &SVector<f64, D>) -> Self {
+        Self {
+            min: self.min - margin,
+            max: self.max + margin,
+        }
+    }
+
     /// `max − min` per axis (L).
     #[must_use]
     pub fn extent(&self) -> SVector<f64, D> {
