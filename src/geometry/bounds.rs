@@ -32,7 +32,7 @@ impl<const D: usize> Bounds<D> {
 
     /// Grows the box so that it holds `point`.
     pub fn include(&mut self, point: &Point<f64, D>) {
-        // Not f64::min and max, whose care for NaN costs more than the rest.
+        // Not f64::min and max: their treatment of NaN costs more than the rest.
         for axis in 0..D {
             let (along, min, max) = (point[axis], self.min[axis], self.max[axis]);
             self.min[axis] = if along < min { along } else { min };

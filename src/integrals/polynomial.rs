@@ -1,4 +1,4 @@
-//! Polynomials in x, y and z.
+//! Polynomials in x, y and z: arithmetic, evaluation and change of coordinates.
 
 use crate::integrals::series::{Exponents, Monomials, degree};
 use nalgebra::{Point3, Rotation3, Vector3};
