@@ -38,14 +38,14 @@ pub(crate) fn predict(
     let hits = ends.hits()?;
     let losses = reach_losses(piece, step, hits);
     let areas = area_changes(step, (hits, &losses), ends, velocity_determinants)?;
-    do_vertices_stay(piece, [center, &(center + step)]).then(|| Prediction {
+    keep_sectors(piece, [center, &(center + step)]).then(|| Prediction {
         fourth: hessian_from_areas(&areas) * 4.0,
     })
 }
 
 /// Whether all vertices are in the same sectors about two centers.
 #[inline]
-fn do_vertices_stay(piece: &PreparedPiece, centers: [&Vector3<f64>; 2]) -> bool {
+fn keep_sectors(piece: &PreparedPiece, centers: [&Vector3<f64>; 2]) -> bool {
     let views = centers.map(|center| CenteredPiece { piece, center });
     let moved = piece.vertices.blocks().fold(f64x4::ZERO, |moved, block| {
         let [from, to] = views.map(|view| QuadSectors::of(&view.displacements(&block)));
@@ -139,7 +139,7 @@ struct AxisPair {
     axes: [usize; 3],
     /// The signs of their first and of their second sectors.
     signs: [[f64; 4]; 2],
-    /// See [`ORIENTATION`].
+    /// Their orientations ([`ORIENTATION`]).
     orientation: [f64; 4],
     /// The diagonals at the start and at the end of their segments on a surface about the center.
     diagonals: [[usize; 4]; 2],
@@ -152,6 +152,7 @@ impl AxisPair {
     const SIZE: usize = 4;
 }
 
+/// The pairs of axes in the order of [`PAIRS`].
 static AXIS_PAIRS: [AxisPair; PAIRS.len()] = axis_pairs_table();
 
 const fn axis_pairs_table() -> [AxisPair; PAIRS.len()] {

@@ -1,4 +1,4 @@
-//! Conversion of convex polyhedra and faceted pieces into prepared pieces.
+//! Conversion of convex polyhedra and boundary representations into prepared pieces.
 
 use nalgebra::{Point3, Rotation3, Vector3};
 
@@ -33,7 +33,7 @@ impl PreparedPiece {
     }
 
     /// Prepares a convex piece of density 1 straight from the fixed slots in which it was cut, keeping
-    /// the memory of the piece before. The result is, to the bit, that by way of a polyhedron.
+    /// the memory of the piece before. The result is, to the bit, the same as that for a polyhedron.
     pub fn assign_compact(&mut self, piece: &SmallPolyhedron) {
         self.density = None;
         if piece.is_dense() {
@@ -121,7 +121,7 @@ impl PreparedPiece {
         self.assign_edges(piece, |pairs| pairs.map(|pair| pair.map(u32::from)));
     }
 
-    /// Takes over facets and makes normals units, but for zero ones.
+    /// Copies the facets, with normals scaled to unit length except where they are zero.
     fn assign_facets<'a>(
         &mut self,
         planes: impl Iterator<Item = &'a HalfSpace>,
@@ -135,7 +135,7 @@ impl PreparedPiece {
         self.labels.extend(labels);
     }
 
-    /// Takes over the edges of `piece`; `numbered` gives the vertices and facets for slots and planes.
+    /// Copies the edges of `piece`; `numbered` gives the vertices and facets for slots and planes.
     #[inline(always)]
     fn assign_edges(
         &mut self,
