@@ -1,6 +1,6 @@
 //! Densities over a domain: polynomials in boxes, or linear functions on tetrahedra.
 //!
-//! Cells of edge h everywhere want the density ρ = h^−(3+p), which is no polynomial although h is
+//! Cells of edge h everywhere need the density ρ = h^−(3+p), which is no polynomial although h is
 //! one. So the domain is cut into boxes in which ρ changes by at most a factor of two, bounded by
 //! the Bernstein form of h; in each, ρ is the parabola in h through its values at both ends and in the
 //! middle of h's range there, again a polynomial. It is within half a percent of h^−(3+p), so that
@@ -22,7 +22,7 @@ use crate::integrals::mesh_moments::of_piece;
 use crate::integrals::polynomial::Polynomial;
 use crate::mesh::tets::tet_volume;
 
-/// By how much the density that a size wants may change within a box.
+/// The largest factor by which the density of a size may change within a box.
 const LARGEST_CHANGE: f64 = 2.0;
 
 /// The highest degree of a size: the density has twice that, the highest degree of integrals.

@@ -87,7 +87,7 @@ impl WeightedDomain {
         Ok(Self { domain, density })
     }
 
-    /// `domain` with the density h^−(3+p) that cells of the edge h = `size` want for energies of
+    /// `domain` with the density h^−(3+p) of cells of the edge h = `size` for energies of
     /// order p = `order`, within half a percent.
     ///
     /// # Errors

@@ -3,7 +3,7 @@
 //! E is convex in the center (for pieces that sum to a set), so Newton's method with the exact
 //! Hessian finds it in two to five evaluations; for p = 1 mostly in one where the center is near, for
 //! there the energy is known as a polynomial (`prediction`).
-//! L-BFGS-B, which knows gradients only, is the choice of \[BL\] section 3.5. The search is the same
+//! L-BFGS-B, which uses gradients only, is the choice of \[BL\] section 3.5. The search is the same
 //! in the plane and in space.
 
 use std::ops::ControlFlow;

@@ -28,6 +28,7 @@
 //! \[BL\] Bukenberger & Lensch, *Tetrahedra of Varying Density and their Applications*.
 
 pub mod center;
+#[allow(clippy::module_inception, reason = "it names the folder")]
 pub mod energy;
 pub mod facet_terms;
 pub mod fragments;

@@ -13,8 +13,11 @@ const LEAF: usize = 4;
 #[derive(Clone, Debug, Default)]
 pub struct Bvh {
     nodes: Vec<Node>,
-    items: Vec<(Bounds<3>, u32)>,
+    items: Vec<Item>,
 }
+
+/// A box and its number.
+type Item = (Bounds<3>, u32);
 
 #[derive(Clone, Debug)]
 struct Node {
@@ -58,7 +61,7 @@ impl Bvh {
 }
 
 /// Appends the nodes over `items`, which begin at place `first` of all.
-fn build(items: &mut [(Bounds<3>, u32)], first: u32, nodes: &mut Vec<Node>) {
+fn build(items: &mut [Item], first: u32, nodes: &mut Vec<Node>) {
     let corners = items.iter().flat_map(|(item, _)| [&item.min, &item.max]);
     let bounds = Bounds::of(corners);
     let here = nodes.len();
@@ -78,7 +81,7 @@ fn build(items: &mut [(Bounds<3>, u32)], first: u32, nodes: &mut Vec<Node>) {
 }
 
 /// Splits boxes in two halves along the axis on which their middles extend farthest.
-fn halve(items: &mut [(Bounds<3>, u32)]) -> (&mut [(Bounds<3>, u32)], &mut [(Bounds<3>, u32)]) {
+fn halve(items: &mut [Item]) -> (&mut [Item], &mut [Item]) {
     let mut middles = Bounds::empty();
     for (item, _) in items.iter() {
         middles.include(&item.center());

@@ -41,7 +41,7 @@ impl Edge {
 }
 
 impl ConvexPolygon {
-    /// The polygon with the given corners, which the caller knows to be convex and
+    /// The polygon with the given corners, which must be convex and
     /// counter-clockwise; the edge that leaves corner k carries label k of `labels`.
     pub fn from_corners(
         corners: impl IntoIterator<Item = Point2<f64>>,

@@ -31,7 +31,7 @@ pub(crate) const PLANES: usize = 256;
 /// Slots handled at once.
 pub(crate) const BLOCK: usize = 4;
 
-/// Slots handled together: two blocks, so that loops seldom change their length.
+/// Slots handled together: two blocks, so that loop counts vary less.
 pub(crate) const ROW: usize = 2 * BLOCK;
 
 /// A convex polyhedron of at most 64 vertices.

@@ -43,7 +43,7 @@ pub enum WeighError {
 ///
 /// # Errors
 ///
-/// If the mass is not positive, or if the density asks for vertex data that are not there.
+/// If the mass is not positive, or if the density needs vertex data that are not there.
 pub fn weigh(solid: &Solid, density: &Density, extent: &Bounds<3>) -> Result<Body, WeighError> {
     match solid {
         Solid::Surface(closed, _) => weigh_surface(closed.mesh(), density, extent),

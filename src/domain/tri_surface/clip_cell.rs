@@ -1,7 +1,7 @@
 //! The part of a convex cell within a closed surface, assembled from its boundary.
 //!
 //! The boundary of C ∩ Ω consists of the triangles' parts in the cell and of the inner parts of the
-//! cell's facets. The first are convex polygons whose borders say which facet cut them. Run
+//! cell's facets. The first are convex polygons whose borders carry the facet that cut them. Run
 //! backwards, these borders bound the second, together with the inner parts of the cell's own
 //! edges; and those begin and end exactly at the corners in which a triangle meets the two facets
 //! of the edge. Viewed from outside the solid, a corner at which the border passes from facet F to

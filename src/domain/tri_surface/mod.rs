@@ -4,7 +4,7 @@
 //! decided by `distance` alone, lies wholly inside and is its own only piece. Of any other,
 //! [`triangle`] clips the near triangles to the cell and [`clip_cell`] closes them with the inner
 //! parts of the cell's facets, found edge by edge (`edges`), to one solid, whatever its shape. Where
-//! rounding or a coincidence spoils that, [`signed_prisms`] gives the same set as a signed sum of
+//! rounding or a coincidence prevents that, [`signed_prisms`] gives the same set as a signed sum of
 //! convex pieces that needs no case analysis, and `outline` undoes the coincidence for files and
 //! pictures. [`winding`] computes exactly whether a point is inside, and where a ray leaves.
 
