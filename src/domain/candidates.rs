@@ -1,4 +1,4 @@
-//! The parts of a mesh that a cell may touch, by boxes and planes.
+//! The elements of a mesh that a cell may touch, by bounding boxes and separating planes.
 
 use nalgebra::{Point3, Vector3};
 
@@ -22,23 +22,20 @@ pub(crate) fn visit_candidates(
     let slack = Vector3::repeat(ROUNDING * (site.coords.amax() + around.extent().max()));
     around.min += site.coords - slack;
     around.max += site.coords + slack;
-    let planes: Vec<Separator> = cell
-        .facets()
-        .map(|facet| Separator::of(&facet.half_space()))
-        .collect();
+    let planes = cell.facets().map(|facet| facet.half_space());
+    let planes: Vec<Separator> = planes.map(|plane| Separator::of(&plane)).collect();
     let far = site.coords.amax();
-    let meets = |bounds: &Bounds<3>| {
-        if !bounds.overlaps(&around) {
-            return false;
-        }
+    let is_separated = |bounds: &Bounds<3>| {
         let middle = bounds.center() - site;
         let half = bounds.extent() * 0.5;
         let size = middle.amax() + half.amax() + far;
-        !planes
-            .iter()
-            .any(|plane| plane.separates(&middle, &half, size))
+        let mut planes = planes.iter();
+        planes.any(|plane| plane.separates(&middle, &half, size))
     };
-    tree.visit(meets, found);
+    tree.visit(
+        |bounds| bounds.overlaps(&around) && !is_separated(bounds),
+        found,
+    );
 }
 
 /// A plane of the cell, ready to be compared with many boxes.

@@ -1,4 +1,4 @@
-//! The convex polyhedron given by half-spaces.
+//! The convex polyhedron given by half-spaces, as a domain.
 
 use nalgebra::Point3;
 
@@ -10,13 +10,13 @@ use crate::geometry::clip::{Clip, ClipScratch, clip};
 use crate::geometry::half_space::HalfSpace;
 use crate::geometry::polyhedron::Polyhedron;
 
-/// How far out an unbounded set is looked for, relative to the farthest plane's distance from the
-/// origin: half-spaces whose common points reach farther count as unbounded. Two planes that meet
+/// The half side of the cube that half-spaces are first cut from, relative to the farthest plane's
+/// distance from the origin: half-spaces whose intersection reaches farther count as unbounded. Two planes that meet
 /// at an angle of 1e-6 still bound.
 const REACH: f64 = 1e6;
 
-/// How often the solid is cut anew from a box that fits: the first fit is good to `REACH` roundings,
-/// the second to a few.
+/// How often the solid is cut again from a box about its own bounds: the first result is exact to
+/// `REACH` roundings, the second to a few.
 const REFITS: usize = 2;
 
 /// How far a point may lie beyond a wall, relative to the size of the numbers, and still count as
@@ -40,24 +40,7 @@ impl ConvexPolyhedron {
     /// interior.
     pub fn new(half_spaces: &[HalfSpace]) -> Result<Self, DomainError> {
         let walls = normalized(half_spaces)?;
-        let reach = walls
-            .iter()
-            .fold(1.0, |far: f64, w| far.max(w.offset.abs()))
-            * REACH;
-        let corner = Point3::new(reach, reach, reach);
-        let mut around = Bounds {
-            min: -corner,
-            max: corner,
-        };
-        let mut solid = intersection(&walls, &around)?;
-        // Vertices carry the rounding of the box they were cut from: start again from one that fits.
-        for _ in 0..REFITS {
-            let fit = solid.bounds();
-            let margin = 0.5 * fit.extent();
-            around.min = fit.min - margin;
-            around.max = fit.max + margin;
-            solid = intersection(&walls, &around)?;
-        }
+        let solid = refitted_intersection(&walls)?;
         let volume = solid.moments().mass;
         let bounds = solid.bounds();
         if volume.is_nan() || volume <= bounds.volume() * f64::EPSILON {
@@ -78,7 +61,24 @@ impl ConvexPolyhedron {
     }
 }
 
-/// The walls' intersection within a box, which must not show in it.
+/// The walls' intersection, cut from a box about itself: vertices carry the rounding of the box that
+/// they were cut from.
+fn refitted_intersection(walls: &[HalfSpace]) -> Result<Polyhedron, DomainError> {
+    let offsets = walls.iter().map(|wall| wall.offset.abs());
+    let corner = Point3::from([offsets.fold(1.0, f64::max) * REACH; 3]);
+    let around = Bounds {
+        min: -corner,
+        max: corner,
+    };
+    let mut solid = intersection(walls, &around)?;
+    for _ in 0..REFITS {
+        let fit = solid.bounds();
+        solid = intersection(walls, &fit.grown(&(0.5 * fit.extent())))?;
+    }
+    Ok(solid)
+}
+
+/// The walls' intersection within a box, no side of which may be left in it.
 fn intersection(walls: &[HalfSpace], around: &Bounds<3>) -> Result<Polyhedron, DomainError> {
     let mut solid = Polyhedron::cuboid(around, [FacetKind::Inner.label(); 6]);
     let mut scratch = ClipScratch::default();

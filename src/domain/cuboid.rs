@@ -1,4 +1,4 @@
-//! The box, periodic along any subset of its axes.
+//! The box as a domain, periodic along any subset of its axes.
 
 use nalgebra::Point3;
 
@@ -6,6 +6,7 @@ use crate::domain::error::DomainError;
 use crate::domain::facet_kind::FacetKind;
 use crate::domain::shape::DomainShape;
 use crate::geometry::bounds::Bounds;
+use crate::geometry::label::Label;
 use crate::geometry::polyhedron::Polyhedron;
 
 /// An axis-aligned box; along a periodic axis opposite sides are the same place.
@@ -52,6 +53,13 @@ impl Cuboid {
     }
 }
 
+/// The label of the image of a site one period up or down along an axis.
+fn image_label(site: u32, axis: usize, periods: i8) -> Label {
+    let mut image = [0; 3];
+    image[axis] = periods;
+    FacetKind::Neighbor { site, image }.label()
+}
+
 impl DomainShape for Cuboid {
     fn bounds(&self) -> Bounds<3> {
         self.bounds
@@ -79,11 +87,8 @@ impl DomainShape for Cuboid {
                 // Half-way to the site's own images.
                 let half = 0.5 * (self.bounds.max[axis] - self.bounds.min[axis]);
                 (around.min[axis], around.max[axis]) = (-half, half);
-                for (side, copies) in [(below, -1), (above, 1)] {
-                    let mut image = [0; 3];
-                    image[axis] = copies;
-                    labels[side] = FacetKind::Neighbor { site: index, image }.label();
-                }
+                labels[below] = image_label(index, axis, -1);
+                labels[above] = image_label(index, axis, 1);
             } else {
                 around.min[axis] = self.bounds.min[axis] - site[axis];
                 around.max[axis] = self.bounds.max[axis] - site[axis];

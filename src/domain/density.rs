@@ -1,8 +1,8 @@
 //! Densities over a domain: polynomials in boxes, or linear functions on tetrahedra.
 //!
-//! Cells of edge h everywhere want the density ρ = h^−(3+p), which is no polynomial although h is
-//! one. So the domain is cut into boxes in which ρ changes by at most a factor of two, told by the
-//! Bernstein form of h; in each, ρ is the parabola in h through its values at both ends and in the
+//! Cells of edge h everywhere need the density ρ = h^−(3+p), which is no polynomial although h is
+//! one. So the domain is cut into boxes in which ρ changes by at most a factor of two, bounded by
+//! the Bernstein form of h; in each, ρ is the parabola in h through its values at both ends and in the
 //! middle of h's range there, again a polynomial. It is within half a percent of h^−(3+p), so that
 //! edges are right to a part in eight hundred, and integrals over it are as exact as over any other.
 
@@ -22,22 +22,21 @@ use crate::integrals::mesh_moments::of_piece;
 use crate::integrals::polynomial::Polynomial;
 use crate::mesh::tets::tet_volume;
 
-/// By how much the density that a size wants may change within a box.
+/// The largest factor by which the density of a size may change within a box.
 const LARGEST_CHANGE: f64 = 2.0;
 
-/// Sizes of a higher degree make densities of more than the highest degree that integrals know.
+/// The highest degree of a size: the density has twice that, the highest degree of integrals.
 const HIGHEST_DEGREE: u32 = 8;
 
-/// A box is halved so often at most for a size: lengths that need more come within a millionth of
-/// zero.
+/// How often a box is halved at most for a size: sizes that need more come within a millionth of zero.
 const SIZE_HALVINGS: u32 = 24;
 
-/// So many boxes at most: every cell asks each of them.
+/// The largest number of boxes: every cell is compared with each of them.
 const MOST_REGIONS: usize = 4096;
 
-/// A box is halved so often at most to tell whether a density is positive: thirty-two times along
-/// every axis. What is left is so near to zero that it could only be told with more digits, and
-/// passes.
+/// How often a box is halved at most to decide whether a density is positive: into thirty-two parts
+/// along every axis. What is undecided then is so near to zero that only more digits could decide it,
+/// and is accepted.
 const SIGN_HALVINGS: u32 = 15;
 
 /// A positive density over a domain.
@@ -77,7 +76,7 @@ impl Density {
         shape: &dyn DomainShape,
         regions: Vec<Region>,
     ) -> Result<Self, DomainError> {
-        let whole = Whole::new(shape);
+        let whole = ShapeIntegrator::new(shape);
         let masses = regions
             .iter()
             .map(|Region { bounds, density }| whole.mass_within(bounds, density));
@@ -106,11 +105,7 @@ impl Density {
         for (vertices, corners) in mesh.tets.iter().zip(mesh.all_corners()) {
             let values = vertices.map(|vertex| values[vertex as usize]);
             mass += tet_volume(&corners) * values.iter().sum::<f64>() / 4.0;
-            let edges = [1, 2, 3].map(|k| corners[k] - corners[0]);
-            let rises = Vector3::from([1, 2, 3].map(|k| values[k] - values[0]));
-            let rows = Matrix3::from_columns(&edges).transpose();
-            let gradient = rows.lu().solve(&rises).unwrap_or_default();
-            linear.push((values[0], gradient));
+            linear.push((values[0], gradient(&corners, &values)));
         }
         Ok(Self {
             mean: mass / mesh.volume(),
@@ -146,9 +141,7 @@ impl Density {
                 });
             }
         };
-        let mut around = cell.bounds();
-        around.min += site.coords;
-        around.max += site.coords;
+        let around = cell.bounds().translated(&site.coords);
         let near = |region: &&Region| region.bounds.overlaps(&around);
         for Region { bounds, density } in regions.iter().filter(near) {
             let density = density.relative_to(site);
@@ -166,15 +159,23 @@ impl Density {
     }
 }
 
+/// The gradient of the linear function with these values at a tetrahedron's corners; zero for a flat one.
+fn gradient(corners: &[Point3<f64>; 4], values: &[f64; 4]) -> Vector3<f64> {
+    let edges = [1, 2, 3].map(|k| corners[k] - corners[0]);
+    let rises = Vector3::from([1, 2, 3].map(|k| values[k] - values[0]));
+    let rows = Matrix3::from_columns(&edges).transpose();
+    rows.lu().solve(&rises).unwrap_or_default()
+}
+
 /// A shape with the convex polyhedron around it from which the cell of the middle of its bounds
 /// would be cut, relative to that middle.
-struct Whole<'a> {
+struct ShapeIntegrator<'a> {
     shape: &'a dyn DomainShape,
     middle: Point3<f64>,
     start: Polyhedron,
 }
 
-impl<'a> Whole<'a> {
+impl<'a> ShapeIntegrator<'a> {
     fn new(shape: &'a dyn DomainShape) -> Self {
         let (middle, mut start) = (shape.bounds().center(), Polyhedron::default());
         shape.start(&middle, 0, &mut start);
@@ -207,23 +208,23 @@ impl<'a> Whole<'a> {
         volume > rounding
     }
 
-    /// A corner of the box, in the shape, at which the polynomial has a value that is not good.
+    /// A corner of the box, in the shape, at which the polynomial has a refused value, and that value.
     fn refused_corner(
         &self,
         part: &Bernstein,
-        is_good: impl Fn(f64) -> bool,
+        is_valid: impl Fn(f64) -> bool,
     ) -> Option<([f64; 3], f64)> {
         let mut corners = part.corners();
         let refused = corners.find(|(corner, value)| {
-            let is_bad = !is_good(*value);
-            is_bad && self.shape.contains(corner)
+            let is_refused = !is_valid(*value);
+            is_refused && self.shape.contains(corner)
         });
         refused.map(|(corner, value)| (corner.into(), value))
     }
 }
 
 /// Clips `part`, in coordinates relative to `site`, to the box, whose infinite sides cut nothing,
-/// and says whether anything is left.
+/// and returns whether anything is left.
 fn clip_to_box(
     part: &mut Polyhedron,
     site: &Point3<f64>,
@@ -247,7 +248,7 @@ fn clip_to_box(
 }
 
 /// Refuses a density that is not positive somewhere in the domain: the domain's box is halved until
-/// Bernstein's bounds or a corner tell.
+/// Bernstein's bounds or the value at a corner decide.
 ///
 /// # Errors
 /// [`DomainError::Density`] with a place.
@@ -255,19 +256,14 @@ pub(crate) fn check_positive(
     shape: &dyn DomainShape,
     density: &Polynomial,
 ) -> Result<(), DomainError> {
-    let whole = Whole::new(shape);
+    let whole = ShapeIntegrator::new(shape);
     let mut rest = vec![(Bernstein::new(density, &shape.bounds()), 0)];
     while let Some((part, halvings)) = rest.pop() {
         let [low, high] = part.range();
         if low >= 0.0 && high > 0.0 {
             continue;
         }
-        let is_good = |value: f64| value.is_finite() && value >= 0.0;
-        if let Some((position, value)) = whole.refused_corner(&part, is_good) {
-            return Err(DomainError::Density { value, position });
-        }
-        if high <= 0.0 && whole.fills_some(part.bounds()) {
-            let (value, position) = (high, part.bounds().center().into());
+        if let Some((position, value)) = refused_density(&whole, &part) {
             return Err(DomainError::Density { value, position });
         }
         if high > 0.0 && halvings < SIGN_HALVINGS {
@@ -276,6 +272,16 @@ pub(crate) fn check_positive(
         }
     }
     Ok(())
+}
+
+/// A place in the box at which the density is not positive or not finite, and its value or a bound.
+fn refused_density(whole: &ShapeIntegrator<'_>, part: &Bernstein) -> Option<([f64; 3], f64)> {
+    let is_valid = |value: f64| value.is_finite() && value >= 0.0;
+    let [_, high] = part.range();
+    whole.refused_corner(part, is_valid).or_else(|| {
+        let is_refused = high <= 0.0 && whole.fills_some(part.bounds());
+        is_refused.then(|| (part.bounds().center().into(), high))
+    })
 }
 
 /// The boxes and densities for cells whose edge is `size`, of energies of order `order`.
@@ -293,7 +299,7 @@ pub(crate) fn regions(
         let highest = HIGHEST_DEGREE;
         return Err(DomainError::SizeDegree { degree, highest });
     }
-    let whole = Whole::new(shape);
+    let whole = ShapeIntegrator::new(shape);
     let exponent = 3 + order as i32;
     let change = LARGEST_CHANGE.powf(1.0 / f64::from(exponent));
     let all = Region::everywhere(Polynomial::default()).bounds;

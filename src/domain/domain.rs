@@ -1,4 +1,4 @@
-//! A domain as the rest of the program sees it: a shape, and perhaps a density beside it.
+//! Domains: a shape with an optional density.
 
 use std::fmt::Debug;
 use std::ops::Deref;
@@ -24,7 +24,7 @@ pub trait Domain: Debug + Send + Sync {
         None
     }
 
-    /// Whether some places weigh more than others.
+    /// Whether there is a density.
     fn has_density(&self) -> bool {
         self.density().is_some()
     }
@@ -87,7 +87,7 @@ impl WeightedDomain {
         Ok(Self { domain, density })
     }
 
-    /// `domain` with the density h^−(3+p) that cells of the edge h = `size` want for energies of
+    /// `domain` with the density h^−(3+p) of cells of the edge h = `size` for energies of
     /// order p = `order`, within half a percent.
     ///
     /// # Errors
@@ -136,7 +136,7 @@ impl Domain for WeightedDomain {
     }
 }
 
-/// Refuses a polynomial that does not repeat itself where the domain does.
+/// Refuses a polynomial that changes along a periodic axis.
 fn refuse_periodic(shape: &dyn DomainShape, polynomial: &Polynomial) -> Result<(), DomainError> {
     let periods = shape.periods();
     let changes = |axis: &usize| {

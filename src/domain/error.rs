@@ -1,4 +1,4 @@
-//! Errors of descriptions that are no domains.
+//! Errors of invalid domain descriptions.
 
 use thiserror::Error;
 

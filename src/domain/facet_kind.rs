@@ -1,4 +1,4 @@
-//! The kinds of facets: the meaning of the labels that geometry carries.
+//! The kinds of facets, and their encoding as labels.
 
 use crate::geometry::label::Label;
 

@@ -1,4 +1,4 @@
-//! Domains: where sites may live, as signed sums of convex pieces.
+//! Domains of sites, of which every cell's part is a signed sum of pieces.
 //!
 //! A [`domain`] is a [`shape`], perhaps with a [`density`] beside it, also one that follows from a
 //! wanted size of cells. [`cuboid`] and [`convex`] are convex shapes, [`tri_surface`] those bounded

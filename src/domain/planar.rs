@@ -70,7 +70,7 @@ pub enum PlaneDomainError {
     Unbounded,
 }
 
-/// A rectangle or convex polygon in which sites may live.
+/// A rectangle or convex polygon, the domain of sites in the plane.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlaneDomain {
     polygon: ConvexPolygon,
@@ -227,8 +227,8 @@ fn beyond_a_side(polygon: &ConvexPolygon) -> Option<(&Point2<f64>, &Point2<f64>)
     })
 }
 
-/// How far `point` lies to the right of `edge` (L). An edge shorter than `slack` has no direction
-/// to speak of, and nothing lies beyond it.
+/// How far `point` lies to the right of `edge` (L). An edge shorter than `slack` has no reliable
+/// direction, and nothing counts as beyond it.
 fn distance_beyond(edge: &Edge, point: &Point2<f64>, slack: f64) -> f64 {
     let along = edge.end - edge.start;
     let length = along.norm();
@@ -238,6 +238,7 @@ fn distance_beyond(edge: &Edge, point: &Point2<f64>, slack: f64) -> f64 {
     (point - edge.start).perp(&along) / length
 }
 
+/// The half-planes with unit normals.
 fn normalized(half_planes: &[HalfPlane]) -> Result<Vec<HalfPlane>, PlaneDomainError> {
     if half_planes.len() < 3 {
         return Err(PlaneDomainError::TooFew {
@@ -245,23 +246,25 @@ fn normalized(half_planes: &[HalfPlane]) -> Result<Vec<HalfPlane>, PlaneDomainEr
             count: half_planes.len(),
         });
     }
-    let unit = |(index, plane): (usize, &HalfPlane)| {
-        let length = plane.normal.norm();
-        if !length.is_finite() || !plane.offset.is_finite() {
-            return Err(PlaneDomainError::NotFinite {
-                what: "half-plane",
-                index,
-            });
-        }
-        if length <= 0.0 {
-            return Err(PlaneDomainError::ZeroNormal { index });
-        }
-        Ok(HalfPlane {
-            normal: plane.normal / length,
-            offset: plane.offset / length,
-        })
-    };
-    half_planes.iter().enumerate().map(unit).collect()
+    let planes = half_planes.iter().enumerate();
+    planes.map(|(index, plane)| unit(index, plane)).collect()
+}
+
+fn unit(index: usize, plane: &HalfPlane) -> Result<HalfPlane, PlaneDomainError> {
+    let length = plane.normal.norm();
+    if !length.is_finite() || !plane.offset.is_finite() {
+        return Err(PlaneDomainError::NotFinite {
+            what: "half-plane",
+            index,
+        });
+    }
+    if length <= 0.0 {
+        return Err(PlaneDomainError::ZeroNormal { index });
+    }
+    Ok(HalfPlane {
+        normal: plane.normal / length,
+        offset: plane.offset / length,
+    })
 }
 
 fn square(center: &Point2<f64>, half_side: f64) -> ConvexPolygon {

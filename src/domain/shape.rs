@@ -1,8 +1,8 @@
-//! The shape of a domain: a set of which every convex part is a signed sum of pieces.
+//! The shape of a domain: a solid whose part in a convex polyhedron is a signed sum of pieces.
 //!
-//! Everything that a cell is worth is additive over a partition of C ∩ Ω into pieces and linear in
-//! signs. So a shape only says from which convex polyhedron a cell starts and which signed pieces
-//! then overlap it. A piece is convex or given by its boundary.
+//! All integrals over a cell are additive over a partition of C ∩ Ω into pieces and linear in signs.
+//! So a shape only gives the convex polyhedron from which a cell is cut, and then the signed pieces of
+//! its part in the cell. A piece is convex or given by its boundary.
 
 use std::fmt::Debug;
 
@@ -58,8 +58,8 @@ pub trait DomainShape: Debug + Send + Sync + 'static {
     }
 
     /// Visits the signed pieces of `part` ∩ Ω for a convex part of a cell, all in coordinates
-    /// relative to `site`. Whether the part `holds_site`, a point of Ω, spares the question on which
-    /// side of Ω's boundary a part lies that the boundary does not touch.
+    /// relative to `site`. If the part `holds_site`, a point of Ω, and Ω's boundary does not touch
+    /// the part, then it lies in Ω; otherwise that is computed.
     fn signed_pieces(
         &self,
         _site: &Point3<f64>,
@@ -83,7 +83,7 @@ pub trait DomainShape: Debug + Send + Sync + 'static {
     }
 
     /// Visits `cell` ∩ Ω in one piece for files and pictures: exact to 1e-9 of the cell's size, and
-    /// not at all where it has no boundary that could be shown.
+    /// not at all where no consistent boundary is found.
     fn outline(
         &self,
         _site: &Point3<f64>,

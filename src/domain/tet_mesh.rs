@@ -1,4 +1,4 @@
-//! The solid filled with tetrahedra, and the parts of a cell in each of them.
+//! The solid filled with tetrahedra as a domain, and the parts of a cell in each of them.
 //!
 //! The solid is the one within the tetrahedra's boundary. Where they carry a density, a cell is cut
 //! tetrahedron by tetrahedron: it is clipped by the four planes of every near one. Two tetrahedra at
@@ -51,9 +51,9 @@ impl TetSolid {
         let (surface, report) = validated.map_err(|refusal| refused(refusal.to_string()))?;
         let crossings = report.crossings.map_or(0, |tally| tally.count);
         if crossings > 0 {
-            let mend = "tetrahedra overlap there, remove the overlapping ones";
+            let remedy = "tetrahedra overlap there, remove the overlapping ones";
             return Err(refused(format!(
-                "crosses itself in {crossings} pairs of triangles: {mend}"
+                "crosses itself in {crossings} pairs of triangles: {remedy}"
             )));
         }
         let boundary = SurfaceSolid::new(&surface)?;
@@ -134,7 +134,7 @@ impl IndexedTets {
         scratch.candidates = near;
     }
 
-    /// Clips the piece to a tetrahedron and says whether anything is left.
+    /// Clips the piece to a tetrahedron and returns whether anything is left.
     fn clip_to(&self, tet: u32, site: &Point3<f64>, scratch: &mut PieceScratch) -> bool {
         let vertices = self.mesh.tets[tet as usize];
         for (opposite, corners) in FACETS.iter().enumerate() {
@@ -159,7 +159,7 @@ impl IndexedTets {
 }
 
 /// Labels facets on the boundary by their walls, the others as inner ones. Boundary triangles are
-/// known by their places.
+/// identified by their corners' coordinates.
 fn labels(mesh: &TetMesh, boundary: &SurfaceSolid) -> Vec<[Label; 4]> {
     let key = |corners: [Point3<f64>; 3]| {
         let mut key = corners.map(|corner| <[f64; 3]>::from(corner).map(f64::to_bits));

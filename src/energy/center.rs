@@ -3,7 +3,7 @@
 //! E is convex in the center (for pieces that sum to a set), so Newton's method with the exact
 //! Hessian finds it in two to five evaluations; for p = 1 mostly in one where the center is near, for
 //! there the energy is known as a polynomial (`prediction`).
-//! L-BFGS-B, which knows gradients only, is the choice of \[BL\] section 3.5. The search is the same
+//! L-BFGS-B, which uses gradients only, is the choice of \[BL\] section 3.5. The search is the same
 //! in the plane and in space.
 
 use std::ops::ControlFlow;
@@ -46,7 +46,7 @@ pub enum Minimizer {
     Lbfgsb,
 }
 
-/// Where and how to look for a center.
+/// The algorithm, the scales and the bounds of the search for a center.
 #[derive(Clone, Copy, Debug)]
 pub struct Search<const D: usize> {
     /// The algorithm.
@@ -89,7 +89,7 @@ impl<const D: usize> Search<D> {
         self.center_of(Plain(evaluate))
     }
 
-    /// As [`Search::center`], for energies that may predict themselves.
+    /// As [`Search::center`], for energies that may be predicted by a polynomial.
     pub(crate) fn center_of(&self, mut energy: impl Objective<D>) -> Center<D> {
         let first = energy.jet(&SVector::zeros());
         self.center_from(&first, energy)
@@ -175,7 +175,7 @@ impl<const D: usize> Search<D> {
                 let evaluations = end.state.evaluations() as u32;
                 (point, end.state.value() * scale * length, evaluations)
             }
-            // A box without room holds nothing but the site.
+            // A box without extent contains the site only.
             Err(_) => (
                 SVector::zeros(),
                 energy.jet(&SVector::zeros()).evaluation.value,

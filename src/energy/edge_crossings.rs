@@ -1,4 +1,4 @@
-//! Crossings of one edge with the boundaries between sectors.
+//! Crossings of one edge with the boundaries between sectors, by the upper envelope of six linear functions.
 //!
 //! Along an edge the Chebyshev distance is the largest of six linear functions: convex and piecewise
 //! linear, so that sectors follow each other with growing slopes. `edge_crossings_simd` finds most
@@ -24,7 +24,7 @@ pub(crate) struct EdgeCrossing {
     pub(crate) is_rounded: bool,
 }
 
-/// A displacement as x, y, z, −x, −y, −z, so that a sector's distance function is a look into a table.
+/// A displacement as x, y, z, −x, −y, −z, so that a sector's number indexes its distance.
 #[derive(Clone, Copy, Debug)]
 struct SignedCoordinates([f64; Sector::SLOTS]);
 
@@ -58,27 +58,37 @@ pub(crate) fn edge_crossings(ends: [&Vector3<f64>; 2]) -> impl Iterator<Item = E
             return None;
         }
         let (share, to) = next_sector([&a, &b], sector, goal, start);
+        let crossing = EdgeCrossing::new([&a, &b], [sector, to], share);
+        (sector, start) = (to, share);
+        Some(crossing)
+    })
+}
+
+impl EdgeCrossing {
+    /// The crossing between two sectors on the edge from `a` to `b`.
+    #[inline]
+    fn new([a, b]: [&SignedCoordinates; 2], [sector, to]: [Sector; 2], share: f64) -> Self {
         let end = InterfaceEnd::crossing(sector, to);
         let (interface, is_start) = (end.interface(), end.is_start());
         let (left, third) = (interface.sectors().0, interface.third_axis());
-        let [from, until] = [&a, &b].map(|end| end.on_interface(sector, third));
+        let [from, until] = [a, b].map(|end| end.on_interface(sector, third));
         let gain = b.distance(to) - a.distance(to) - b.distance(sector) + a.distance(sector);
         let scale = if is_start { 1.0 } else { -1.0 } / gain;
-        let [one, other] = [&a, &b].map(|end| end.on_interface(left, third));
-        (sector, start) = (to, share);
-        Some(EdgeCrossing {
+        let [one, other] = [a, b].map(|end| end.on_interface(left, third));
+        let at = [
+            from[0] + share * (until[0] - from[0]),
+            from[1] + share * (until[1] - from[1]),
+            (other[0] - one[0]) * scale,
+            (other[1] - one[1]) * scale,
+        ];
+        Self {
             to,
             share,
             end,
-            at: SegmentEnd(f64x4::new([
-                from[0] + share * (until[0] - from[0]),
-                from[1] + share * (until[1] - from[1]),
-                (other[0] - one[0]) * scale,
-                (other[1] - one[1]) * scale,
-            ])),
+            at: SegmentEnd(f64x4::new(at)),
             is_rounded: gain <= 0.0,
-        })
-    })
+        }
+    }
 }
 
 /// Where along the edge from `a` to `b`, not before `start`, `sector` ends, and which sector
@@ -95,7 +105,7 @@ fn next_sector(
     let value = a.distance(sector);
     let slope = b.distance(sector) - value;
     let others = sector.adjacent();
-    // Which one comes first is what a processor cannot foresee: it is looked up.
+    // Which one comes first cannot be predicted by a processor: so it is selected without a branch.
     let meets = others.map(|other| {
         let other_value = a.distance(other);
         let gain = b.distance(other) - other_value - slope;

@@ -1,4 +1,4 @@
-//! Crossings of four edges with the boundaries between sectors, side by side.
+//! Crossings of four edges with the boundaries between sectors, in four SIMD lanes.
 //!
 //! Every facet f is fanned from its *anchor*, the foot q of the perpendicular from the center. The
 //! triangle (q, a, b) of a directed edge has twice the area σ = n·(a×b), n the unit normal, a and b

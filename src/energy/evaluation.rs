@@ -9,7 +9,7 @@ use nalgebra::{Matrix3, Vector3};
 use crate::energy::prepared::PreparedPiece;
 use crate::energy::sector::Interface;
 use crate::energy::sums_linear::LinearSums;
-use crate::energy::sums_polynomial::{PolynomialSums, PolynomialTerms};
+use crate::energy::sums_polynomial::{PolynomialTerms, polynomial_integrals};
 use crate::energy::sums_power::PowerSums;
 use crate::energy::surface::{SurfaceScratch, sum_over_surface};
 use crate::minimize::problem::{Evaluation, Jet};
@@ -24,7 +24,7 @@ pub struct SignedPiece {
 }
 
 impl SignedPiece {
-    /// The numbered piece, which counts with `sign`; there may be one more than before.
+    /// The piece of that number, which is added if it is the next one, with its sign set.
     pub(crate) fn place(pieces: &mut Vec<Self>, number: usize, sign: f64) -> &mut PreparedPiece {
         if number == pieces.len() {
             let piece = PreparedPiece::default();
@@ -140,15 +140,10 @@ fn energy_of_piece(
     order: u32,
     scratch: &mut EnergyScratch,
 ) -> Jet<3> {
-    let surface = &mut scratch.surface;
+    let (surface, terms) = (&mut scratch.surface, &mut scratch.terms);
     scratch.volume = None;
-    if let Some(density) = &piece.density {
-        let terms = PolynomialTerms::reused(&mut scratch.terms, density.degree(), order, false);
-        let mut sums = PolynomialSums::new(&terms, density, center, None);
-        sum_over_surface(piece, center, surface, &mut sums);
-        let evaluation = sums.integrals.evaluation(order);
-        scratch.terms = Some(terms);
-        evaluation.into()
+    if let Some(sums) = polynomial_integrals(piece, (center, order), None, surface, terms) {
+        sums.evaluation(order).into()
     } else if order == 1 {
         let mut sums = LinearSums::default();
         sum_over_surface(piece, center, surface, &mut sums);

@@ -16,7 +16,7 @@ use nalgebra::Vector3;
 use crate::energy::evaluation::{EnergyScratch, SignedPiece};
 use crate::energy::prepared::PreparedPiece;
 use crate::energy::sums_linear::LinearFacetSums;
-use crate::energy::sums_polynomial::{PolynomialSums, PolynomialTerms};
+use crate::energy::sums_polynomial::{PolynomialTerms, polynomial_integrals};
 use crate::energy::sums_power::PowerSums;
 use crate::energy::surface::{FacetIntegrals, SurfaceScratch, sum_over_surface};
 use crate::geometry::label::Label;
@@ -49,8 +49,8 @@ pub struct FacetTermScratch {
     terms: Option<PolynomialTerms>,
 }
 
-/// The energy of order `order` of `pieces` about their site, the origin, and to `visit` what
-/// every facet with a label that `is_bisector` would add to the gradients.
+/// Computes the energy of order `order` of `pieces` about their site, the origin, and passes to `visit`
+/// the terms in the gradients of every facet whose label `is_bisector`.
 pub fn facet_terms<'a>(
     pieces: impl IntoIterator<Item = &'a SignedPiece>,
     order: u32,
@@ -90,12 +90,9 @@ fn piece_term(
     facets.clear();
     facets.resize(piece.facets.len(), FacetIntegrals::default());
     let origin = &Vector3::zeros();
-    let integrals = if let Some(density) = &piece.density {
-        let kept = PolynomialTerms::reused(terms, density.degree(), order, true);
-        let mut sums = PolynomialSums::new(&kept, density, origin, Some(facets));
-        sum_over_surface(piece, origin, surface, &mut sums);
-        let integrals = sums.integrals;
-        *terms = Some(kept);
+    let at_site = (origin, order);
+    let polynomial = polynomial_integrals(piece, at_site, Some(facets), surface, terms);
+    let integrals = if let Some(integrals) = polynomial {
         integrals
     } else if order == 1 {
         let mut sums = LinearFacetSums::new(facets);

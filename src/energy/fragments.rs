@@ -1,4 +1,4 @@
-//! The six fragments of a piece about a center, as geometry (\[BL\] section 3.5, Fig. 12).
+//! The six fragments of a piece about a center, as polyhedra (\[BL\] section 3.5, Fig. 12).
 //!
 //! Integrals do not need them; pictures and tests do.
 
@@ -37,10 +37,7 @@ fn fragment(
 ) -> Polyhedron {
     let mut fragment = piece.clone();
     let mut scratch = ClipScratch::default();
-    for other in Sector::ALL
-        .into_iter()
-        .filter(|o| o.axis() != sector.axis())
-    {
+    for other in sector.adjacent() {
         let mut normal = Vector3::zeros();
         normal[other.axis()] = other.sign();
         normal[sector.axis()] = -sector.sign();

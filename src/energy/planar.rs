@@ -71,31 +71,29 @@ pub fn energy(polygon: &ConvexPolygon, center: &Point2<f64>, order: u32) -> f64 
     value
 }
 
-/// The energy of order p = `order` ≥ 1 with gradient and Hessian, in one walk along the edges.
+/// The energy of order p = `order` ≥ 1 with gradient and Hessian, in one loop over the edges.
 #[must_use]
 pub fn energy_with_derivatives(
     polygon: &ConvexPolygon,
     center: &Point2<f64>,
     order: u32,
 ) -> Evaluation<2> {
-    let mut value = 0.0;
-    let mut gradient = Vector2::zeros();
-    let mut hessian = Matrix2::zeros();
+    let mut energy = Evaluation {
+        value: 0.0,
+        gradient: Vector2::zeros(),
+        hessian: Matrix2::zeros(),
+    };
     let p = f64::from(order);
     visit(polygon, center, |triangle| {
-        let axis = triangle.axis;
-        value += power_integral(&triangle, order);
-        gradient[axis] -= triangle.sign * p * power_integral(&triangle, order.saturating_sub(1));
+        let (axis, slope) = (triangle.axis, triangle.sign * p);
+        energy.value += power_integral(&triangle, order);
+        energy.gradient[axis] -= slope * power_integral(&triangle, order.saturating_sub(1));
         if order > 1 {
-            hessian[(axis, axis)] += p * (p - 1.0) * power_integral(&triangle, order - 2);
+            energy.hessian[(axis, axis)] += p * (p - 1.0) * power_integral(&triangle, order - 2);
         }
     });
-    hessian += interface_terms(polygon, center, order);
-    Evaluation {
-        value,
-        gradient,
-        hessian,
-    }
+    energy.hessian += interface_terms(polygon, center, order);
+    energy
 }
 
 /// The triangles of all fragments about `center`, in the order of the edges.
@@ -126,7 +124,7 @@ pub fn fragments(
     })
 }
 
-/// Walks along the edges and hands over the triangles between their parts and the center.
+/// Visits the triangles between the parts of the edges and the center, in the order of the edges.
 fn visit(polygon: &ConvexPolygon, center: &Point2<f64>, mut take: impl FnMut(FragmentTriangle)) {
     for edge in polygon.edges() {
         let (start, end) = (edge.start - center, edge.end - center);

@@ -36,8 +36,8 @@ pub(crate) fn predict(
     velocity_determinants: &[f64; Interface::SLOTS],
 ) -> Option<Prediction<3>> {
     let hits = ends.hits()?;
-    // The likeliest event first.
-    if !do_vertices_stay(piece, [center, &(center + step)]) {
+    // The most frequent change first.
+    if !keep_sectors(piece, [center, &(center + step)]) {
         return None;
     }
     let losses = reach_losses(piece, step, hits);
@@ -49,7 +49,7 @@ pub(crate) fn predict(
 
 /// Whether all vertices are in the same sectors about two centers.
 #[inline]
-fn do_vertices_stay(piece: &PreparedPiece, centers: [&Vector3<f64>; 2]) -> bool {
+fn keep_sectors(piece: &PreparedPiece, centers: [&Vector3<f64>; 2]) -> bool {
     let views = centers.map(|center| CenteredPiece { piece, center });
     let moved = piece.vertices.blocks().fold(f64x4::ZERO, |moved, block| {
         let [from, to] = views.map(|view| QuadSectors::of(&view.displacements(&block)));
@@ -143,7 +143,7 @@ struct AxisPair {
     axes: [usize; 3],
     /// The signs of their first and of their second sectors.
     signs: [[f64; 4]; 2],
-    /// See [`ORIENTATION`].
+    /// Their orientations ([`ORIENTATION`]).
     orientation: [f64; 4],
     /// The diagonals at the start and at the end of their segments on a surface about the center.
     diagonals: [[usize; 4]; 2],
@@ -156,6 +156,7 @@ impl AxisPair {
     const SIZE: usize = 4;
 }
 
+/// The pairs of axes in the order of [`PAIRS`].
 static AXIS_PAIRS: [AxisPair; PAIRS.len()] = axis_pairs_table();
 
 const fn axis_pairs_table() -> [AxisPair; PAIRS.len()] {

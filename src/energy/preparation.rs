@@ -1,4 +1,4 @@
-//! Conversion of convex polyhedra and faceted pieces into prepared pieces.
+//! Conversion of convex polyhedra and boundary representations into prepared pieces.
 
 use nalgebra::{Point3, Rotation3, Vector3};
 
@@ -33,7 +33,7 @@ impl PreparedPiece {
     }
 
     /// Prepares a convex piece of density 1 straight from the fixed slots in which it was cut, keeping
-    /// the memory of the piece before. The result is, to the bit, that by way of a polyhedron.
+    /// the memory of the piece before. The result is, to the bit, the same as that for a polyhedron.
     pub fn assign_compact(&mut self, piece: &SmallPolyhedron) {
         self.density = None;
         if piece.is_dense() {
@@ -72,12 +72,10 @@ impl PreparedPiece {
                 // The facet on the right is the one before, in turn.
                 let (row, slot) = (number / 3, number % 3);
                 let right = if slot == 0 { number + 2 } else { number - 1 };
-                Edge {
-                    from: first + row as u32,
-                    to: ends[number],
-                    left: facets[number],
-                    right: facets[right],
-                }
+                Edge::new(
+                    [first + row as u32, ends[number]],
+                    [facets[number], facets[right]],
+                )
             })
         });
         self.edges.assign(edges, piece.facets.len() * 3 / 2);
@@ -98,14 +96,11 @@ impl PreparedPiece {
 
     fn assign_sparse(&mut self, piece: &SmallPolyhedron) {
         let lists = Lists::of(piece);
-        let slots = lists.slots.listed().iter();
-        self.vertices.assign(slots.map(|&slot| {
-            let [x, y, z] =
-                [&piece.x, &piece.y, &piece.z].map(|axis| axis[usize::from(slot) % SLOTS]);
+        self.vertices.assign(lists.slots.numbers().map(|slot| {
+            let [x, y, z] = [&piece.x, &piece.y, &piece.z].map(|axis| axis[slot % SLOTS]);
             [x, y, z, x]
         }));
-        let planes = lists.planes.listed().iter();
-        let planes = planes.map(|&plane| usize::from(plane));
+        let planes = lists.planes.numbers();
         self.assign_facets(
             planes.clone().map(|plane| &piece.planes[plane]),
             planes.map(|plane| &piece.labels[plane]),
@@ -126,7 +121,7 @@ impl PreparedPiece {
         self.assign_edges(piece, |pairs| pairs.map(|pair| pair.map(u32::from)));
     }
 
-    /// Takes over facets and makes normals units, but for zero ones.
+    /// Copies the facets, with normals scaled to unit length except where they are zero.
     fn assign_facets<'a>(
         &mut self,
         planes: impl Iterator<Item = &'a HalfSpace>,
@@ -140,7 +135,7 @@ impl PreparedPiece {
         self.labels.extend(labels);
     }
 
-    /// Takes over the edges of `piece`; `numbered` gives the vertices and facets for slots and planes.
+    /// Copies the edges of `piece`; `numbered` gives the vertices and facets for slots and planes.
     #[inline(always)]
     fn assign_edges(
         &mut self,
@@ -151,13 +146,8 @@ impl PreparedPiece {
         fill_words(words, piece);
         let edges = piece.upward().map(|edge| {
             let [from, to, left, right] = words[edge % EDGES].to_le_bytes();
-            let [[from, to], [left, right]] = numbered([[from, to], [left, right]]);
-            Edge {
-                from,
-                to,
-                left,
-                right,
-            }
+            let [ends, facets] = numbered([[from, to], [left, right]]);
+            Edge::new(ends, facets)
         });
         self.edges.assign(edges, SLOTS * 3 / 2);
     }
@@ -201,7 +191,7 @@ mod tests {
         };
         let mut compact = SmallPolyhedron::default();
         assert!(compact.assign(&Polyhedron::cuboid(&bounds, [1, 2, 3, 4, 5, 6])));
-        let (mut straight, mut polyhedron) = (PreparedPiece::default(), Polyhedron::default());
+        let (mut prepared, mut polyhedron) = (PreparedPiece::default(), Polyhedron::default());
         for number in 0..40 {
             let turn = f64::from(number);
             let away = Vector3::new((2.3 * turn).sin(), (3.7 * turn).cos(), (1.9 * turn).sin());
@@ -210,11 +200,11 @@ mod tests {
             compact
                 .clip(&bisector, || 7 + number as u64, scratch)
                 .unwrap();
-            straight.assign_compact(&compact);
+            prepared.assign_compact(&compact);
             compact.write(&mut polyhedron);
-            let detour = PreparedPiece::new(&polyhedron);
-            assert_eq!(format!("{straight:?}"), format!("{detour:?}"));
+            let expected = PreparedPiece::new(&polyhedron);
+            assert_eq!(format!("{prepared:?}"), format!("{expected:?}"));
         }
-        assert!(polyhedron.planes.len() < 46 && straight.volume() > 0.0);
+        assert!(polyhedron.planes.len() < 46 && prepared.volume() > 0.0);
     }
 }

@@ -108,7 +108,7 @@ impl Rows {
         blocks.map(|rows| f64x4::transpose(rows.map(f64x4::new)))
     }
 
-    /// Replaces all rows by what `change` makes of four, transposed.
+    /// Applies `change` to all rows, four at a time and transposed.
     #[inline]
     pub(crate) fn map(&mut self, change: impl Fn([f64x4; 4]) -> [f64x4; 4]) {
         for rows in self.rows.as_chunks_mut::<BLOCK>().0 {
@@ -255,8 +255,8 @@ impl FacetView {
 
 /// The members of a set of bits, in ascending order.
 ///
-/// Where a condition on geometry decides, a processor guesses wrong every other time, and pays more
-/// than the work in question costs. So conditions are computed for a chunk of a list without a branch,
+/// Branches on geometric conditions are mispredicted every other time, which costs more than the work
+/// they avoid. So conditions are computed for a chunk of a list without a branch,
 /// and those chosen are taken from a set of bits, one by one or four at a time.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Bits(pub(crate) u64);

@@ -1,4 +1,4 @@
-//! The subdivision of space about a center into sectors, and where these meet.
+//! The subdivision of space about a center into sectors, interfaces and diagonals, as tables.
 //!
 //! Six *sectors* ±x, ±y, ±z, the cones in which one signed coordinate difference is the largest, cut
 //! the fragments of \[BL\] section 3.5 (Fig. 12) out of a cell. They meet pairwise in twelve
@@ -7,8 +7,8 @@
 //! edges, diagonals its faces.
 //!
 //! The boundary of a facet passes through sectors; the interfaces it crosses, counted modulo two,
-//! determine which diagonals pierce the facet ([`pierced_diagonals`]). So a cell's integrals are put
-//! together from a consistent subdivision even where rounding alone decides the sector of a vertex, as
+//! determine which diagonals pierce the facet ([`pierced_diagonals`]). So a cell's integrals are
+//! summed over a consistent subdivision even where rounding alone decides the sector of a vertex, as
 //! it does at every corner of a cube about its center.
 
 use nalgebra::Vector3;
@@ -168,7 +168,7 @@ impl Interface {
     pub(crate) const NONE: Self = Self(Self::COUNT as u8);
 
     /// The two sectors: the one of the smaller axis first. That one is *left* of the interface's
-    /// segments, seen from outside the facet on which they lie.
+    /// segments, from outside the facet on which they lie.
     #[inline]
     pub(crate) fn sectors(self) -> (Sector, Sector) {
         SECTORS[self.number()]
@@ -227,7 +227,7 @@ impl Interface {
     }
 }
 
-/// See [`Interface::lanes`].
+/// The table of [`Interface::lanes`].
 static LANES: [[f64; 4]; Interface::SLOTS] = lanes_table();
 
 const fn lanes_table() -> [[f64; 4]; Interface::SLOTS] {
@@ -287,6 +287,12 @@ pub(crate) fn pierced_diagonals(crossed: u32) -> u8 {
 
 static PIERCED: [u8; 1 << Interface::COUNT] = pierced_table();
 
+/// The three interfaces that meet in a diagonal, as a set of bits.
+const fn interfaces_at(diagonal: usize) -> usize {
+    let (x, y, z) = (diagonal & 1, diagonal >> 1 & 1, diagonal >> 2 & 1);
+    1 << (x << 1 | y) | 1 << (4 | x << 1 | z) | 1 << (8 | y << 1 | z)
+}
+
 const fn pierced_table() -> [u8; 1 << Interface::COUNT] {
     let mut table = [0; 1 << Interface::COUNT];
     let mut inside: usize = 0;
@@ -295,10 +301,7 @@ const fn pierced_table() -> [u8; 1 << Interface::COUNT] {
         let mut diagonal = 0;
         while diagonal < 8 {
             if inside >> diagonal & 1 == 1 {
-                let (x, y, z) = (diagonal & 1, diagonal >> 1 & 1, diagonal >> 2 & 1);
-                crossed ^= 1 << (x << 1 | y);
-                crossed ^= 1 << (4 | x << 1 | z);
-                crossed ^= 1 << (8 | y << 1 | z);
+                crossed ^= interfaces_at(diagonal);
             }
             diagonal += 1;
         }
@@ -403,6 +406,12 @@ pub(crate) struct DiagonalEnds {
 }
 
 impl DiagonalEnds {
+    /// An entry of a table under construction.
+    const NONE: Self = Self {
+        ends: [(InterfaceEnd(0), 0.0); 3],
+        bits: 0,
+    };
+
     /// Those at a diagonal, for a facet with the center below it (*inside*) or beyond it.
     #[inline]
     pub(crate) fn of(diagonal: u8, is_inside: bool) -> &'static Self {
@@ -410,16 +419,12 @@ impl DiagonalEnds {
     }
 }
 
-/// See [`DiagonalEnds::of`].
+/// The table of [`DiagonalEnds::of`].
 pub(crate) static DIAGONAL_ENDS: [[DiagonalEnds; 8]; 2] =
     [diagonal_table(false), diagonal_table(true)];
 
 const fn diagonal_table(is_inside: bool) -> [DiagonalEnds; 8] {
-    let none = DiagonalEnds {
-        ends: [(InterfaceEnd(0), 0.0); 3],
-        bits: 0,
-    };
-    let mut table = [none; 8];
+    let mut table = [DiagonalEnds::NONE; 8];
     let mut entry = 0;
     while entry < 24 {
         let (diagonal, pair) = (entry / 3, entry % 3);

@@ -1,4 +1,4 @@
-//! Segments: the parts of interfaces on facets, between the crossings of edges and diagonals.
+//! Segments: the parts of interfaces on facets, between crossings with edges and points on diagonals.
 //!
 //! A facet's boundary crosses interfaces, and diagonals pierce its inside. Both are ends of segments;
 //! paired up interface by interface they make the subdivision of the facet into sectors.
@@ -73,7 +73,7 @@ pub(crate) struct SegmentEnds {
 }
 
 impl SegmentEnds {
-    /// Removes all ends and makes room for those of `count` facets.
+    /// Removes all ends and reserves memory for those of `count` facets.
     pub(crate) fn reset(&mut self, count: usize) {
         self.present.clear();
         self.present.resize(count, 0);
@@ -145,7 +145,7 @@ impl SegmentEnds {
         }
         let inside = pierced_diagonals(crossed);
         if inside.count_ones() == 4 {
-            likelier(inside, &view.facet(facet))
+            facing_diagonals(inside, &view.facet(facet))
         } else {
             inside
         }
@@ -153,7 +153,7 @@ impl SegmentEnds {
 
     /// Adds the points in which diagonals pierce facets, each an end on three interfaces.
     ///
-    /// Which facets these are is what a processor cannot foresee: so all are looked at without a branch.
+    /// Which facets these are cannot be predicted by a processor: so all are tested without a branch.
     #[inline]
     pub(crate) fn add_diagonals(&mut self, view: &CenteredPiece<'_>) {
         let (mut facets, mut all, mut is_once) = (u32x8::ZERO, 0, true);
@@ -256,8 +256,8 @@ impl SegmentEnds {
         }
     }
 
-    /// Pairs the unpaired ends and removes them. Which of several go together makes no difference: they
-    /// lie on one line, on which signed segments of the same ends add up to the same.
+    /// Pairs two of the unpaired ends and removes them. Which of several are paired makes no difference:
+    /// they lie on one line, on which signed segments of the same ends add up to the same.
     #[inline]
     pub(crate) fn next_unpaired(&mut self) -> Option<Segment> {
         while let Some(one) = self.unpaired.pop() {
@@ -295,8 +295,8 @@ fn reaches(view: &CenteredPiece<'_>, facets: [u32; 8]) -> Option<[f64; 8]> {
     are_inside.then_some(reaches)
 }
 
-/// What `of` makes, four at a time, of a facet for each diagonal: of the coordinates of the normals, the
-/// offsets, and the normals times the rays.
+/// Applies `of` to the facet of each diagonal, four at a time: to the coordinates of the normals and the
+/// offsets, and to the normals times the rays.
 #[inline(always)]
 pub(crate) fn by_diagonal(
     planes: &Rows,
@@ -314,8 +314,9 @@ pub(crate) fn by_diagonal(
     [a, b, c, d, e, f, g, h]
 }
 
-/// The facet spans a whole sector: the one in the middle of the four diagonals, or the opposite.
-fn likelier(inside: u8, facet: &FacetView) -> u8 {
+/// The set of four diagonals or its complement, where the facet spans a whole sector: that in the middle
+/// of the four, or the opposite one.
+fn facing_diagonals(inside: u8, facet: &FacetView) -> u8 {
     let balance = |set: u8| -> f64 {
         let slopes = Bits(u64::from(set)).map(|bit| facet.normal.dot(diagonal_ray(bit as u8)));
         slopes.sum()

@@ -23,7 +23,7 @@ use crate::minimize::problem::{Evaluation, Jet};
 const OF_PAIR: usize = 4;
 
 /// The sums of the energy and its derivatives, kept apart by lane or by interface, so that additions
-/// need not wait for each other.
+/// do not depend on each other.
 #[derive(Default)]
 pub(crate) struct LinearSums {
     /// Of parts of edges: 24 E.

@@ -9,19 +9,20 @@
 use nalgebra::{Point3, Vector3};
 
 use crate::energy::edge_crossings_simd::{PartQuad, SideQuad};
-use crate::energy::prepared::CenteredPiece;
+use crate::energy::prepared::{CenteredPiece, PreparedPiece};
 use crate::energy::sector::Sector;
 use crate::energy::segments::Segment;
 use crate::energy::sums_power::SectorIntegrals;
 use crate::energy::surface::{
-    FacetIntegrals, SurfaceSums, Triangle, visit_segments, visit_triangles,
+    FacetIntegrals, SurfaceScratch, SurfaceSums, Triangle, sum_over_surface, visit_segments,
+    visit_triangles,
 };
 use crate::geometry::small_polyhedron::BLOCK;
 use crate::integrals::polynomial::Polynomial;
 use crate::integrals::series::{Exponents, Monomials, weight};
 
-/// By term of the density the place in the table of the integral of that term times some monomial, and by
-/// what it is to be multiplied.
+/// By term of the density, the place in the table of the integral of that term times some monomial, and
+/// its factor.
 type Places = Vec<(usize, f64)>;
 
 /// The places of all integrals, for densities of one degree and energies of one order p; by the axis of the
@@ -49,13 +50,8 @@ struct FacetPlaces {
 }
 
 impl PolynomialTerms {
-    /// Those that `kept` holds, if they are for such densities and energies.
-    pub(crate) fn reused(
-        kept: &mut Option<Self>,
-        degree: u32,
-        order: u32,
-        has_facets: bool,
-    ) -> Self {
+    /// Those in `kept` if they are for such densities and energies, otherwise new ones.
+    fn reused(kept: &mut Option<Self>, degree: u32, order: u32, has_facets: bool) -> Self {
         let kept = kept.take();
         let kept = kept.filter(|terms| (terms.degree, terms.order) == (degree, order));
         kept.unwrap_or_else(|| Self::new(degree, order, has_facets))
@@ -105,20 +101,38 @@ fn power(exponent: u32, axis: usize) -> Exponents {
     exponents
 }
 
+/// The integrals of a piece with a density about a center, and those over its facets where these are given;
+/// `terms` is kept from one piece to the next. `None` without a density.
+pub(crate) fn polynomial_integrals(
+    piece: &PreparedPiece,
+    (center, order): (&Vector3<f64>, u32),
+    facets: Option<&mut [FacetIntegrals]>,
+    surface: &mut SurfaceScratch,
+    terms: &mut Option<PolynomialTerms>,
+) -> Option<SectorIntegrals> {
+    let density = piece.density.as_ref()?;
+    let kept = PolynomialTerms::reused(terms, density.degree(), order, facets.is_some());
+    let mut sums = PolynomialSums::new(&kept, density, center, facets);
+    sum_over_surface(piece, center, surface, &mut sums);
+    let integrals = sums.integrals;
+    *terms = Some(kept);
+    Some(integrals)
+}
+
 /// The sums for one density about one center.
-pub(crate) struct PolynomialSums<'a> {
+struct PolynomialSums<'a> {
     terms: &'a PolynomialTerms,
     density: Vec<f64>,
     /// Of one simplex at a time.
     table: Vec<f64>,
-    pub(crate) integrals: SectorIntegrals,
+    integrals: SectorIntegrals,
     /// Where these are wanted, second derivatives are not.
     facets: Option<&'a mut [FacetIntegrals]>,
 }
 
 impl<'a> PolynomialSums<'a> {
     /// Sums for the energy's derivatives, or for the integrals over its facets.
-    pub(crate) fn new(
+    fn new(
         terms: &'a PolynomialTerms,
         density: &Polynomial,
         center: &Vector3<f64>,

@@ -43,7 +43,7 @@ pub(crate) struct SurfaceScratch {
 #[derive(Clone, Debug)]
 struct ChunkCrossings {
     at: [[f64x4; BLOCK]; CHUNK / BLOCK],
-    /// See [`crossing_codes`].
+    /// The [`crossing_codes`].
     codes: [[f64; BLOCK]; CHUNK / BLOCK],
 }
 
@@ -225,15 +225,28 @@ impl<'a> Triangle<'a> {
     }
 }
 
+/// One of four vectors given by axis.
+fn lane_of(all: &[f64x4; 3], lane: usize) -> Vector3<f64> {
+    Vector3::from(all.each_ref().map(|along| along.to_array()[lane]))
+}
+
+impl SideQuad {
+    /// The facet beside one of the four edges.
+    fn facet(&self, lane: usize) -> FacetView {
+        FacetView {
+            number: self.facets[lane] as usize,
+            normal: lane_of(&self.normals, lane),
+            height: self.heights.to_array()[lane],
+        }
+    }
+}
+
 /// Visits the triangles of parts of four edges one by one.
 pub(crate) fn visit_triangles<const N: usize>(
     sides: &[SideQuad; 2],
     parts: &[PartQuad; N],
     mut visit: impl FnMut(&Triangle<'_>),
 ) {
-    let lane_of = |all: &[f64x4; 3], lane: usize| {
-        Vector3::from(all.each_ref().map(|along| along.to_array()[lane]))
-    };
     for part in parts {
         let (shares, codes) = (part.shares.to_array(), part.sectors.codes(0).to_array());
         for lane in (0..BLOCK).filter(|&lane| shares[lane] != 0.0) {
@@ -241,19 +254,10 @@ pub(crate) fn visit_triangles<const N: usize>(
             let points = part.ends.map(|end| lane_of(&end.at, lane));
             let distances = part.ends.map(|end| end.distances.to_array()[lane]);
             for side in sides {
-                let facet = FacetView {
-                    number: side.facets[lane] as usize,
-                    normal: lane_of(&side.normals, lane),
-                    height: side.heights.to_array()[lane],
-                };
-                let doubled_area = shares[lane] * side.doubled_areas.to_array()[lane];
-                visit(&Triangle::new(
-                    &facet,
-                    sector,
-                    doubled_area,
-                    points,
-                    distances,
-                ));
+                let facet = side.facet(lane);
+                let area = shares[lane] * side.doubled_areas.to_array()[lane];
+                let triangle = Triangle::new(&facet, sector, area, points, distances);
+                visit(&triangle);
             }
         }
     }

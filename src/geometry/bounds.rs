@@ -47,11 +47,29 @@ impl<const D: usize> Bounds<D> {
 
     /// Grows the box so that it holds `point`.
     pub fn include(&mut self, point: &Point<f64, D>) {
-        // Not f64::min and max, whose care for NaN costs more than the rest.
+        // Not f64::min and max: their treatment of NaN costs more than the rest.
         for axis in 0..D {
             let (along, min, max) = (point[axis], self.min[axis], self.max[axis]);
             self.min[axis] = if along < min { along } else { min };
             self.max[axis] = if along > max { along } else { max };
+        }
+    }
+
+    /// The box moved by `displacement`.
+    #[must_use]
+    pub fn translated(&self, displacement: &SVector<f64, D>) -> Self {
+        Self {
+            min: self.min + displacement,
+            max: self.max + displacement,
+        }
+    }
+
+    /// The box with its sides moved outward by `margin` (L), per axis.
+    #[must_use]
+    pub fn grown(&self, margin: &SVector<f64, D>) -> Self {
+        Self {
+            min: self.min - margin,
+            max: self.max + margin,
         }
     }
 

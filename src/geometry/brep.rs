@@ -20,7 +20,7 @@ pub struct Brep {
     pub(crate) edges: Vec<Edge>,
 }
 
-/// An edge: facet `left` lies left of it, seen from outside, and `right` right of it.
+/// An edge: with the solid's outside above, facet `left` lies left of it and `right` right of it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Edge {
     pub(crate) from: u32,
@@ -47,6 +47,19 @@ pub struct Extent {
     pub gap: Vector3<f64>,
     /// The volume (L³).
     pub volume: f64,
+}
+
+impl Edge {
+    /// The edge between two vertices, with the facets left and right of it.
+    #[inline(always)]
+    pub(crate) fn new([from, to]: [u32; 2], [left, right]: [u32; 2]) -> Self {
+        Self {
+            from,
+            to,
+            left,
+            right,
+        }
+    }
 }
 
 impl Brep {

@@ -1,8 +1,8 @@
 //! A bounding volume hierarchy: a tree of axis-aligned boxes.
 //!
 //! The tree halves its boxes along the longest axis of their middles until few
-//! are left. Nodes lie in the order of a depth-first walk, each with the place
-//! where the walk goes on once the node is left out, so that a query needs no stack.
+//! are left. Nodes are stored in depth-first order, each with the number of the next
+//! node after its subtree, so that a query needs no stack.
 
 use crate::geometry::bounds::Bounds;
 
@@ -13,13 +13,16 @@ const LEAF: usize = 4;
 #[derive(Clone, Debug, Default)]
 pub struct Bvh {
     nodes: Vec<Node>,
-    items: Vec<(Bounds<3>, u32)>,
+    items: Vec<Item>,
 }
+
+/// A box and its number.
+type Item = (Bounds<3>, u32);
 
 #[derive(Clone, Debug)]
 struct Node {
     bounds: Bounds<3>,
-    /// The node at which the walk goes on past this one's descendants.
+    /// The next node after this one's subtree.
     past: u32,
     /// A leaf's boxes in `items`; none for an inner node.
     items: std::ops::Range<u32>,
@@ -58,14 +61,9 @@ impl Bvh {
 }
 
 /// Appends the nodes over `items`, which begin at place `first` of all.
-fn build(items: &mut [(Bounds<3>, u32)], first: u32, nodes: &mut Vec<Node>) {
-    let mut bounds = Bounds::empty();
-    let mut middles = Bounds::empty();
-    for (item, _) in items.iter() {
-        bounds.include(&item.min);
-        bounds.include(&item.max);
-        middles.include(&item.center());
-    }
+fn build(items: &mut [Item], first: u32, nodes: &mut Vec<Node>) {
+    let corners = items.iter().flat_map(|(item, _)| [&item.min, &item.max]);
+    let bounds = Bounds::of(corners);
     let here = nodes.len();
     let is_leaf = items.len() <= LEAF;
     let last = if is_leaf { items.len() as u32 } else { 0 };
@@ -75,17 +73,26 @@ fn build(items: &mut [(Bounds<3>, u32)], first: u32, nodes: &mut Vec<Node>) {
         items: first..first + last,
     });
     if !is_leaf {
-        let axis = middles.extent().imax();
-        let half = items.len() / 2;
-        items.select_nth_unstable_by(half, |(a, i), (b, j)| {
-            let by_middle = a.center()[axis].total_cmp(&b.center()[axis]);
-            by_middle.then(i.cmp(j))
-        });
-        let (low, high) = items.split_at_mut(half);
+        let (low, high) = halve(items);
         build(low, first, nodes);
-        build(high, first + half as u32, nodes);
+        build(high, first + low.len() as u32, nodes);
     }
     nodes[here].past = nodes.len() as u32;
+}
+
+/// Splits boxes in two halves along the axis on which their middles extend farthest.
+fn halve(items: &mut [Item]) -> (&mut [Item], &mut [Item]) {
+    let mut middles = Bounds::empty();
+    for (item, _) in items.iter() {
+        middles.include(&item.center());
+    }
+    let axis = middles.extent().imax();
+    let half = items.len() / 2;
+    items.select_nth_unstable_by(half, |(a, i), (b, j)| {
+        let by_middle = a.center()[axis].total_cmp(&b.center()[axis]);
+        by_middle.then(i.cmp(j))
+    });
+    items.split_at_mut(half)
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! Clipping a convex polyhedron by a half-space: the one algorithm that shapes cells.
+//! Clipping of a convex polyhedron by a half-space.
 //!
 //! # Tolerance policy
 //!
@@ -33,12 +33,20 @@ pub struct ClipScratch {
     excess: Vec<f64>,
     cut: Vec<u32>,
     crossings: Vec<Crossing>,
-    /// Per facet: the crossing in which its counter-clockwise walk leaves the half-space.
+    /// Per facet: the crossing in which its counter-clockwise boundary leaves the half-space.
     exit: Vec<u32>,
-    /// Per facet: the crossing in which it comes back.
+    /// Per facet: the crossing in which it enters the half-space again.
     entry: Vec<u32>,
     reached: Vec<bool>,
     stack: Vec<u32>,
+}
+
+impl ClipScratch {
+    /// Marks a vertex as reached by the flood, which goes on from there.
+    fn reach(&mut self, vertex: u32) {
+        self.reached[vertex as usize] = true;
+        self.stack.push(vertex);
+    }
 }
 
 /// An edge that runs from a kept vertex to a cut one, with `left` and `right` of it.
@@ -68,17 +76,23 @@ pub fn clip(
         polyhedron.clear();
         return Clip::Emptied;
     }
+    find_cycle(polyhedron, scratch);
+    let facet = polyhedron.planes.len() as u32;
+    polyhedron.planes.push(*half_space);
+    polyhedron.labels.push(label);
+    join(polyhedron, facet, scratch);
+    Clip::Cut
+}
+
+/// Finds the crossings, after a repair of the signs where they do not form a single cycle.
+#[inline]
+fn find_cycle(polyhedron: &Polyhedron, scratch: &mut ClipScratch) {
     find_crossings(polyhedron, scratch);
     if !is_single_cycle(polyhedron, scratch) {
         repair(polyhedron, scratch);
         find_crossings(polyhedron, scratch);
         debug_assert!(is_single_cycle(polyhedron, scratch), "{polyhedron:?}");
     }
-    let facet = polyhedron.planes.len() as u32;
-    polyhedron.planes.push(*half_space);
-    polyhedron.labels.push(label);
-    join(polyhedron, facet, scratch);
-    Clip::Cut
 }
 
 /// Computes all excesses, and lists the vertices where they are positive.
@@ -95,8 +109,8 @@ fn classify(polyhedron: &Polyhedron, half_space: &HalfSpace, scratch: &mut ClipS
     }
 }
 
-/// Computes all excesses and says whether one is positive. Most planes that are tried cut nothing.
-/// Out of line, so that the compiler knows the slices to be apart and takes several at once.
+/// Computes all excesses and returns whether one is positive. Most planes that are tried cut nothing.
+/// Not inlined, so that the compiler knows that the slices do not overlap and vectorizes the loop.
 #[inline(never)]
 fn any_excess(half_space: &HalfSpace, [x, y, z]: [&[f64]; 3], excess: &mut [f64]) -> bool {
     let HalfSpace { normal, offset } = *half_space;
@@ -116,29 +130,36 @@ fn find_crossings(polyhedron: &Polyhedron, scratch: &mut ClipScratch) {
     scratch.entry.resize(polyhedron.planes.len(), NONE);
     for &cut in &scratch.cut {
         for slot in 0..3 {
-            let kept = polyhedron.next[cut as usize][slot];
-            if scratch.excess[kept as usize] > 0.0 {
-                continue;
+            if let Some(crossing) = crossing(polyhedron, &scratch.excess, cut as usize, slot) {
+                let number = scratch.crossings.len() as u32;
+                scratch.exit[crossing.left as usize] = number;
+                scratch.entry[crossing.right as usize] = number;
+                scratch.crossings.push(crossing);
             }
-            // Seen from the cut vertex, `slot` lies left of the edge; from the kept one, right.
-            let right = polyhedron.facets[cut as usize][slot];
-            let left = polyhedron.facets[cut as usize][(slot + 2) % 3];
-            let inner = scratch.excess[kept as usize];
-            let share = inner / (inner - scratch.excess[cut as usize]);
-            let from = polyhedron.vertex(kept as usize);
-            let to = polyhedron.vertex(cut as usize);
-            let number = scratch.crossings.len() as u32;
-            scratch.exit[left as usize] = number;
-            scratch.entry[right as usize] = number;
-            scratch.crossings.push(Crossing {
-                position: from + (to - from) * share,
-                kept,
-                kept_slot: polyhedron.slot(kept as usize, left) as u32,
-                left,
-                right,
-            });
         }
     }
+}
+
+/// The crossing on the edge that leaves a cut vertex in `slot`, if its other end is kept.
+#[inline]
+fn crossing(polyhedron: &Polyhedron, excess: &[f64], cut: usize, slot: usize) -> Option<Crossing> {
+    let kept = polyhedron.next[cut][slot];
+    let inner = excess[kept as usize];
+    if inner > 0.0 {
+        return None;
+    }
+    // From the cut vertex, `slot` lies left of the edge; from the kept one, right.
+    let right = polyhedron.facets[cut][slot];
+    let left = polyhedron.facets[cut][(slot + 2) % 3];
+    let share = inner / (inner - excess[cut]);
+    let [from, to] = [kept as usize, cut].map(|vertex| polyhedron.vertex(vertex));
+    Some(Crossing {
+        position: from + (to - from) * share,
+        kept,
+        kept_slot: polyhedron.slot(kept as usize, left) as u32,
+        left,
+        right,
+    })
 }
 
 /// Whether the crossings, each followed by the next around the new facet, form one cycle.
@@ -192,15 +213,13 @@ fn flood(polyhedron: &Polyhedron, scratch: &mut ClipScratch, cut_side: bool) {
     }
     scratch.reached.clear();
     scratch.reached.resize(polyhedron.vertex_count(), false);
-    scratch.reached[farthest] = true;
     scratch.stack.clear();
-    scratch.stack.push(farthest as u32);
+    scratch.reach(farthest as u32);
     while let Some(vertex) = scratch.stack.pop() {
         for neighbor in polyhedron.next[vertex as usize] {
             let same_side = (scratch.excess[neighbor as usize] > 0.0) == cut_side;
             if same_side && !scratch.reached[neighbor as usize] {
-                scratch.reached[neighbor as usize] = true;
-                scratch.stack.push(neighbor);
+                scratch.reach(neighbor);
             }
         }
     }
@@ -223,12 +242,7 @@ fn join(polyhedron: &mut Polyhedron, facet: u32, scratch: &ClipScratch) {
         ];
         polyhedron.next[crossing.kept as usize][crossing.kept_slot as usize] = vertex;
         if vertex < old_count {
-            let vertex = vertex as usize;
-            polyhedron.x[vertex] = crossing.position.x;
-            polyhedron.y[vertex] = crossing.position.y;
-            polyhedron.z[vertex] = crossing.position.z;
-            polyhedron.facets[vertex] = facets;
-            polyhedron.next[vertex] = next;
+            polyhedron.replace(vertex as usize, crossing.position, facets, next);
         } else {
             polyhedron.push(crossing.position, facets, next);
         }

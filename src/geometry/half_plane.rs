@@ -26,7 +26,7 @@ impl HalfPlane {
     /// The points nearer to the origin than to `displacement`: the bisector of a site and a
     /// neighbor, in coordinates relative to the site.
     ///
-    /// Seen from the neighbor the normal and the offset are exactly these with the normal's sign
+    /// For the neighbor's cell the normal and the offset are exactly these with the normal's sign
     /// flipped, so the two cells agree on their edge. The normal is scaled to largest component
     /// 1, lest its square underflow for sites next to each other.
     #[must_use]

@@ -1,4 +1,4 @@
-//! Closed half-spaces, the bricks of every convex polyhedron.
+//! Closed half-spaces n·y ≤ d, and bisectors.
 
 use nalgebra::{Point3, Vector3};
 use wide::f64x4;

@@ -1,5 +1,5 @@
-//! Labels of facets.
+//! Labels of facets: opaque marks that are kept through clips.
 
-/// An opaque facet mark: geometry carries it through every clip and never reads it. The domain
-/// floor says which marks are walls, the Voronoi floor which are neighbors.
+/// An opaque facet mark: geometry keeps it through every clip and never reads it.
+/// [`FacetKind`](crate::domain::facet_kind::FacetKind) gives its meaning: wall or neighbor.
 pub type Label = u64;

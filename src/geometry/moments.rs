@@ -81,10 +81,10 @@ impl Moments {
         Matrix3::from_diagonal_element(self.second.trace()) - self.second
     }
 
-    /// The same body carried by `offset`, equally the same body measured from an origin moved by
+    /// The same body moved by `offset`; equally, the same body measured from an origin moved by
     /// −`offset`.
     #[must_use]
-    pub fn moved(&self, offset: &Vector3<f64>) -> Self {
+    pub fn translated(&self, offset: &Vector3<f64>) -> Self {
         let mixed = self.first * offset.transpose();
         Self {
             mass: self.mass,
@@ -96,9 +96,9 @@ impl Moments {
         }
     }
 
-    /// The same body turned about the origin.
+    /// The same body rotated about the origin.
     #[must_use]
-    pub fn turned(&self, rotation: &Rotation3<f64>) -> Self {
+    pub fn rotated(&self, rotation: &Rotation3<f64>) -> Self {
         Self {
             mass: self.mass,
             first: rotation * self.first,

@@ -1,11 +1,11 @@
-//! Convex polygons with labelled edges, and the one cut that makes every one of them.
+//! Convex polygons with labelled edges, and their clipping by half-planes.
 //!
 //! Conventions: vertices run counter-clockwise; edge k goes from vertex k to vertex k + 1 and
 //! carries label k. A polygon of fewer than three vertices is empty.
 //!
 //! Tolerance: none. A vertex is kept if and only if n·y − d ≤ 0 as computed, so the kept part and
 //! the part beyond always add up to the whole; where many cuts meet in one point, edges of a few
-//! ulps may remain, and who counts edges does so by length. Coordinates should be relative to
+//! ulps may remain, so edges are to be counted by length. Coordinates should be relative to
 //! something near (a cell's are relative to its site): errors are ulps of the coordinates.
 
 use nalgebra::{Point2, Vector2};
@@ -41,7 +41,7 @@ impl Edge {
 }
 
 impl ConvexPolygon {
-    /// The polygon with the given corners, which the caller knows to be convex and
+    /// The polygon with the given corners, which must be convex and
     /// counter-clockwise; the edge that leaves corner k carries label k of `labels`.
     pub fn from_corners(
         corners: impl IntoIterator<Item = Point2<f64>>,
@@ -95,8 +95,8 @@ impl ConvexPolygon {
         }
     }
 
-    /// Keeps the part inside `plane`; the new edge, if any, carries `label`. Tells whether
-    /// anything was cut away.
+    /// Keeps the part inside `plane`; the new edge, if any, carries `label`. Returns
+    /// whether anything was cut away.
     ///
     /// Sutherland & Hodgman, *Reentrant Polygon Clipping*, 1974, for one plane.
     pub fn clip(&mut self, plane: &HalfPlane, label: Label) -> bool {
@@ -162,8 +162,8 @@ impl ConvexPolygon {
         Bounds::of(&self.vertices)
     }
 
-    /// The share t of `step` that can be walked from `start`, a point of the polygon, before the
-    /// boundary is reached; 0 if `start` lies beyond it.
+    /// The share t of `step` from `start`, a point of the polygon, at which the boundary is
+    /// reached; 0 if `start` lies beyond it.
     ///
     /// Only edges that the line crosses count, so the direction of an edge of a few ulps,
     /// which is noise, does not matter.

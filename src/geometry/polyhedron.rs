@@ -1,4 +1,4 @@
-//! Convex polyhedra as simple polytopes.
+//! Convex polyhedra as simple polytopes: three facets at every vertex.
 //!
 //! Every vertex meets exactly three facets and three edges. Where more than three planes pass
 //! through one point (every vertex of a cubic lattice's cells) the point is stored as several
@@ -10,7 +10,7 @@
 //!
 //! Around vertex v the facets F₀, F₁, F₂ follow counter-clockwise as seen from outside. Edge k
 //! leaves v with F_k on its left and F_{k+2} on its right and ends in `next[v][k]`, so that
-//! following facet f's slot from vertex to vertex walks f counter-clockwise.
+//! following facet f's slot from vertex to vertex runs around f counter-clockwise.
 
 use nalgebra::{Point3, Vector3};
 
@@ -97,14 +97,9 @@ impl Polyhedron {
         for axis in 0..3 {
             let mut normal = Vector3::zeros();
             normal[axis] = 1.0;
-            self.planes.push(HalfSpace {
-                normal: -normal,
-                offset: -bounds.min[axis],
-            });
-            self.planes.push(HalfSpace {
-                normal,
-                offset: bounds.max[axis],
-            });
+            for (normal, offset) in [(-normal, -bounds.min[axis]), (normal, bounds.max[axis])] {
+                self.planes.push(HalfSpace { normal, offset });
+            }
         }
         self.labels.extend(labels);
     }
@@ -176,7 +171,7 @@ impl Polyhedron {
         let mut far = 0.0;
         for ((x, y), z) in self.x.iter().zip(&self.y).zip(&self.z) {
             let square = x * x + y * y + z * z;
-            // Not f64::max, whose care for NaN costs more than the rest.
+            // Not f64::max: its treatment of NaN costs more than the rest.
             if square > far {
                 far = square;
             }
@@ -218,6 +213,18 @@ impl Polyhedron {
         self.z.push(position.z);
         self.facets.push(facets);
         self.next.push(next);
+    }
+
+    #[inline]
+    pub(crate) fn replace(
+        &mut self,
+        vertex: usize,
+        position: Point3<f64>,
+        facets: [u32; 3],
+        next: [u32; 3],
+    ) {
+        (self.x[vertex], self.y[vertex], self.z[vertex]) = (position.x, position.y, position.z);
+        (self.facets[vertex], self.next[vertex]) = (facets, next);
     }
 
     /// Which of the vertex's three slots holds the facet.

@@ -1,4 +1,4 @@
-//! Seeded random numbers, the same on every machine.
+//! Seeded random numbers that are the same on every machine.
 //!
 //! ChaCha8 seeded by its `seed_from_u64` gives the bits; the upper 53 of every 64 become a
 //! number in [0, 1) here and not in a distribution crate, so that a seed keeps its numbers when

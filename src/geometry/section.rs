@@ -1,4 +1,4 @@
-//! The polygons in which a plane cuts a shell.
+//! The polygons in which a plane cuts a shell, by the crossings of its edges.
 //!
 //! Every vertex is either above the plane or below it; one that lies on the plane counts as above.
 //! So a plane through a facet, an edge or a vertex needs no special case: cells that share that
@@ -27,28 +27,27 @@ pub fn section(shell: &Shell, plane: &HalfSpace) -> Vec<Vec<Point3<f64>>> {
         .vertices()
         .iter()
         .fold(0.0, |far: f64, v| far.max(v.coords.amax()));
-    let heights: Vec<f64> = shell
-        .vertices()
-        .iter()
-        .map(|vertex| plane.excess(vertex))
-        .map(|height| {
-            if height.abs() <= ON_PLANE * largest {
-                0.0
-            } else {
-                height
-            }
-        })
-        .collect();
+    let heights = heights(shell.vertices(), &plane, ON_PLANE * largest);
     let mut segments = Vec::new();
     for facet in shell.facets() {
         push_segments(&mut segments, facet, shell.vertices(), &heights, &plane);
     }
     let mut loops = join(segments);
     for points in &mut loops {
-        tidy(points, SAME_POINT * largest);
+        remove_repeated(points, SAME_POINT * largest);
     }
     loops.retain(|points| points.len() >= 3);
     loops
+}
+
+/// The vertices' heights above the plane (L); 0 for those up to `tolerance`.
+fn heights(vertices: &[Point3<f64>], plane: &HalfSpace, tolerance: f64) -> Vec<f64> {
+    let snapped = |height: f64| {
+        let is_on_plane = height.abs() <= tolerance;
+        if is_on_plane { 0.0 } else { height }
+    };
+    let heights = vertices.iter().map(|vertex| plane.excess(vertex));
+    heights.map(snapped).collect()
 }
 
 /// A directed piece of a loop, the inside on its left.
@@ -62,16 +61,7 @@ fn push_segments(
     heights: &[f64],
     plane: &HalfSpace,
 ) {
-    let (mut rising, mut falling) = (Vec::new(), Vec::new());
-    let following = facet.iter().cycle().skip(1);
-    for (&from, &to) in facet.iter().zip(following) {
-        let [a, b] = [from as usize, to as usize];
-        match (heights[a] >= 0.0, heights[b] >= 0.0) {
-            (false, true) => rising.push(crossing(vertices, heights, a.min(b), a.max(b))),
-            (true, false) => falling.push(crossing(vertices, heights, a.min(b), a.max(b))),
-            _ => {}
-        }
-    }
+    let [mut rising, mut falling] = crossings(facet, vertices, heights);
     if rising.len() > 1 {
         // A facet that is not convex: along the cut the crossings of either kind alternate.
         let Some(normal) = area_normal(facet, vertices) else {
@@ -82,12 +72,23 @@ fn push_segments(
             crossings.sort_by(|p, q| along.dot(&p.coords).total_cmp(&along.dot(&q.coords)));
         }
     }
-    segments.extend(
-        falling
-            .into_iter()
-            .zip(rising)
-            .map(|(start, end)| [start, end]),
-    );
+    let pairs = falling.into_iter().zip(rising);
+    segments.extend(pairs.map(|(start, end)| [start, end]));
+}
+
+/// The points in which the facet's boundary rises above the plane, and those in which it falls.
+fn crossings(facet: &[u32], vertices: &[Point3<f64>], heights: &[f64]) -> [Vec<Point3<f64>>; 2] {
+    let (mut rising, mut falling) = (Vec::new(), Vec::new());
+    let following = facet.iter().cycle().skip(1);
+    for (&from, &to) in facet.iter().zip(following) {
+        let [a, b] = [from as usize, to as usize];
+        match (heights[a] >= 0.0, heights[b] >= 0.0) {
+            (false, true) => rising.push(crossing(vertices, heights, a.min(b), a.max(b))),
+            (true, false) => falling.push(crossing(vertices, heights, a.min(b), a.max(b))),
+            _ => {}
+        }
+    }
+    [rising, falling]
 }
 
 /// Where the edge between two vertices on different sides meets the plane; the same bits for both
@@ -115,11 +116,8 @@ fn join(mut segments: Vec<Segment>) -> Vec<Vec<Point3<f64>>> {
         let mut points = vec![first];
         loop {
             let distance = |start: &Point3<f64>| (start - end).norm_squared();
-            let nearest = segments
-                .iter()
-                .enumerate()
-                .map(|(k, [start, _])| (k, distance(start)))
-                .min_by(|a, b| a.1.total_cmp(&b.1));
+            let distances = segments.iter().map(|[start, _]| distance(start));
+            let nearest = distances.enumerate().min_by(|a, b| a.1.total_cmp(&b.1));
             match nearest {
                 Some((k, far)) if far < distance(&first) => {
                     let [start, next] = segments.swap_remove(k);
@@ -134,8 +132,8 @@ fn join(mut segments: Vec<Segment>) -> Vec<Vec<Point3<f64>>> {
     loops
 }
 
-/// Drops points that repeat their predecessor.
-fn tidy(points: &mut Vec<Point3<f64>>, reach: f64) {
+/// Removes points that lie within `reach` of their predecessor.
+fn remove_repeated(points: &mut Vec<Point3<f64>>, reach: f64) {
     points.dedup_by(|next, last| (*next - *last).amax() <= reach);
     while points.len() > 1 && (points[0] - points[points.len() - 1]).amax() <= reach {
         points.pop();

@@ -1,8 +1,8 @@
-//! A cell's surface as loops of shared corners, the form in which cells leave the program.
+//! A cell's surface as loops of shared corners, for files and pictures.
 //!
 //! A [`Polyhedron`](crate::geometry::polyhedron::Polyhedron) stores a corner where more than three planes meet as several vertices at one
-//! place, and keeps facets without area. Files and pictures want neither: a shell welds such
-//! vertices and drops what collapses. Unlike a polyhedron it need not be convex, so cells clipped
+//! place, and keeps facets without area. Files and pictures need neither: a shell welds such
+//! vertices and leaves out facets of fewer than three distinct corners. Unlike a polyhedron it need not be convex, so cells clipped
 //! to solids have shells too.
 //!
 //! # Conventions
@@ -57,24 +57,10 @@ impl Shell {
         let mut shell = Self::default();
         // The new number of a place, by its first vertex; assigned when a facet first needs it.
         let mut numbers = vec![u32::MAX; vertices.len()];
-        let mut walk: Vec<u32> = Vec::new();
         for (facet, corners) in facets.into_iter().enumerate() {
-            walk.clear();
-            for corner in corners {
-                let place = *welded.get(corner as usize).ok_or(ShellError {
-                    facet,
-                    corner,
-                    vertices: vertices.len(),
-                })?;
-                if walk.last() != Some(&place) {
-                    walk.push(place);
-                }
-            }
-            while walk.len() > 1 && walk.first() == walk.last() {
-                walk.pop();
-            }
-            if walk.len() >= 3 {
-                shell.push_facet(vertices, &mut numbers, &walk);
+            let ring = welded_ring(&welded, facet, corners)?;
+            if ring.len() >= 3 {
+                shell.push_facet(vertices, &mut numbers, &ring);
             }
         }
         Ok(shell)
@@ -142,8 +128,8 @@ impl Shell {
         moved
     }
 
-    fn push_facet(&mut self, vertices: &[Point3<f64>], numbers: &mut [u32], walk: &[u32]) {
-        for &place in walk {
+    fn push_facet(&mut self, vertices: &[Point3<f64>], numbers: &mut [u32], ring: &[u32]) {
+        for &place in ring {
             let number = &mut numbers[place as usize];
             if *number == u32::MAX {
                 *number = self.vertices.len() as u32;
@@ -165,6 +151,29 @@ impl From<Piece<'_>> for Shell {
     }
 }
 
+/// A facet's corners by their welded vertices, without repetitions.
+fn welded_ring(
+    welded: &[u32],
+    facet: usize,
+    corners: impl IntoIterator<Item = u32>,
+) -> Result<Vec<u32>, ShellError> {
+    let vertices = welded.len();
+    let place = |corner: u32| {
+        let place = welded.get(corner as usize).copied();
+        place.ok_or(ShellError {
+            facet,
+            corner,
+            vertices,
+        })
+    };
+    let mut ring: Vec<u32> = corners.into_iter().map(place).collect::<Result<_, _>>()?;
+    ring.dedup();
+    while ring.len() > 1 && ring.first() == ring.last() {
+        ring.pop();
+    }
+    Ok(ring)
+}
+
 /// For every vertex the first one (along x) that lies at the same place.
 fn weld(vertices: &[Point3<f64>]) -> Vec<u32> {
     let reach = WELD * Bounds::of(vertices).extent().max();
@@ -175,13 +184,13 @@ fn weld(vertices: &[Point3<f64>]) -> Vec<u32> {
     let mut places: Vec<u32> = Vec::with_capacity(order.len());
     for &vertex in &order {
         let here = vertices[vertex as usize];
-        let twin = places
+        let same = places
             .iter()
             .rev()
             .take_while(|place| here.x - vertices[**place as usize].x <= reach)
             .find(|place| (here - vertices[**place as usize]).amax() <= reach);
-        first[vertex as usize] = twin.copied().unwrap_or(vertex);
-        if twin.is_none() {
+        first[vertex as usize] = same.copied().unwrap_or(vertex);
+        if same.is_none() {
             places.push(vertex);
         }
     }
@@ -209,7 +218,7 @@ mod tests {
     }
 
     #[test]
-    fn a_corner_told_twice_is_welded_and_its_sliver_dropped() {
+    fn a_repeated_corner_is_welded_and_its_sliver_left_out() {
         // A box whose top corner (1,1,1) is split into two points with a sliver between them.
         let near = 1.0 + 1e-15;
         let vertices = [

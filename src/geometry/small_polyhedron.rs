@@ -1,14 +1,14 @@
-//! Small convex polyhedra in fixed slots, for the many cuts that make a cell.
+//! Convex polyhedra of at most 64 vertices in fixed slots, for fast repeated clipping.
 //!
-//! A cell has some 16 facets and 27 vertices and sees twice as many on its way. So its vertices live
-//! in 64 slots, a bit each: sets of vertices are masks, and nothing moves when others go. What does not
-//! fit is left to [`Polyhedron`].
+//! A cell has about 16 facets and 27 vertices, and twice as many are made while it is cut. Its vertices
+//! are stored in 64 slots, a bit each: sets of vertices are masks, and no vertex is moved when others
+//! are removed. What does not fit is left to [`Polyhedron`].
 //!
 //! # Convention
 //!
 //! As in a polyhedron, edge k of a vertex has facet k on its left and facet k + 2 on its right. Edge
-//! k of slot s, as it leaves s, is the byte 4 s + k. `twins` holds the same edge as it leaves its
-//! other end. `facets` holds facet k in byte 4 s + k + 1 and facet 2 once more in byte 4 s, so that
+//! k of slot s, as it leaves s, is the byte 4 s + k. `twins` holds its twin: the same edge as it
+//! leaves its other end. `facets` holds facet k in byte 4 s + k + 1 and facet 2 once more in byte 4 s, so that
 //! the facet right of edge e is `facets[e]` and the left one `facets[e + 1]`.
 
 use nalgebra::Point3;
@@ -31,7 +31,7 @@ pub(crate) const PLANES: usize = 256;
 /// Slots handled at once.
 pub(crate) const BLOCK: usize = 4;
 
-/// Slots handled together: two blocks, so that loops seldom change their length.
+/// Slots handled together: two blocks, so that loop counts vary less.
 pub(crate) const ROW: usize = 2 * BLOCK;
 
 /// A convex polyhedron of at most 64 vertices.
@@ -51,7 +51,8 @@ pub struct SmallPolyhedron {
     layout: Layout,
 }
 
-/// How the vertices of a polyhedron hang together, and the bytes that say so: cells start alike.
+/// The facets and edges of the last polyhedron that was assigned, and the bytes that encode them: most
+/// cells start from the same ones.
 #[derive(Clone, Debug, Default)]
 struct Layout {
     facets: Vec<[u32; 3]>,
@@ -107,20 +108,11 @@ impl SmallPolyhedron {
     pub fn write(&self, other: &mut Polyhedron) {
         other.clear();
         let lists = Lists::of(self);
-        let planes = lists
-            .planes
-            .listed()
-            .iter()
-            .map(|&plane| usize::from(plane));
-        other
-            .planes
-            .extend(planes.clone().map(|plane| self.planes[plane]));
+        let planes = lists.planes.numbers();
+        let kept = planes.clone().map(|plane| self.planes[plane]);
+        other.planes.extend(kept);
         other.labels.extend(planes.map(|plane| self.labels[plane]));
-        let slots = lists
-            .slots
-            .listed()
-            .iter()
-            .map(|&slot| usize::from(slot) % SLOTS);
+        let slots = lists.slots.numbers().map(|slot| slot % SLOTS);
         other.x.extend(slots.clone().map(|slot| self.x[slot]));
         other.y.extend(slots.clone().map(|slot| self.y[slot]));
         other.z.extend(slots.clone().map(|slot| self.z[slot]));
@@ -154,7 +146,7 @@ impl SmallPolyhedron {
         let (mut min, mut max) = ([f64x4::ZERO; 3], [f64x4::ZERO; 3]);
         let squares = &self.square.as_chunks::<BLOCK>().0[..self.row_count() * (ROW / BLOCK)];
         for (block, square) in squares.iter().enumerate() {
-            // What an empty slot has kept, and what is at the origin, counts as that.
+            // Empty slots, and vertices at the origin, count as the origin.
             let is_away = f64x4::new(*square).simd_gt(f64x4::ZERO);
             for axis in 0..3 {
                 let along = f64x4::new(axes[axis][block]) & is_away;
@@ -175,8 +167,8 @@ impl SmallPolyhedron {
         slots(self.alive).filter(move |&slot| self.square[slot] > square)
     }
 
-    /// Whether the first slots are in use and every plane has a facet, as the count of vertices
-    /// tells: it is twice the one of facets less four.
+    /// Whether the slots in use come first and every plane has a facet: then, by Euler's formula, there
+    /// are V = 2 F − 4 vertices.
     pub(crate) fn is_dense(&self) -> bool {
         self.alive & self.alive.wrapping_add(1) == 0
             && self.alive.count_ones() as usize + 4 == 2 * self.planes.len()
@@ -217,7 +209,7 @@ impl Layout {
         self.bytes.extend(vertices.map(|(facets, next)| {
             let [a, b, c] = facets.map(|facet| facet as u8);
             let twin = |edge: usize| {
-                // The facet on the right of the edge is on the left of its twin.
+                // The facet on the right of the edge is on the left of its twin, the opposite half-edge.
                 let end = next[edge] as usize;
                 (4 * end + of.slot(end, facets[(edge + 2) % 3])) as u8
             };
@@ -239,7 +231,7 @@ pub(crate) fn slots(mask: u64) -> Slots {
     Slots { mask }
 }
 
-/// See [`slots`].
+/// The iterator of [`slots`].
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Slots {
     mask: u64,
@@ -259,8 +251,8 @@ impl Iterator for Slots {
     }
 }
 
-/// The number of a plane without a facet, until facets are numbered.
-const UNSEEN: u8 = u8::MAX;
+/// Marks planes without a facet until facets are numbered.
+const UNUSED: u8 = u8::MAX;
 
 /// Some bytes.
 pub(crate) struct List {
@@ -278,20 +270,23 @@ impl Default for List {
 }
 
 impl List {
-    /// Adds a byte, to be overwritten by the next if it is not wanted.
+    /// Adds a byte, which the next one overwrites unless it is wanted.
     #[inline(always)]
     fn push_if(&mut self, byte: u8, is_wanted: bool) {
         self.bytes[self.count % EDGES] = byte;
         self.count += usize::from(is_wanted);
     }
 
-    /// All of them.
-    pub(crate) fn listed(&self) -> &[u8] {
-        &self.bytes[..self.count]
+    /// All of them, as numbers.
+    #[inline(always)]
+    pub(crate) fn numbers(&self) -> impl Iterator<Item = usize> + Clone + '_ {
+        self.bytes[..self.count]
+            .iter()
+            .map(|&byte| usize::from(byte))
     }
 }
 
-/// What is in use, and what it is called where all is.
+/// The slots and planes in use, and their numbers among those.
 pub(crate) struct Lists {
     /// The slots in use, in ascending order.
     pub(crate) slots: List,
@@ -309,7 +304,7 @@ impl Default for Lists {
             slots: List::default(),
             planes: List::default(),
             vertices: [0; SLOTS],
-            facets: [UNSEEN; PLANES],
+            facets: [UNUSED; PLANES],
         }
     }
 }
@@ -332,9 +327,9 @@ impl Lists {
             }
         }
         for (plane, number) in self.facets.iter_mut().enumerate().take(piece.planes.len()) {
-            let is_seen = *number != UNSEEN;
+            let is_used = *number != UNUSED;
             *number = self.planes.count as u8;
-            self.planes.push_if(plane as u8, is_seen);
+            self.planes.push_if(plane as u8, is_used);
         }
     }
 }

@@ -1,8 +1,8 @@
 //! Clipping a [`SmallPolyhedron`] by a half-space: the algorithm of [`clip`](crate::geometry::clip), with masks.
 //!
 //! The tolerance policy is the same: no epsilon, and a flood where rounding alone decides. Branches
-//! on geometry are mispredicted, so lists are written in full and their lengths
-//! counted up by conditions.
+//! on geometry are mispredicted, so every entry of a list is written, and the list's length grows by
+//! the condition.
 
 use wide::f64x4;
 
@@ -13,7 +13,7 @@ use crate::geometry::small_polyhedron::{
     BLOCK, EDGES, PLANES, ROW, SLOTS, SmallPolyhedron, blocks, slots,
 };
 
-/// There is no room for the new vertices.
+/// The new vertices do not fit into the fixed slots.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Full;
 
@@ -24,9 +24,9 @@ pub struct SmallClipScratch {
     slack: [f64; SLOTS],
     /// The crossings: edges from a kept to a cut vertex, as they leave the cut one.
     edges: [u8; EDGES],
-    /// Per facet: the crossing in which its counter-clockwise walk leaves the half-space. What an
-    /// earlier clip has left here is recognized by the facet on its left. The second half takes what
-    /// is to be forgotten.
+    /// Per facet: the crossing in which its counter-clockwise boundary leaves the half-space. Entries of
+    /// earlier clips are recognized by the facet on their left. The second half takes the entries of
+    /// edges that are no crossings.
     exit: [u8; 2 * PLANES],
 }
 
@@ -44,7 +44,7 @@ impl SmallPolyhedron {
     /// Clips by `half_space`; the new facet carries the label, which is made only then.
     ///
     /// # Errors
-    /// When there is no room: the polyhedron then is as before.
+    /// When the new vertices do not fit: the polyhedron then is as before.
     #[inline]
     pub fn clip(
         &mut self,
@@ -75,9 +75,9 @@ impl SmallPolyhedron {
         for row in 0..self.row_count() {
             let [x, y, z] = [x[row], y[row], z[row]].map(|all| blocks(&all));
             for block in 0..ROW / BLOCK {
-                let room = offset - (a * x[block] + b * y[block] + c * z[block]);
-                slack[row][BLOCK * block..][..BLOCK].copy_from_slice(&room.to_array());
-                cut |= u64::from(room.to_bitmask()) << (ROW * row + BLOCK * block);
+                let slacks = offset - (a * x[block] + b * y[block] + c * z[block]);
+                slack[row][BLOCK * block..][..BLOCK].copy_from_slice(&slacks.to_array());
+                cut |= u64::from(slacks.to_bitmask()) << (ROW * row + BLOCK * block);
             }
         }
         cut & self.alive
@@ -94,7 +94,7 @@ impl SmallPolyhedron {
         let mut count = self.find_crossings(cut, scratch)?;
         let mut added = self.join(count, scratch);
         if added == 0 {
-            self.part(count, scratch);
+            self.undo_join(count, scratch);
             cut = self.repair(cut, scratch);
             count = self.find_crossings(cut, scratch)?;
             added = self.join(count, scratch);
@@ -115,7 +115,7 @@ impl SmallPolyhedron {
             self.square[slot] = 0.0;
             for edge in 4 * slot..4 * slot + 3 {
                 let is_inner = cut >> (self.twins[edge] / 4) & 1;
-                // The edge runs from the kept to the cut vertex: its sides are those of the way back.
+                // The edge runs from the kept to the cut vertex: its sides are those of the opposite half-edge.
                 let left = usize::from(self.facets[edge]) | (PLANES * is_inner as usize);
                 scratch.edges[count % EDGES] = edge as u8;
                 scratch.exit[left] = count as u8;
@@ -129,24 +129,24 @@ impl SmallPolyhedron {
         Ok(count)
     }
 
-    /// Puts a new vertex on every crossing, on the way around the new facet, and returns their slots:
+    /// Adds a vertex at every crossing, in their order around the new facet, and returns their slots:
     /// none if the crossings, each followed by the next one around, are not a single cycle.
     #[inline]
     fn join(&mut self, count: usize, scratch: &SmallClipScratch) -> u64 {
         let facet = self.planes.len() as u8;
-        let mut room = !self.alive;
-        let first = room.trailing_zeros() as u8;
+        let mut free = !self.alive;
+        let first = free.trailing_zeros() as u8;
         let (mut number, mut place, mut last) = (0_u8, first, first);
         for step in 1..=count {
             let edge = scratch.edges[usize::from(number)];
             let right = self.facets[(usize::from(edge) + 1) % EDGES];
             number = scratch.exit[usize::from(right)];
-            room &= room - 1;
+            free &= free - 1;
             let is_last = number == 0;
-            // Meaningless where nothing follows.
-            let next = (room.trailing_zeros() as usize % SLOTS) as u8;
+            // Not used after the last crossing.
+            let next = (free.trailing_zeros() as usize % SLOTS) as u8;
             let following = if is_last { first } else { next };
-            self.put(place, edge, scratch);
+            self.add_vertex(place, edge, scratch);
             let at = 4 * (usize::from(place) % SLOTS);
             let left = self.facets[usize::from(edge)];
             self.facets[at..at + 4].copy_from_slice(&[right, facet, left, right]);
@@ -161,7 +161,7 @@ impl SmallPolyhedron {
             if is_last {
                 self.twins[(4 * usize::from(first) + 1) % EDGES] = 4 * place;
                 return if step == count {
-                    !self.alive & !room
+                    !self.alive & !free
                 } else {
                     0
                 };
@@ -171,9 +171,9 @@ impl SmallPolyhedron {
         0
     }
 
-    /// Puts a vertex where an edge that leaves a cut vertex crosses the plane.
+    /// Adds the vertex in which an edge that leaves a cut vertex crosses the plane.
     #[inline]
-    fn put(&mut self, place: u8, edge: u8, scratch: &SmallClipScratch) {
+    fn add_vertex(&mut self, place: u8, edge: u8, scratch: &SmallClipScratch) {
         let back = self.twins[usize::from(edge)];
         let (cut, kept) = (usize::from(edge / 4), usize::from(back / 4));
         let inner = scratch.slack[kept];
@@ -185,9 +185,9 @@ impl SmallPolyhedron {
         self.square[slot] = x * x + y * y + z * z;
     }
 
-    /// Takes back what an attempt to join has done to the vertices in use.
+    /// Restores the edges of the vertices in use after an attempt to join that failed.
     #[cold]
-    fn part(&mut self, count: usize, scratch: &SmallClipScratch) {
+    fn undo_join(&mut self, count: usize, scratch: &SmallClipScratch) {
         for &edge in &scratch.edges[..count] {
             let back = self.twins[usize::from(edge)];
             self.twins[usize::from(back)] = edge;

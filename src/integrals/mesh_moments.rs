@@ -181,8 +181,28 @@ fn by_monomials<const K: usize>(
     origin: &Point3<f64>,
 ) -> Moments {
     let monomials = Monomials::up_to(density.degree() + 2);
+    let sums = monomial_sums(vertices, simplices, &monomials, origin);
+    let integral = |exponents: Exponents| {
+        let place = monomials.place(exponents);
+        place.map_or(0.0, |place| weight(3, exponents) / 6.0 * sums.0[place])
+    };
+    Moments::from_ten(TEN.map(|ten| {
+        let terms = density.terms();
+        terms
+            .map(|(term, value)| value * integral([0, 1, 2].map(|axis| term[axis] + ten[axis])))
+            .sum()
+    }))
+}
+
+/// The tables of all simplices, each times six times its volume, summed.
+fn monomial_sums<const K: usize>(
+    vertices: &[Point3<f64>],
+    simplices: &[[u32; K]],
+    monomials: &Monomials,
+    origin: &Point3<f64>,
+) -> Table {
     let origin = splat(origin);
-    let sums = sum_by_halves(simplices.len(), &|range| {
+    sum_by_halves(simplices.len(), &|range| {
         let mut sums = vec![Lanes::ZERO; monomials.exponents().len()];
         let mut table = Vec::new();
         for block in simplices[range].chunks(WIDTH) {
@@ -194,17 +214,7 @@ fn by_monomials<const K: usize>(
             }
         }
         Table(sums.into_iter().map(sum_of_lanes).collect())
-    });
-    let integral = |exponents: Exponents| {
-        let place = monomials.place(exponents);
-        place.map_or(0.0, |place| weight(3, exponents) / 6.0 * sums.0[place])
-    };
-    Moments::from_ten(TEN.map(|ten| {
-        let terms = density.terms();
-        terms
-            .map(|(term, value)| value * integral([0, 1, 2].map(|axis| term[axis] + ten[axis])))
-            .sum()
-    }))
+    })
 }
 
 /// Σ 6·volume · coefficient per monomial.

@@ -21,7 +21,7 @@
 //! Surfaces are slices of vertices and of triangles that name them, counter-clockwise seen from
 //! outside. A routine that takes an `origin` measures from it: the caller picks one near the
 //! body, so that coordinates far from zero cost no digits, and transfers the result with
-//! [`Moments::moved`](crate::geometry::moments::Moments::moved).
+//! [`Moments::translated`](crate::geometry::moments::Moments::translated).
 
 pub mod bernstein;
 pub mod lanes;

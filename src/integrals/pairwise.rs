@@ -1,4 +1,4 @@
-//! Pairwise summation.
+//! Pairwise summation, in an order that does not depend on the number of threads.
 //!
 //! A sum of n terms added one after the other may lose n ulps, by halves log₂ n; and halves can
 //! be handed to two threads without changing a bit, because where a range is split depends on

@@ -1,4 +1,4 @@
-//! Polynomials in x, y and z.
+//! Polynomials in x, y and z: arithmetic, evaluation and change of coordinates.
 
 use crate::integrals::series::{Exponents, Monomials, degree};
 use nalgebra::{Point3, Rotation3, Vector3};
@@ -95,7 +95,7 @@ impl Polynomial {
 
     /// The same function of y with x = `rotation` y.
     #[must_use]
-    pub fn turned(&self, rotation: &Rotation3<f64>) -> Self {
+    pub fn rotated(&self, rotation: &Rotation3<f64>) -> Self {
         let rows: [Self; 3] =
             [0, 1, 2].map(|axis| Self::linear(0.0, &rotation.matrix().row(axis).transpose()));
         self.substituted(&rows)

@@ -1,4 +1,4 @@
-//! Polynomials written as text: `1 + 2*x - 0.5*y*z`, `x^2*(1 - z)/4`.
+//! Parsing of polynomials written as text: `1 + 2*x - 0.5*y*z`, `x^2*(1 - z)/4`.
 //!
 //! ```text
 //! sum     = [+ | −] product { (+ | −) product }
@@ -22,14 +22,14 @@ const DEEPEST: usize = 32;
 /// Why a text is not a polynomial.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum PolynomialError {
-    /// Something else should stand there.
+    /// Something else is expected there.
     #[error("column {column}: expected {expected}, found {found}")]
     Unexpected {
         /// One-based column.
         column: usize,
         /// What would have been right.
         expected: &'static str,
-        /// What stands there.
+        /// What is there instead.
         found: String,
     },
     /// A number that f64 cannot hold or that is no number.

@@ -1,4 +1,4 @@
-//! All monomials x^α y^β z^γ up to a degree, integrated over a simplex at one stroke.
+//! Integrals of all monomials x^α y^β z^γ up to a degree over a simplex, by one recurrence.
 //!
 //! Over a d-simplex with corners v_0 … v_d, Dirichlet's integral of the barycentric monomials
 //! gives
@@ -44,7 +44,7 @@ pub fn weight(dimension: u32, exponents: Exponents) -> f64 {
 #[derive(Clone, Debug)]
 pub struct Monomials {
     exponents: Vec<Exponents>,
-    /// Where the monomial divided by x, y and z stands; the length where it does not divide.
+    /// The places of the monomial divided by x, y and z; the length where it is not divisible.
     divided: Vec<[usize; 3]>,
 }
 
@@ -62,17 +62,7 @@ impl Monomials {
     }
 
     fn below(limits: Exponents, highest: u32) -> Self {
-        let mut exponents = Vec::new();
-        for total in 0..=highest {
-            for x in (0..=limits[0].min(total)).rev() {
-                for y in (0..=limits[1].min(total - x)).rev() {
-                    let z = total - x - y;
-                    if z <= limits[2] {
-                        exponents.push([x, y, z]);
-                    }
-                }
-            }
-        }
+        let exponents = exponents_below(limits, highest);
         let places: HashMap<Exponents, usize> = exponents.iter().copied().zip(0..).collect();
         let divided = exponents
             .iter()
@@ -93,7 +83,7 @@ impl Monomials {
         &self.exponents
     }
 
-    /// Where a monomial stands in the table.
+    /// The place of a monomial in the table.
     #[must_use]
     pub fn place(&self, exponents: Exponents) -> Option<usize> {
         self.exponents.iter().position(|&other| other == exponents)
@@ -102,8 +92,8 @@ impl Monomials {
     /// Fills `table` with the coefficients c of the simplex with these corners, for one simplex
     /// (`f64`) or several at a time (SIMD lanes).
     ///
-    /// The table grows to one entry more than there are monomials: the last stands for what no
-    /// monomial divides and stays 0.
+    /// The table grows to one entry more than there are monomials: the last, 0, stands for
+    /// quotients that do not exist.
     pub fn coefficients<T>(&self, corners: &[[T; 3]], table: &mut Vec<T>)
     where
         T: Copy + From<f64> + Add<Output = T> + Mul<Output = T>,
@@ -119,6 +109,22 @@ impl Monomials {
             }
         }
     }
+}
+
+/// The exponents up to `limits` and of degree at most `highest`, by ascending degree.
+fn exponents_below(limits: Exponents, highest: u32) -> Vec<Exponents> {
+    let mut exponents = Vec::new();
+    for total in 0..=highest {
+        for x in (0..=limits[0].min(total)).rev() {
+            for y in (0..=limits[1].min(total - x)).rev() {
+                let z = total - x - y;
+                if z <= limits[2] {
+                    exponents.push([x, y, z]);
+                }
+            }
+        }
+    }
+    exponents
 }
 
 /// ∫ x^α y^β z^γ over a simplex of known d-dimensional `volume`, d one less than the corners.

@@ -1,4 +1,4 @@
-//! The mass properties of a body: mass, center of mass, inertia.
+//! Mass, center of mass and inertia of a body, and of several combined.
 
 use crate::geometry::moments::Moments;
 use crate::mass::principal::Principal;

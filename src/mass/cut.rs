@@ -1,4 +1,4 @@
-//! A tetrahedral mesh cut by a plane (\[BL\] Appendix B).
+//! Cutting of a tetrahedral mesh by a plane (\[BL\] Appendix B).
 
 use crate::mass::split::{Node, Side, split};
 use crate::mesh::tets::{TetMesh, VertexData};
@@ -34,41 +34,49 @@ pub fn cut(mesh: &TetMesh, normal: &Vector3<f64>, offset: f64) -> CutMesh {
         .iter()
         .map(|vertex| normal.dot(&vertex.coords) - offset)
         .collect();
-    let mut knife = Knife {
+    let mut cutter = MeshCutter {
         mesh: TetMesh {
             tets: Vec::with_capacity(mesh.tets.len()),
             ..mesh.clone()
         },
+        above: Vec::with_capacity(mesh.tets.len()),
         distances: &distances,
         new: HashMap::new(),
     };
-    let (mut above, mut cut) = (Vec::with_capacity(mesh.tets.len()), 0);
-    for &tet in &mesh.tets {
-        let sides = tet.map(|vertex| Side::of(distances[vertex as usize]));
-        if let Some(pieces) = split(sides, tet) {
-            cut += 1;
-            for (side, nodes) in pieces {
-                let piece = nodes.map(|node| knife.vertex(&tet, node));
-                knife.mesh.tets.push(piece);
-                above.push(side == Side::Above);
-            }
-        } else {
-            knife.mesh.tets.push(tet);
-            above.push(sides.contains(&Side::Above));
-        }
-    }
-    let mesh = knife.mesh;
+    let are_cut = mesh.tets.iter().map(|tet| cutter.push(tet));
+    let cut = are_cut.filter(|is_cut| *is_cut).count();
+    let MeshCutter { mesh, above, .. } = cutter;
     CutMesh { mesh, above, cut }
 }
 
-struct Knife<'a> {
+/// The cut mesh under construction.
+struct MeshCutter<'a> {
     mesh: TetMesh,
+    above: Vec<bool>,
+    /// The signed distances of the vertices from the plane, times the normal's length.
     distances: &'a [f64],
     /// The vertex that cuts an edge, by the edge's ends, lower first.
     new: HashMap<[u32; 2], u32>,
 }
 
-impl Knife<'_> {
+impl MeshCutter<'_> {
+    /// Adds a tetrahedron or, if it is cut, its pieces; returns whether it is cut.
+    fn push(&mut self, tet: &[u32; 4]) -> bool {
+        let sides = tet.map(|vertex| Side::of(self.distances[vertex as usize]));
+        let Some(pieces) = split(sides, *tet) else {
+            self.mesh.tets.push(*tet);
+            self.above.push(sides.contains(&Side::Above));
+            return false;
+        };
+        for (side, nodes) in pieces {
+            let piece = nodes.map(|node| self.vertex(tet, node));
+            self.mesh.tets.push(piece);
+            self.above.push(side == Side::Above);
+        }
+        true
+    }
+
+    /// The number of a corner, or of the vertex on a cut edge, which is added when first needed.
     fn vertex(&mut self, tet: &[u32; 4], [i, j]: Node) -> u32 {
         if i == j {
             return tet[i];

@@ -1,4 +1,4 @@
-//! Densities as functions of place, and as the text that `chebloyd mass --density` takes.
+//! Densities as functions of position, and their parsing from the text of `chebloyd mass --density`.
 
 use crate::geometry::bounds::Bounds;
 use crate::integrals::mesh_moments::LinearDensity;
@@ -8,7 +8,7 @@ use crate::mass::profile::{Profile, ProfileError};
 use nalgebra::{Point3, Vector3};
 use std::str::FromStr;
 
-/// A density (mass / L³) as a function of place.
+/// A density (mass / L³) as a function of position.
 ///
 /// Reads from text by [`str::parse`]: `2.7`, `linear:axis=z,from=0,to=1`,
 /// `profile:axis=x,0.2=1,0.8=5`, `vertex`, `vertex:name`, or a polynomial such as
@@ -72,7 +72,7 @@ pub enum DensityError {
     /// A kind that does not exist.
     #[error("density kind `{kind}` does not exist; known are `linear`, `profile` and `vertex`")]
     Kind {
-        /// What stands before the colon.
+        /// The text before the colon.
         kind: String,
     },
     /// A setting that is not `key=value` or has no such key.

@@ -2,8 +2,8 @@
 //!
 //! A solid is a closed surface or a tetrahedral mesh; its density a constant, a ramp over the
 //! body's extent, a piecewise-linear profile, a polynomial, or values at the vertices of the
-//! mesh. Each kind has an exact integral over each solid, without a voxel and without
-//! tetrahedralizing anything:
+//! mesh. Each kind has an exact integral over each solid, without voxels or
+//! tetrahedralization:
 //!
 //! ```text
 //!              closed surface                       tetrahedral mesh
@@ -14,8 +14,8 @@
 //! vertex       –                                    tetrahedra of linear density
 //! ```
 //!
-//! [`weigh`] picks the integral and makes a [`body::Body`], which knows mass, center of mass and
-//! inertia about any point or axis, and combines with others. [`split`] is the cutting of one
+//! [`weigh`] picks the integral and makes a [`body::Body`], with mass, center of mass and
+//! inertia about any point or axis; bodies can be combined. [`split`] is the cutting of one
 //! tetrahedron by a plane, [`cut`] that of a whole mesh.
 //!
 //! **Accuracy.** Everything is integrated about the middle of the solid's bounding box and

@@ -1,4 +1,4 @@
-//! The body frame: principal moments and axes (\[M\] section 2.2).
+//! Principal moments and axes of inertia, the body frame (\[M\] section 2.2).
 
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 
@@ -32,7 +32,8 @@ impl Principal {
         let eigen = SymmetricEigen::new(clean);
         let mut order = [0, 1, 2];
         order.sort_by(|&a, &b| eigen.eigenvalues[a].total_cmp(&eigen.eigenvalues[b]));
-        let axis = |place: usize| upright(eigen.eigenvectors.column(order[place]).into());
+        let axis =
+            |place: usize| with_positive_largest(eigen.eigenvectors.column(order[place]).into());
         let (first, second) = (axis(0), axis(1));
         Self {
             moments: order.map(|place| eigen.eigenvalues[place]).into(),
@@ -42,7 +43,7 @@ impl Principal {
 }
 
 /// The one of ±`axis` whose largest component is positive.
-fn upright(axis: Vector3<f64>) -> Vector3<f64> {
+fn with_positive_largest(axis: Vector3<f64>) -> Vector3<f64> {
     if axis[axis.iamax()] < 0.0 {
         -axis
     } else {

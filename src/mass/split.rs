@@ -1,4 +1,4 @@
-//! A tetrahedron split by a plane into tetrahedra (\[BL\] Appendix B, Fig. 16).
+//! Splitting of a tetrahedron by a plane into tetrahedra (\[BL\] Appendix B, Fig. 16).
 //!
 //! By the number of corners on either side, and on the plane, there are four cases:
 //!
@@ -13,7 +13,7 @@
 //! such a face lies in a face of the tetrahedron, the diagonal starts at its corner of the lower
 //! id: a neighbor that shares the face makes the same choice, so a mesh stays conforming.
 //!
-//! Only the combinatorics live here: pieces are named by corners and cut edges, so the same split
+//! Only the combinatorics are computed here: pieces are given by corners and cut edges, so the same split
 //! serves positions, densities and whole meshes. Every piece is oriented as the tetrahedron is;
 //! the orders of corners below were fixed by their determinants in barycentric coordinates.
 
@@ -79,9 +79,9 @@ pub fn split(sides: [Side; 4], ids: [u32; 4]) -> Option<Vec<Piece>> {
         _ => two_on_plane(small, large),
     };
     let odd = is_odd(order);
+    let pieces = pieces.into_iter();
     Some(
         pieces
-            .into_iter()
             .map(|piece| renamed(piece, order, odd, ids))
             .collect(),
     )

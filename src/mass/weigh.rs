@@ -13,16 +13,16 @@ use nalgebra::Point3;
 /// Why a solid cannot be weighed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum WeighError {
-    /// A density that sums to nothing, to less, or to no number.
+    /// The mass is not a positive number.
     #[error("the mass is {mass}: it must be positive for a center of mass; give another density")]
     Massless {
         /// The mass.
         mass: f64,
     },
-    /// Vertex data wanted of a surface.
+    /// Vertex data needed for a surface.
     #[error("`vertex` density needs a tetrahedral mesh with vertex data; this is a surface")]
     VertexOfSurface,
-    /// Vertex data wanted by a name that is not there.
+    /// There are no vertex data of that name.
     #[error("the mesh has no vertex data `{name}`; it has {there}")]
     NoSuchField {
         /// The name.
@@ -43,7 +43,7 @@ pub enum WeighError {
 ///
 /// # Errors
 ///
-/// If the mass is not positive, or if the density asks for vertex data that are not there.
+/// If the mass is not positive, or if the density needs vertex data that are not there.
 pub fn weigh(solid: &Solid, density: &Density, extent: &Bounds<3>) -> Result<Body, WeighError> {
     match solid {
         Solid::Surface(closed, _) => weigh_surface(closed.mesh(), density, extent),
@@ -115,11 +115,8 @@ fn weigh_simplices<const K: usize>(
     let volume = volume(vertices, simplices, &near);
     let mass = moments.mass;
     let is_sound = mass > 0.0 && moments.ten().iter().all(|value| value.is_finite());
-    if is_sound {
-        Ok(Body::from_moments(volume, area, &moments, &near))
-    } else {
-        Err(WeighError::Massless { mass })
-    }
+    let body = is_sound.then(|| Body::from_moments(volume, area, &moments, &near));
+    body.ok_or(WeighError::Massless { mass })
 }
 
 /// The vertex data of this name, or the only ones.

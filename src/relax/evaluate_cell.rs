@@ -71,7 +71,7 @@ impl CellMemory {
             let prepared = SignedPiece::place(pieces, *used, sign);
             prepared.assign(part);
             let turned = density.map(|density| match frame {
-                Some(frame) => Cow::Owned(density.turned(frame)),
+                Some(frame) => Cow::Owned(density.rotated(frame)),
                 None => Cow::Borrowed(density),
             });
             prepared.set_density(turned.as_deref());
@@ -128,7 +128,7 @@ impl CellMemory {
             if piece.density.is_none() {
                 let mut moments = piece.moments();
                 if let Some(frame) = &self.frame {
-                    moments = moments.turned(frame);
+                    moments = moments.rotated(frame);
                 }
                 masses += moments * *sign;
             }

@@ -479,7 +479,7 @@ fn a_block_with_a_tunnel_is_integrated_from_faces_with_holes() {
     ];
     for origin in [ORIGIN, Point3::new(3.0, -1.0, 0.5)] {
         let moments = mirtich::ten_integrals(&vertices, &faces, &origin);
-        let ten = moments.moved(&origin.coords).ten();
+        let ten = moments.translated(&origin.coords).ten();
         for (got, e) in ten.into_iter().zip(powers) {
             close(got, exact(e), 1e-14, "Mirtich with holes");
         }
@@ -642,7 +642,7 @@ fn moving_the_origin_is_moving_the_body() {
     let (vertices, triangles) = icosphere(1);
     let offset = Vector3::new(0.5, 1.0, -0.75);
     let moved: Vec<_> = vertices.iter().map(|v| v + offset).collect();
-    let image = mesh_moments::constant(&vertices, &triangles, &ORIGIN).moved(&offset);
+    let image = mesh_moments::constant(&vertices, &triangles, &ORIGIN).translated(&offset);
     same(
         &image,
         &mesh_moments::constant(&moved, &triangles, &ORIGIN),

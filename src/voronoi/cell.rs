@@ -1,6 +1,6 @@
-//! One Voronoi cell: bisectors of ever farther sites until the security radius.
+//! One Voronoi cell, cut by bisectors up to its security radius, with its facets and moments.
 //!
-//! Cells are cut in fixed slots. One that does not fit there is begun anew as a polyhedron of any
+//! Cells are cut in fixed slots. One that does not fit there is cut again as a polyhedron of any
 //! size: two in 10⁵ among random sites, and wherever many sites lie on one sphere.
 
 use std::cell::{OnceCell, RefCell};
@@ -14,6 +14,7 @@ use crate::geometry::bounds::Bounds;
 use crate::geometry::brep::Piece;
 use crate::geometry::clip::ClipScratch;
 use crate::geometry::half_space::HalfSpace;
+use crate::geometry::label::Label;
 use crate::geometry::moments::Moments;
 use crate::geometry::polyhedron::Polyhedron;
 use crate::geometry::small_polyhedron::SmallPolyhedron;
@@ -21,10 +22,10 @@ use crate::geometry::small_polyhedron_clip::SmallClipScratch;
 use crate::voronoi::kd_tree::tree::KdTree;
 use crate::voronoi::search::{BisectorSearch, BuildError, Duplicate};
 
-/// A facet's area is none below this share of the squared diagonal of the cell's box.
+/// Facets below this share of the squared diagonal of the cell's box count as having no area.
 const NO_AREA: f64 = 1e-14;
 
-/// A cell while it is visited: its body, clipped to the domain's convex start, in coordinates
+/// A cell while it is visited: its body, cut from the domain's convex start, in coordinates
 /// relative to its site.
 #[derive(Clone, Copy, Debug)]
 pub struct Cell<'a> {
@@ -48,6 +49,19 @@ pub struct CellFacet {
     pub normal: Vector3<f64>,
     /// Its corners, counter-clockwise from outside.
     pub vertices: Vec<Point3<f64>>,
+}
+
+impl CellFacet {
+    fn new(label: Label, normal: &Vector3<f64>, vertices: Vec<Point3<f64>>) -> Self {
+        let arm = |corner: usize| vertices[corner] - vertices[0];
+        let fan = (2..vertices.len()).map(|corner| arm(corner - 1).cross(&arm(corner)) * 0.5);
+        Self {
+            kind: FacetKind::of(label),
+            area: fan.sum::<Vector3<f64>>().norm(),
+            normal: normal.normalize(),
+            vertices,
+        }
+    }
 }
 
 impl<'a> Cell<'a> {
@@ -92,21 +106,10 @@ impl<'a> Cell<'a> {
             let places = piece.vertices();
             piece.visit_polygons(|label, normal, corners| {
                 let corners = corners.iter().map(|&corner| places[corner as usize]);
-                let vertices: Vec<_> = corners
-                    .map(|corner| corner + self.position.coords)
-                    .collect();
-                let fan = vertices
-                    .windows(2)
-                    .skip(1)
-                    .map(|side| (side[0] - vertices[0]).cross(&(side[1] - vertices[0])) * 0.5);
-                let area = fan.sum::<Vector3<f64>>().norm();
-                if area > least {
-                    facets.push(CellFacet {
-                        kind: FacetKind::of(label),
-                        area,
-                        normal: normal.normalize(),
-                        vertices,
-                    });
+                let vertices = corners.map(|corner| corner + self.position.coords);
+                let facet = CellFacet::new(label, normal, vertices.collect());
+                if facet.area > least {
+                    facets.push(facet);
                 }
             });
         };
@@ -163,37 +166,39 @@ impl CellBuilder {
         place: usize,
     ) -> Result<Cell<'a>, Duplicate> {
         let (site, position) = (tree.site(place), tree.position(place));
-        let Self {
-            start,
-            clip,
-            body,
-            compact_scratch,
-            search,
-        } = self;
-        domain.start(&position, site, start);
-        let compact = body.slots();
-        let result = if compact.assign(start) {
-            search.cut_all(tree, place, &mut (compact, &mut **compact_scratch))
-        } else {
-            Err(BuildError::Full)
-        };
-        match result {
+        domain.start(&position, site, &mut self.start);
+        match self.cut_in_slots(tree, place) {
             Ok(()) => {}
             Err(BuildError::Duplicate(duplicate)) => return Err(duplicate),
-            Err(BuildError::Full) => body.assign(|polyhedron| {
-                polyhedron.clone_from(start);
-                match search.cut_all(tree, place, &mut (&mut *polyhedron, &mut *clip)) {
-                    Err(BuildError::Duplicate(duplicate)) => Err(duplicate),
-                    // Any size fits.
-                    Ok(()) | Err(BuildError::Full) => Ok(()),
-                }
-            })?,
+            Err(BuildError::Full) => self.cut_in_any_size(tree, place)?,
         }
         Ok(Cell {
             site,
             position,
             domain,
-            body,
+            body: &self.body,
+        })
+    }
+
+    #[inline]
+    fn cut_in_slots(&mut self, tree: &KdTree, place: usize) -> Result<(), BuildError> {
+        let compact = self.body.slots();
+        if !compact.assign(&self.start) {
+            return Err(BuildError::Full);
+        }
+        let target = &mut (compact, &mut *self.compact_scratch);
+        self.search.cut_all(tree, place, target)
+    }
+
+    fn cut_in_any_size(&mut self, tree: &KdTree, place: usize) -> Result<(), Duplicate> {
+        let (start, search, clip) = (&self.start, &mut self.search, &mut self.clip);
+        self.body.assign(|polyhedron| {
+            polyhedron.clone_from(start);
+            match search.cut_all(tree, place, &mut (&mut *polyhedron, clip)) {
+                Err(BuildError::Duplicate(duplicate)) => Err(duplicate),
+                // Any size fits.
+                Ok(()) | Err(BuildError::Full) => Ok(()),
+            }
         })
     }
 }

@@ -120,16 +120,12 @@ impl Diagram<'_> {
     }
 }
 
+/// Measures a cell, its part in the domain by signed pieces.
 fn summarize(domain: &dyn Domain, cell: &Cell<'_>, scratch: &mut PieceScratch) -> CellSummary {
     let polyhedron = cell.polyhedron();
-    let facets = polyhedron
-        .facets()
-        .map(|facet| facet.vertex_numbers().count());
-    let (mut facet_count, mut sides) = (0, 0);
-    for corners in facets {
-        facet_count += 1;
-        sides += corners;
-    }
+    let corners = polyhedron.facets().map(|f| f.vertex_numbers().count());
+    let (facet_count, sides) =
+        corners.fold((0, 0), |(count, sides), more| (count + 1, sides + more));
     let mut volume = 0.0;
     let mut areas: BTreeMap<u64, Vector3<f64>> = BTreeMap::new();
     domain.pieces(&cell.position, polyhedron, scratch, &mut |sign, part| {
@@ -147,6 +143,7 @@ fn summarize(domain: &dyn Domain, cell: &Cell<'_>, scratch: &mut PieceScratch) -
     }
 }
 
+/// Tests volumes and Euler's formula, cell by cell.
 fn check_cells(cells: &[CellSummary]) -> Result<(), CheckError> {
     for (site, cell) in cells.iter().enumerate() {
         let [vertices, edges, facets] = cell.counts;

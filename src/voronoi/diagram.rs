@@ -12,11 +12,11 @@ use crate::voronoi::cell::{Cell, CellBuilder};
 use crate::voronoi::kd_tree::tree::KdTree;
 use crate::voronoi::search::Duplicate;
 
-/// How many cells a thread takes at least: enough to pay for its memory, few enough to balance.
+/// The least number of cells of a thread's task: enough to outweigh its memory, few enough to balance.
 const CELLS_PER_TASK: usize = 64;
 
-/// How many cells are visited before their results join the others: many, since threads wait for each
-/// other then, few compared with all.
+/// How many cells are visited before their results are appended to the others: many, since threads then
+/// wait for each other, few compared with all.
 const CELLS_PER_BATCH: usize = 1 << 15;
 
 /// How many cells' results are kept at a time when they are streamed: enough for all threads, some
@@ -38,7 +38,7 @@ pub struct Diagram<'a> {
 /// Why sites have no diagram. Indices count from zero.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum DiagramError {
-    /// There is nothing to build.
+    /// There are no sites.
     #[error("there are no sites; at least one is needed")]
     NoSites,
     /// More sites than the index can number.
@@ -120,17 +120,9 @@ impl<'a> Diagram<'a> {
             let count = sites.len();
             return Err(DiagramError::TooManySites { count });
         }
-        let check = |(site, point): (usize, &Point3<f64>)| {
-            let position = [point.x, point.y, point.z];
-            if !position.iter().all(|x| x.is_finite()) {
-                Some(DiagramError::NotFinite { site, position })
-            } else if !domain.contains(point) {
-                Some(DiagramError::Outside { site, position })
-            } else {
-                None
-            }
-        };
-        if let Some(error) = sites.par_iter().enumerate().find_map_first(check) {
+        let numbered = sites.par_iter().enumerate();
+        let check = |(site, point)| refused_site(domain, site, point);
+        if let Some(error) = numbered.find_map_first(check) {
             return Err(error);
         }
         Ok(Self {
@@ -153,7 +145,7 @@ impl<'a> Diagram<'a> {
         })
     }
 
-    /// Where a site is, within one period along axes that have one.
+    /// A site's position, within one period along axes that have one.
     fn position(&self, site: u32) -> Point3<f64> {
         self.domain.wrap(&self.sites[site as usize])
     }
@@ -195,25 +187,25 @@ impl<'a> Diagram<'a> {
         is_inside.then(|| self.tree().nearest(&point) as usize)
     }
 
-    /// Asks every cell, in parallel, and returns the answers in site order.
+    /// Computes `of_cell` for every cell, in parallel, and returns the results in site order.
     ///
-    /// Each thread asks with a memory of its own, made by `Memory::default`. The answers do not
-    /// depend on the number of threads as long as `ask` does not depend on the memory's past.
+    /// Each thread has its own scratch memory, made by `Scratch::default`. The results do not depend on
+    /// the number of threads as long as `of_cell` does not depend on what is left in that memory.
     ///
     /// # Errors
     /// [`DiagramError::Duplicate`] for the first pair of sites in one place.
-    pub(crate) fn map<Memory: Default, Answer: Send>(
+    pub(crate) fn map<Scratch: Default, T: Send>(
         &self,
-        ask: impl Fn(&mut Memory, Cell<'_>) -> Answer + Sync,
-    ) -> Result<Vec<Answer>, DiagramError> {
+        of_cell: impl Fn(&mut Scratch, Cell<'_>) -> T + Sync,
+    ) -> Result<Vec<T>, DiagramError> {
         let tree = self.tree();
-        let one = |(builder, memory): &mut (CellBuilder, Memory), place: usize| {
+        let one = |(builder, scratch): &mut (CellBuilder, Scratch), place: usize| {
             let cell = builder.build(self.domain, tree, place)?;
-            Ok(ask(memory, cell))
+            Ok(of_cell(scratch, cell))
         };
-        let mut answers = Vec::with_capacity(self.len());
+        let mut results = Vec::with_capacity(self.len());
         let mut duplicate = None;
-        let mut batch: Vec<Result<Answer, Duplicate>> = Vec::new();
+        let mut batch: Vec<Result<T, Duplicate>> = Vec::new();
         for first in (0..self.len()).step_by(CELLS_PER_BATCH) {
             let end = self.len().min(first + CELLS_PER_BATCH);
             (first..end)
@@ -221,9 +213,9 @@ impl<'a> Diagram<'a> {
                 .with_min_len(CELLS_PER_TASK)
                 .map_init(Default::default, one)
                 .collect_into_vec(&mut batch);
-            for answer in batch.drain(..) {
-                match answer {
-                    Ok(answer) => answers.push(answer),
+            for result in batch.drain(..) {
+                match result {
+                    Ok(result) => results.push(result),
                     Err(pair) => duplicate = Some(duplicate.map_or(pair, |least| pair.min(least))),
                 }
             }
@@ -231,33 +223,33 @@ impl<'a> Diagram<'a> {
         if let Some(duplicate) = duplicate {
             return Err(self.duplicate(duplicate));
         }
-        bring_into_order(&mut answers, tree.sites().to_vec());
-        Ok(answers)
+        bring_into_order(&mut results, tree.sites().to_vec());
+        Ok(results)
     }
 
-    /// Asks every cell as [`Diagram::map`] does and tells the answers in site order, a few thousand
-    /// at a time, so that they need not fit in memory together.
+    /// Computes `of_cell` for every cell as [`Diagram::map`] does and passes the results to `take` in site
+    /// order, a few thousand at a time, so that they need not fit in memory together.
     ///
     /// # Errors
-    /// What `tell` returns, and [`DiagramError::Duplicate`] for sites in one place.
-    pub(crate) fn stream<Memory: Default, Answer: Send, Failure: From<DiagramError>>(
+    /// What `take` returns, and [`DiagramError::Duplicate`] for sites in one place.
+    pub(crate) fn stream<Scratch: Default, T: Send, Failure: From<DiagramError>>(
         &self,
-        ask: impl Fn(&mut Memory, Cell<'_>) -> Answer + Sync,
-        mut tell: impl FnMut(usize, Answer) -> Result<(), Failure>,
+        of_cell: impl Fn(&mut Scratch, Cell<'_>) -> T + Sync,
+        mut take: impl FnMut(usize, T) -> Result<(), Failure>,
     ) -> Result<(), Failure> {
         let tree = self.tree();
-        let one = |(builder, memory): &mut (CellBuilder, Memory), &place: &u32| {
+        let one = |(builder, scratch): &mut (CellBuilder, Scratch), &place: &u32| {
             let cell = builder.build(self.domain, tree, place as usize)?;
-            Ok(ask(memory, cell))
+            Ok(of_cell(scratch, cell))
         };
         for (chunk, places) in tree.places_of_sites().chunks(CELLS_PER_CHUNK).enumerate() {
-            let answers: Vec<Result<Answer, Duplicate>> = places
+            let results: Vec<Result<T, Duplicate>> = places
                 .par_iter()
                 .with_min_len(CELLS_PER_TASK)
                 .map_init(Default::default, one)
                 .collect();
-            for (site, answer) in (chunk * CELLS_PER_CHUNK..).zip(answers) {
-                tell(site, answer.map_err(|pair| self.duplicate(pair))?)?;
+            for (site, result) in (chunk * CELLS_PER_CHUNK..).zip(results) {
+                take(site, result.map_err(|pair| self.duplicate(pair))?)?;
             }
         }
         Ok(())
@@ -277,12 +269,24 @@ impl<'a> Diagram<'a> {
     }
 }
 
-/// Permutes `answers` in place so that each stands at the index that `goals` gives.
-fn bring_into_order<Answer>(answers: &mut [Answer], mut goals: Vec<u32>) {
-    for place in 0..answers.len() {
+/// Why a site may not lie where it does.
+fn refused_site(domain: &dyn Domain, site: usize, point: &Point3<f64>) -> Option<DiagramError> {
+    let position = [point.x, point.y, point.z];
+    if !position.iter().all(|x| x.is_finite()) {
+        Some(DiagramError::NotFinite { site, position })
+    } else if !domain.contains(point) {
+        Some(DiagramError::Outside { site, position })
+    } else {
+        None
+    }
+}
+
+/// Permutes `results` in place so that each comes to the index that `goals` gives.
+fn bring_into_order<T>(results: &mut [T], mut goals: Vec<u32>) {
+    for place in 0..results.len() {
         while goals[place] as usize != place {
             let goal = goals[place] as usize;
-            answers.swap(place, goal);
+            results.swap(place, goal);
             goals.swap(place, goal);
         }
     }

@@ -3,7 +3,7 @@
 //! [`diagram`] validates sites and visits their cells in parallel, [`cell`] builds one cell from the
 //! bisectors that [`search`] selects: candidates come nearest first from the [`kd_tree`], those
 //! beyond the first radius only where a vertex can still be cut (`search::VertexBalls`). [`check`]
-//! tells whether cells form a tessellation. [`planar`] is the counterpart in the plane.
+//! tests whether cells form a tessellation. [`planar`] is the counterpart in the plane.
 
 pub mod cell;
 pub mod check;

@@ -1,6 +1,6 @@
 //! Selection of the bisectors that cut a cell, up to its security radius.
 //!
-//! A site farther from x than twice the farthest vertex of the cell so far cannot cut it any more
+//! A site farther from x than twice the farthest vertex of the cell so far can no longer cut it
 //! (\[RSL\] section 3: the security radius). The nearest few dozen candidates come sorted and cut the
 //! cell; of what lies beyond, only subtrees and sites inside the ball of a far vertex are tested
 //! ([`VertexBalls`]). So an elongated cell beside a dense cluster costs little more than others.
@@ -52,7 +52,7 @@ struct SearchState<'a, S> {
     place: usize,
     site: Point3<f64>,
     cell: &'a mut S,
-    /// The squared distance from which on no site cuts.
+    /// The squared distance beyond which no site cuts.
     reach_squared: f64,
     /// The squared distance within which all sites have been tried.
     searched_squared: f64,
@@ -71,18 +71,32 @@ impl BisectorSearch {
         let reach_squared = 4.0 * cell.radius_squared();
         let initial = tree.initial_radius_squared(place);
         let limit = initial.min(reach_squared);
-        let searched_squared = self.query.gather(tree, place, (limit, initial));
         let mut state = SearchState {
             tree,
             place,
             site: tree.position(place),
             cell,
             reach_squared,
-            searched_squared,
+            searched_squared: self.query.gather(tree, place, (limit, initial)),
         };
+        self.cut_by_sorted(&mut state)?;
+        if state.reach_squared > state.searched_squared {
+            let least = 0.25 * state.searched_squared;
+            state.cell.list_beyond(least, &mut self.balls);
+            self.search_beyond(&mut state)?;
+        }
+        Ok(())
+    }
+
+    /// Cuts by the sorted candidates, of which none may lie in the site itself.
+    #[inline]
+    fn cut_by_sorted(
+        &self,
+        state: &mut SearchState<'_, impl ClipTarget>,
+    ) -> Result<(), BuildError> {
         let near = self.query.near();
         let duplicates = near.take_while(|candidate| candidate.distance_squared <= 0.0);
-        if let Some(other) = duplicates.min_by_key(|other| tree.site(other.place as usize)) {
+        if let Some(other) = duplicates.min_by_key(|other| state.tree.site(other.place as usize)) {
             return Err(BuildError::Duplicate(state.duplicate(other)));
         }
         for candidate in self.query.near() {
@@ -91,12 +105,6 @@ impl BisectorSearch {
             } else if candidate.distance_squared > DISORDER * state.reach_squared {
                 break;
             }
-        }
-        if state.reach_squared > searched_squared {
-            state
-                .cell
-                .list_beyond(0.25 * searched_squared, &mut self.balls);
-            self.search_beyond(&mut state)?;
         }
         Ok(())
     }
@@ -293,7 +301,7 @@ impl VertexBalls {
     pub(crate) fn push(&mut self, vertex: [f64; 4]) {
         let lane = self.count % 4;
         if lane == 0 {
-            // A vertex in the site itself is cut by nothing and has a ball that holds nothing.
+            // Lanes without a vertex hold the site itself, which no site cuts and whose ball is empty.
             self.blocks.push([f64x4::ZERO; 4]);
         }
         if let Some(block) = self.blocks.last_mut() {
@@ -317,7 +325,7 @@ impl VertexBalls {
         cut != 0
     }
 
-    /// Whether the ball of one of the vertices meets the box, the cell's site standing in `here`.
+    /// Whether the ball of one of the vertices meets the box, for a cell whose site is at `here`.
     #[inline]
     #[must_use]
     pub(crate) fn meet(&self, bounds: &Bounds<3>, here: &Point3<f64>) -> bool {

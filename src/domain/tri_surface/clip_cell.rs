@@ -1,12 +1,12 @@
-//! The part of a convex cell within a closed surface, put together from its boundary.
+//! The part of a convex cell within a closed surface, assembled from its boundary.
 //!
 //! The boundary of C ∩ Ω consists of the triangles' parts in the cell and of the inner parts of the
-//! cell's facets. The first are convex polygons whose borders say which facet cut them. Run
+//! cell's facets. The first are convex polygons whose borders carry the facet that cut them. Run
 //! backwards, these borders bound the second, together with the inner parts of the cell's own
 //! edges; and those begin and end exactly at the corners in which a triangle meets the two facets
-//! of the edge. Seen from outside the solid, a corner at which the border passes from facet F to
+//! of the edge. Viewed from outside the solid, a corner at which the border passes from facet F to
 //! facet G ends the inner part of the edge that has F on its left, and begins it the other way
-//! round. So the cell's vertices need not be tested: an edge that the surface crosses tells on
+//! round. So the cell's vertices need not be tested: an edge that the surface crosses determines on
 //! which side its ends are, and an edge that it does not cross has both ends on one side.
 //!
 //! Every step is combinatorial, and every one is checked. A coincidence, or rounding, that breaks
@@ -24,8 +24,8 @@ use crate::geometry::brep::{Brep, Edge, Extent, Piece};
 use crate::geometry::half_space::HalfSpace;
 use crate::geometry::polyhedron::Polyhedron;
 
-/// How far the boundary may be from closed, and the volume beyond its bounds, relative to area
-/// and volume. What the checks before have missed is wrong by far more.
+/// How far the boundary may be from closed, and the volume outside its bounds, relative to area
+/// and volume. Errors that the checks before do not detect are far larger.
 const CLOSED: f64 = 1e-9;
 
 /// What a cell and a solid have in common.
@@ -33,7 +33,7 @@ const CLOSED: f64 = 1e-9;
 pub enum ClipStatus {
     /// No triangle touches the cell.
     Disjoint,
-    /// The common part stands in [`ClippedCell::part`].
+    /// The common part is [`ClippedCell::part`].
     Clipped,
     /// No consistent boundary was found.
     Inconsistent,
@@ -63,12 +63,7 @@ impl ClippedCell {
         site: &Point3<f64>,
         cell: &Polyhedron,
     ) -> ClipStatus {
-        if surface.is_clear(site, cell) {
-            return ClipStatus::Disjoint;
-        }
-        self.candidates.clear();
-        surface.candidates(site, cell, &mut self.candidates);
-        if self.candidates.is_empty() {
+        if surface.is_clear(site, cell) || !self.find_candidates(surface, site, cell) {
             return ClipStatus::Disjoint;
         }
         self.begin(cell);
@@ -76,16 +71,27 @@ impl ClippedCell {
         if self.part.edges.is_empty() && self.sides.is_empty() {
             return ClipStatus::Disjoint;
         }
-        let is_closed = self.pair_sides()
-            && self.close(cell, || surface.winding(&(site + cell.vertex(0).coords)))
-            && self.is_sound(cell);
-        if is_closed {
+        let winding = || surface.winding(&(site + cell.vertex(0).coords));
+        if self.pair_sides() && self.close(cell, winding) && self.is_sound(cell) {
             ClipStatus::Clipped
         } else {
             ClipStatus::Inconsistent
         }
     }
 
+    /// Lists the triangles that may touch the cell; returns whether there are any.
+    fn find_candidates(
+        &mut self,
+        surface: &IndexedSurface,
+        site: &Point3<f64>,
+        cell: &Polyhedron,
+    ) -> bool {
+        self.candidates.clear();
+        surface.candidates(site, cell, &mut self.candidates);
+        !self.candidates.is_empty()
+    }
+
+    /// Removes the last part and lists the cell's facets.
     fn begin(&mut self, cell: &Polyhedron) {
         self.part.clear();
         let facets = cell.planes.iter().copied().zip(cell.labels.iter().copied());
@@ -120,6 +126,7 @@ impl ClippedCell {
         (self.triangle, self.candidates) = (clip, candidates);
     }
 
+    /// Adds the edges of a triangle's part, and the crossings at its corners.
     fn push_polygon(&mut self, polygon: &[Corner], surface: &IndexedSurface, triangle: u32) {
         let facet = self.part.facets.len() as u32 - 1;
         let first = self.number(&polygon[0]);
@@ -133,19 +140,10 @@ impl ClippedCell {
                     self.sides.push((edge, forward, facet, [from, to]));
                 }
                 Border::Plane(plane) => {
-                    self.part.edges.push(Edge {
-                        from,
-                        to,
-                        left: facet,
-                        right: plane,
-                    });
-                    if let Border::Plane(after) = following.unwrap_or(&polygon[0]).border {
-                        self.crossings.push(Crossing {
-                            before: plane,
-                            after,
-                            vertex: to,
-                        });
-                    }
+                    self.part.edges.push(Edge::new([from, to], [facet, plane]));
+                    let (vertex, following) = (to, following.unwrap_or(&polygon[0]));
+                    self.crossings
+                        .extend(Crossing::between(plane, following.border, vertex));
                 }
             }
             from = to;
@@ -174,23 +172,20 @@ impl ClippedCell {
                 if other.3 != [to, from] {
                     return false;
                 }
-                self.part.edges.push(Edge {
-                    from,
-                    to,
-                    left: one.2,
-                    right: other.2,
-                });
+                self.part
+                    .edges
+                    .push(Edge::new([from, to], [one.2, other.2]));
             }
         }
         true
     }
 
-    /// Adds the inner parts of the cell's edges. Where the surface crosses none of them, `winding`
-    /// tells on which side vertex 0 is.
+    /// Adds the inner parts of the cell's edges. Where the surface crosses none of them, the
+    /// `winding` number of vertex 0 gives its side.
     fn close(&mut self, cell: &Polyhedron, winding: impl Fn() -> Option<i32>) -> bool {
         let (edges, part) = (&mut self.edges, &mut self.part);
         edges.cut(&self.crossings, &part.vertices, cell)
-            && edges.spread(cell, winding)
+            && edges.propagate(cell, winding)
             && edges.push_inner(cell, part)
     }
 
@@ -205,7 +200,7 @@ impl ClippedCell {
 /// The numbers of the corners that triangles share within a cell, by what made the corner.
 #[derive(Clone, Debug, Default)]
 struct CornerNumbers {
-    numbers: HashMap<u64, u32, BuildHasherDefault<Mixer>>,
+    numbers: HashMap<u64, u32, BuildHasherDefault<FibonacciHasher>>,
 }
 
 impl CornerNumbers {
@@ -227,11 +222,11 @@ impl CornerNumbers {
     }
 }
 
-/// Fibonacci hashing: numbers of a mesh are no attack, and a cell asks for many.
+/// Fibonacci hashing: a cell looks up many numbers, and those of a mesh need no protection.
 #[derive(Clone, Copy, Debug, Default)]
-struct Mixer(u64);
+struct FibonacciHasher(u64);
 
-impl Hasher for Mixer {
+impl Hasher for FibonacciHasher {
     fn finish(&self) -> u64 {
         self.0
     }

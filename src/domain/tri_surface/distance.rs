@@ -2,7 +2,7 @@
 //!
 //! The bounding box is cut into equal cubes. Those that a triangle may touch are marked, and every
 //! other is given its Chebyshev distance to the nearest marked one. A cell that reaches less far than
-//! that is apart from the surface, and costs what it costs in a box.
+//! that does not touch the surface, and costs as much as in a box.
 
 use nalgebra::{Point3, Vector3};
 
@@ -41,7 +41,7 @@ impl DistanceGrid {
         for corners in surface.all_corners() {
             grid.mark(&corners);
         }
-        grid.spread();
+        grid.propagate();
         grid
     }
 
@@ -60,6 +60,13 @@ impl DistanceGrid {
 
     fn number(&self, [x, y, z]: [usize; 3]) -> usize {
         (x * self.counts[1] + y) * self.counts[2] + z
+    }
+
+    /// The inverse of [`DistanceGrid::number`].
+    fn indices(&self, number: usize) -> [usize; 3] {
+        let [_, rows, columns] = self.counts;
+        let (row, column) = (number / columns, number % columns);
+        [row / rows, row % rows, column]
     }
 
     /// Marks the cubes that the triangle's bounds and its plane both touch.
@@ -85,27 +92,22 @@ impl DistanceGrid {
 
     /// Gives every cube its distance: one more than the least of its neighbors', which a sweep
     /// forward and one backward find.
-    fn spread(&mut self) {
+    fn propagate(&mut self) {
         let count = self.steps.len();
         for number in 0..count {
-            self.take_from_neighbors(number);
+            self.update_from_neighbors(number);
         }
         for number in (0..count).rev() {
-            self.take_from_neighbors(number);
+            self.update_from_neighbors(number);
         }
     }
 
-    fn take_from_neighbors(&mut self, number: usize) {
+    fn update_from_neighbors(&mut self, number: usize) {
         let here = self.steps[number];
         if here == 0 {
             return;
         }
-        let [_, rows, columns] = self.counts;
-        let at = [
-            number / (rows * columns),
-            number / columns % rows,
-            number % columns,
-        ];
+        let at = self.indices(number);
         let span =
             |axis: usize| at[axis].saturating_sub(1)..=(at[axis] + 1).min(self.counts[axis] - 1);
         let mut least = u8::MAX;

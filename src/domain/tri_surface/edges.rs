@@ -1,21 +1,36 @@
-//! The inner parts of a cell's edges, from where the surface crosses them.
+//! The parts of a cell's edges inside a surface, from the surface's crossings with them.
 //!
-//! The crossings on an edge must alternate between ends and beginnings of inner parts. They tell on
-//! which side of the surface the edge's vertices are; edges that are not crossed carry that on, and
-//! since the edges of a convex polyhedron hang together, to all vertices. Every step returns whether
+//! The crossings on an edge must alternate between ends and beginnings of inner parts. They determine
+//! on which side of the surface the edge's vertices are. Along edges that are not crossed the side
+//! stays the same; since the edges of a convex polyhedron are connected, all vertices are reached. Every step returns whether
 //! the crossings are consistent so far.
 
 use nalgebra::Vector3;
 
+use crate::domain::tri_surface::triangle::Border;
 use crate::geometry::brep::{Brep, Edge};
 use crate::geometry::polyhedron::Polyhedron;
 
-/// Where a triangle meets two facets of the cell, in the order of the triangle's walk.
+/// Where a triangle meets two facets of the cell, in their order along the triangle's boundary.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Crossing {
     pub(crate) before: u32,
     pub(crate) after: u32,
     pub(crate) vertex: u32,
+}
+
+impl Crossing {
+    /// The crossing in a vertex from facet `before` to the one of the next border, if that lies on one.
+    pub(crate) fn between(before: u32, next: Border, vertex: u32) -> Option<Self> {
+        let Border::Plane(after) = next else {
+            return None;
+        };
+        Some(Self {
+            before,
+            after,
+            vertex,
+        })
+    }
 }
 
 /// A crossing on an edge of the cell.
@@ -30,7 +45,7 @@ struct Cut {
     vertex: u32,
 }
 
-/// What is known of a cell's edges and vertices.
+/// The crossings of a cell's edges, and the sides of its vertices.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct CellEdges {
     cuts: Vec<Cut>,
@@ -41,11 +56,10 @@ pub(crate) struct CellEdges {
     stack: Vec<u32>,
 }
 
-const UNSEEN: u32 = u32::MAX;
+const UNNUMBERED: u32 = u32::MAX;
 
 impl CellEdges {
-    /// Finds every crossing's place on an edge of the cell, and what the crossings say of the
-    /// edges' ends.
+    /// Finds every crossing's place on an edge of the cell, and the sides of the ends of crossed edges.
     pub(crate) fn cut(
         &mut self,
         crossings: &[Crossing],
@@ -63,21 +77,16 @@ impl CellEdges {
         }
         for (number, edge) in edges(cell).enumerate() {
             let CellEdge { from, slot, to, .. } = edge;
-            let start = cell.vertex(from as usize).coords;
-            let along = cell.vertex(to as usize).coords - start;
+            let [start, end] = [from, to].map(|vertex| cell.vertex(vertex as usize).coords);
+            let place = |vertex: u32| (end - start).dot(&(vertices[vertex as usize] - start));
             let first = cuts.len();
-            for crossing in crossings.iter() {
-                let ends = (crossing.before, crossing.after) == (edge.left, edge.right);
-                if ends || (crossing.after, crossing.before) == (edge.left, edge.right) {
-                    let position = vertices[crossing.vertex as usize];
-                    cuts.push(Cut {
-                        edge: number as u32,
-                        along: along.dot(&(position - start)),
-                        ends,
-                        vertex: crossing.vertex,
-                    });
-                }
-            }
+            let found = crossings.iter().filter_map(|crossing| edge.cut(crossing));
+            cuts.extend(found.map(|(ends, vertex)| Cut {
+                edge: number as u32,
+                along: place(vertex),
+                ends,
+                vertex,
+            }));
             let on_edge = &mut cuts[first..];
             on_edge.sort_by(|one, other| one.along.total_cmp(&other.along));
             let (Some(first), Some(last)) = (on_edge.first(), on_edge.last()) else {
@@ -96,9 +105,13 @@ impl CellEdges {
         cuts.len() == crossings.len()
     }
 
-    /// Carries the sides of the vertices along the edges that are not crossed. Where none is
-    /// crossed, `winding` tells of vertex 0.
-    pub(crate) fn spread(&mut self, cell: &Polyhedron, winding: impl Fn() -> Option<i32>) -> bool {
+    /// Propagates the sides of the vertices along the edges that are not crossed. Where none is
+    /// crossed, the `winding` number of vertex 0 gives its side.
+    pub(crate) fn propagate(
+        &mut self,
+        cell: &Polyhedron,
+        winding: impl Fn() -> Option<i32>,
+    ) -> bool {
         if self.cuts.is_empty() {
             match winding() {
                 Some(winding @ 0..=1) => self.inside[0] = Some(winding == 1),
@@ -132,7 +145,7 @@ impl CellEdges {
     /// Adds the inner parts of the cell's edges.
     pub(crate) fn push_inner(&mut self, cell: &Polyhedron, part: &mut Brep) -> bool {
         self.numbers.clear();
-        self.numbers.resize(cell.vertex_count(), UNSEEN);
+        self.numbers.resize(cell.vertex_count(), UNNUMBERED);
         let mut cut = 0;
         for (number, edge) in edges(cell).enumerate() {
             let is_inside = |vertex: u32| self.inside[vertex as usize] == Some(true);
@@ -161,7 +174,7 @@ impl CellEdges {
     /// The number in the part of a vertex of the cell.
     fn number(&mut self, cell: &Polyhedron, vertex: u32, part: &mut Brep) -> u32 {
         let number = &mut self.numbers[vertex as usize];
-        if *number == UNSEEN {
+        if *number == UNNUMBERED {
             *number = part.vertices.len() as u32;
             part.vertices.push(cell.vertex(vertex as usize).coords);
         }
@@ -169,15 +182,11 @@ impl CellEdges {
     }
 }
 
-/// Adds the part of the edge from where it has begun, if it has, and says so.
+/// Adds the part of the edge from the vertex `begun` to `to`; returns whether there is such a vertex.
 fn push(part: &mut Brep, begun: Option<u32>, to: u32, edge: &CellEdge) -> bool {
-    let (left, right) = (edge.left, edge.right);
-    part.edges.extend(begun.map(|from| Edge {
-        from,
-        to,
-        left,
-        right,
-    }));
+    let facets = [edge.left, edge.right];
+    let inner = begun.map(|from| Edge::new([from, to], facets));
+    part.edges.extend(inner);
     begun.is_some()
 }
 
@@ -189,6 +198,15 @@ struct CellEdge {
     to: u32,
     left: u32,
     right: u32,
+}
+
+impl CellEdge {
+    /// Whether an inner part ends at a crossing, and its vertex, if it lies on this edge.
+    fn cut(&self, crossing: &Crossing) -> Option<(bool, u32)> {
+        let ends = (crossing.before, crossing.after) == (self.left, self.right);
+        let begins = (crossing.after, crossing.before) == (self.left, self.right);
+        (ends || begins).then_some((ends, crossing.vertex))
+    }
 }
 
 /// Every edge of the cell once.
@@ -209,7 +227,7 @@ fn edges(cell: &Polyhedron) -> impl Iterator<Item = CellEdge> + '_ {
     })
 }
 
-/// Learns `side`, or says whether what was known agrees with it.
+/// Sets the side if it is unknown; returns whether it agrees with `side`.
 fn agree(known: &mut Option<bool>, side: bool) -> bool {
     *known.get_or_insert(side) == side
 }

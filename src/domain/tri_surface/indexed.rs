@@ -17,7 +17,7 @@ use crate::mesh::surface::SurfaceMesh;
 /// Neighboring triangles whose unit normals differ by less than this lie in one plane.
 const COPLANAR: f64 = 1e-9;
 
-/// A closed surface, ready for many questions.
+/// A closed surface with its search structures.
 #[derive(Clone, Debug)]
 pub struct IndexedSurface {
     pub(crate) mesh: SurfaceMesh,
@@ -91,7 +91,7 @@ impl IndexedSurface {
         })
     }
 
-    /// Whether the distances alone say that no triangle touches `cell`, in coordinates relative to
+    /// Whether the distances alone exclude that a triangle touches `cell`, in coordinates relative to
     /// `site`.
     pub(crate) fn is_clear(&self, site: &Point3<f64>, cell: &Polyhedron) -> bool {
         let clearance = self.distance.at(site);
@@ -105,7 +105,7 @@ impl IndexedSurface {
     }
 }
 
-/// Per triangle the first one of its wall: of those in one plane that hang together.
+/// Per triangle the first one of its wall: of those in one plane that are connected.
 fn walls(surface: &SurfaceMesh, edges: &EdgeTable) -> Vec<u32> {
     let normals: Vec<Vector3<f64>> = surface
         .all_corners()

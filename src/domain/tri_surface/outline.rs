@@ -1,9 +1,9 @@
-//! A cell's part of a solid in one piece, for files and pictures.
+//! A cell's part of a solid as one closed boundary, for files and pictures.
 //!
 //! Where the solid's walls, edges or vertices lie on the cell's, rounding decides what crosses what
-//! and may contradict itself. Energies then come from signed pieces; but a file wants one closed
-//! surface. A coincidence comes undone when the solid moves a little against the cell: ever farther,
-//! in several directions, up to a length that no file of cells should show.
+//! inconsistently. Energies are then computed from signed pieces; but a file needs one closed
+//! surface. A small displacement of the solid against the cell removes such a coincidence. So growing
+//! displacements in several directions are tried, up to 1e-10 of the cell's size.
 
 use nalgebra::{Point3, Vector3};
 
@@ -15,11 +15,11 @@ use crate::geometry::brep::{Brep, Piece};
 use crate::geometry::clip::{ClipScratch, clip};
 use crate::geometry::polyhedron::Polyhedron;
 
-/// How far the solid is moved, in shares of the cell's size: above rounding, below what a file of
-/// cells should show.
-const NUDGES: [f64; 4] = [1e-13, 1e-12, 1e-11, 1e-10];
+/// How far the solid is displaced, in shares of the cell's size: above rounding, below the precision of
+/// files of cells.
+const DISPLACEMENTS: [f64; 4] = [1e-13, 1e-12, 1e-11, 1e-10];
 
-/// In which directions: across anything that a person would build, no two alike.
+/// The directions of the displacements: parallel to no plane or edge of a typical model.
 const DIRECTIONS: [[f64; 3]; 4] = [
     [0.412, -0.731, 0.544],
     [-0.655, 0.237, 0.718],
@@ -28,12 +28,12 @@ const DIRECTIONS: [[f64; 3]; 4] = [
 ];
 
 /// Facets below this share of the cell's size squared are slivers: leaving them out moves the border
-/// by less than files of cells should show.
+/// by less than the precision of files of cells.
 const SLIVER: f64 = 1e-11;
 
 /// Parts of less than this share of their cell are strips along its border, where rounding took
 /// the wrong side for the inner one.
-const NOTHING: f64 = 1e-9;
+const NEGLIGIBLE: f64 = 1e-9;
 
 /// Visits what `cell`, in coordinates relative to `site`, and the solid within `surface` have in
 /// common.
@@ -44,7 +44,7 @@ pub(crate) fn outline(
     scratch: &mut PieceScratch,
     visit: &mut dyn FnMut(Piece<'_>),
 ) {
-    if as_it_is(surface, site, cell, &mut scratch.clipped, visit) {
+    if visit_clipped(surface, site, cell, &mut scratch.clipped, visit) {
         return;
     }
     let PieceScratch {
@@ -54,14 +54,14 @@ pub(crate) fn outline(
         ..
     } = scratch;
     drop_slivers(cell, piece, clip);
-    if as_it_is(surface, site, piece, clipped, visit) {
+    if visit_clipped(surface, site, piece, clipped, visit) {
         return;
     }
     let size = cell.radius_squared().sqrt();
-    for share in NUDGES {
+    for share in DISPLACEMENTS {
         for direction in DIRECTIONS {
-            let nudged = site + Vector3::from(direction) * (share * size);
-            if as_it_is(surface, &nudged, piece, clipped, visit) {
+            let displaced = site + Vector3::from(direction) * (share * size);
+            if visit_clipped(surface, &displaced, piece, clipped, visit) {
                 return;
             }
         }
@@ -69,7 +69,7 @@ pub(crate) fn outline(
 }
 
 /// Visits what the cell and the solid have in common, unless that is inconsistent.
-fn as_it_is(
+fn visit_clipped(
     surface: &IndexedSurface,
     site: &Point3<f64>,
     cell: &Polyhedron,
@@ -90,16 +90,14 @@ fn as_it_is(
 /// Whether the part is more than what rounding leaves of a cell along its border.
 fn is_significant(part: &Brep, cell: &Polyhedron) -> bool {
     let [part, cell] = [Piece::Brep(part), Piece::Convex(cell)].map(|piece| piece.extent());
-    part.volume > NOTHING * cell.volume
+    part.volume > NEGLIGIBLE * cell.volume
 }
 
-/// Makes `into` the cell without facets of no area. Those stand, as strips along edges, in the cells
-/// of exact lattices, where rounding decides which triangles they cut.
+/// Makes `into` the cell without facets of no area. Cells of exact lattices have such facets, strips
+/// along their edges, and rounding decides which triangles these cut.
 fn drop_slivers(cell: &Polyhedron, into: &mut Polyhedron, scratch: &mut ClipScratch) {
-    let mut around = cell.bounds();
-    let margin = around.extent();
-    around.min -= margin;
-    around.max += margin;
+    let around = cell.bounds();
+    let around = around.grown(&around.extent());
     let least = SLIVER * cell.radius_squared();
     into.assign_cuboid(&around, [FacetKind::Inner.label(); 6]);
     for facet in cell

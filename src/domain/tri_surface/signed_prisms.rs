@@ -1,5 +1,5 @@
-//! The part of a convex cell within a closed surface as a signed sum of half-infinite prisms, for
-//! where rounding spoils its boundary.
+//! The part of a convex cell within a closed surface as a signed sum of half-infinite prisms, used
+//! where rounding makes its boundary inconsistent.
 //!
 //! From every point of the solid a ray in a fixed direction leaves the solid once more often than
 //! it enters. So the solid's indicator is the sum over the triangles of ± that of the triangle's
@@ -21,7 +21,7 @@ use crate::geometry::clip::{Clip, ClipScratch, clip};
 use crate::geometry::half_space::HalfSpace;
 use crate::geometry::polyhedron::Polyhedron;
 
-/// The rays' direction: all components positive, along no plane that a person would build.
+/// The rays' direction: all components positive, parallel to no plane of a typical model.
 const RAY: [f64; 3] = [
     0.348_155_311_911_395_6,
     0.568_143_226_540_279_4,
@@ -36,9 +36,7 @@ pub fn signed_prisms(
     scratch: &mut PieceScratch,
     visit: &mut dyn FnMut(f64, Piece<'_>),
 ) {
-    let mut around = cell.bounds();
-    around.min += site.coords;
-    around.max += site.coords;
+    let around = cell.bounds().translated(&site.coords);
     let PieceScratch {
         piece,
         clip,

@@ -1,4 +1,4 @@
-//! The solid within a closed surface, as a domain.
+//! The solid within a closed surface of triangles, as a domain.
 
 use nalgebra::{Point3, Vector3};
 
@@ -15,8 +15,8 @@ use crate::geometry::polyhedron::Polyhedron;
 use crate::mesh::surface::SurfaceMesh;
 use crate::mesh::validate::{ValidSurface, validate_surface};
 
-/// By which share of its longest extent the box from which cells are cut stands off the solid, so
-/// that no side of it lies on a wall.
+/// The margin between the solid's bounds and the box from which cells are cut, as a share of the longest
+/// extent, so that no side of the box lies on a wall.
 const MARGIN: f64 = 1.0 / 16.0;
 
 /// The solid within a closed surface: of any shape and genus, of one or more parts, with or without
@@ -30,7 +30,7 @@ pub struct SurfaceSolid {
 
 impl SurfaceSolid {
     /// The solid within `surface`. A wall's number is that of its first triangle; triangles in one
-    /// plane that hang together are one wall.
+    /// plane that are connected are one wall.
     ///
     /// # Errors
     /// When the volume is not a positive number.
@@ -41,13 +41,10 @@ impl SurfaceSolid {
             return Err(DomainError::NoVolume { volume });
         }
         let surface = IndexedSurface::new(mesh);
-        let mut start = surface.bounds;
-        let margin = Vector3::repeat(MARGIN * start.extent().max());
-        start.min -= margin;
-        start.max += margin;
+        let margin = Vector3::repeat(MARGIN * surface.bounds.extent().max());
         Ok(Self {
+            start: surface.bounds.grown(&margin),
             surface,
-            start,
             volume,
         })
     }
@@ -85,14 +82,14 @@ impl SurfaceSolid {
         &self.surface.mesh
     }
 
-    /// The surface, ready for many questions.
+    /// The surface with its search structures.
     #[must_use]
     pub fn indexed(&self) -> &IndexedSurface {
         &self.surface
     }
 
     /// Whether a convex part of space that no triangle touches lies in the solid.
-    fn holds(&self, site: &Point3<f64>, part: &Polyhedron) -> bool {
+    fn contains_part(&self, site: &Point3<f64>, part: &Polyhedron) -> bool {
         let sum: Vector3<f64> = part.vertices().map(|vertex| vertex.coords).sum();
         !part.is_empty() && self.contains(&(site + sum / part.vertex_count() as f64))
     }
@@ -112,10 +109,7 @@ impl DomainShape for SurfaceSolid {
     }
 
     fn start(&self, site: &Point3<f64>, _index: u32, cell: &mut Polyhedron) {
-        let around = Bounds {
-            min: self.start.min - site.coords,
-            max: self.start.max - site.coords,
-        };
+        let around = self.start.translated(&-site.coords);
         cell.assign_cuboid(&around, [FacetKind::Inner.label(); 6]);
     }
 
@@ -132,7 +126,7 @@ impl DomainShape for SurfaceSolid {
         visit: &mut dyn FnMut(f64, Piece<'_>),
     ) {
         match scratch.clipped.clip(&self.surface, site, part) {
-            ClipStatus::Disjoint if holds_site || self.holds(site, part) => {
+            ClipStatus::Disjoint if holds_site || self.contains_part(site, part) => {
                 visit(1.0, Piece::Convex(part));
             }
             ClipStatus::Disjoint => {}

@@ -33,7 +33,7 @@ pub(crate) enum Border {
     Plane(u32),
 }
 
-/// A corner and the border that leaves it counter-clockwise, seen from outside the solid.
+/// A corner and the border that leaves it, counter-clockwise from outside the solid.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Corner {
     pub(crate) position: Vector3<f64>,
@@ -104,31 +104,28 @@ impl TriangleClip {
             if (here <= 0.0) == (there <= 0.0) {
                 continue;
             }
-            let leaves = here <= 0.0;
-            let position = if leaves {
-                between(&corner.position, &following.position, here, there)
-            } else {
-                between(&following.position, &corner.position, there, here)
-            };
-            let origin = match corner.border {
-                Border::Side(edge) => Origin::Side {
-                    edge,
-                    plane: plane.number,
-                },
-                Border::Plane(_) => Origin::Within,
-            };
-            let border = if leaves {
-                Border::Plane(plane.number)
-            } else {
-                corner.border
-            };
-            spare.push(Corner {
-                position,
-                origin,
-                border,
-            });
+            spare.push(crossing([corner, following], [here, there], plane.number));
         }
         std::mem::swap(corners, spare);
+    }
+}
+
+/// The corner in which the border between two corners of these excesses crosses a plane.
+fn crossing([corner, following]: [&Corner; 2], [here, there]: [f64; 2], plane: u32) -> Corner {
+    let [from, to] = [&corner.position, &following.position];
+    let origin = match corner.border {
+        Border::Side(edge) => Origin::Side { edge, plane },
+        Border::Plane(_) => Origin::Within,
+    };
+    let (position, border) = if here <= 0.0 {
+        (between(from, to, here, there), Border::Plane(plane))
+    } else {
+        (between(to, from, there, here), corner.border)
+    };
+    Corner {
+        position,
+        origin,
+        border,
     }
 }
 

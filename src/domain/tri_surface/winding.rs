@@ -1,8 +1,8 @@
 //! The winding number of a closed surface about a point, and where a ray leaves the surface.
 //!
-//! The winding number of a point is the signed number of triangles on a ray from it along +x. Both
-//! questions, whether the ray's line passes through a triangle and on which side of the triangle
-//! the point lies, are answered by Shewchuk's exact predicates. Ties in the first are broken the
+//! The winding number of a point is the signed number of triangles on a ray from it along +x. Whether
+//! the ray's line passes through a triangle, and on which side of the triangle the point lies, is
+//! computed by Shewchuk's exact predicates. Ties in the first are broken the
 //! same way for both triangles at an edge: a side counts where it rises past the line on its left.
 
 use nalgebra::{Point3, Vector3};
@@ -67,8 +67,7 @@ fn have_one_sign(numbers: &[f64; 3]) -> bool {
     numbers.iter().all(|&number| number >= 0.0) || numbers.iter().all(|&number| number <= 0.0)
 }
 
-/// Positive where the point sees the triangle clockwise: behind it, for an outward triangle inside.
-/// The sign is exact.
+/// Positive behind the triangle, on the inner side of an outward one. The sign is exact.
 fn depth(corners: &[Point3<f64>; 3], point: &Point3<f64>) -> f64 {
     let [a, b, c, p] = [corners[0], corners[1], corners[2], *point].map(coordinates);
     orient3d(a, b, c, p)
@@ -79,7 +78,7 @@ fn coordinates(point: Point3<f64>) -> Coord3D<f64> {
     Coord3D { x, y, z }
 }
 
-/// How often the triangle, seen along x, winds about the point.
+/// How often the triangle, projected along x, winds about the point.
 fn turns(corners: &[Point3<f64>; 3], point: &Point3<f64>) -> i32 {
     let mut turns = 0;
     for from in 0..3 {

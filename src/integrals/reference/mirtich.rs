@@ -1,4 +1,4 @@
-//! Mirtich's ten integrals over a polyhedron with polygonal faces, in one walk.
+//! Mirtich's ten integrals over a polyhedron with polygonal faces, in one loop over its faces.
 //!
 //! Volume integrals become face integrals by the divergence theorem (\[M\] eq. 29-38), face
 //! integrals become integrals over the face's shadow on a coordinate plane (eq. 57-68), and those

@@ -1,4 +1,4 @@
-//! Polygonal faces given as loops, holes included.
+//! Integrals of monomials over polygonal faces given as loops, and over the solids they bound.
 //!
 //! A face is a planar region bounded by loops of vertices: the outer one runs counter-clockwise
 //! seen from the side its normal points to, holes run clockwise. The region is the signed sum of

@@ -1,4 +1,4 @@
-//! One tetrahedron of linear density, as \[BL\] section 2 writes it.
+//! Volume, mass and mass center of one tetrahedron of linear density (\[BL\] section 2).
 //!
 //! Inside a tetrahedron the density is the linear function with the values ρ_A … ρ_D at its
 //! corners. Volumes carry the sign of det(B − A, C − A, D − A).

@@ -13,7 +13,7 @@ use crate::voronoi::kd_tree::tree::KdTree;
 /// A site, or a periodic image of one, near another.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Candidate {
-    /// The way to it (L).
+    /// The displacement to it (L).
     pub(crate) displacement: Vector3<f64>,
     /// The squared distance (L²).
     pub(crate) distance_squared: f64,
@@ -100,7 +100,7 @@ pub(crate) const ROUNDING: f64 = 1e-5;
 pub(crate) struct CandidateSoa {
     /// Coordinates in units, in whole blocks once closed, and capacity beyond them.
     positions: [Vec<f32>; 3],
-    /// Places and numbers of images, and room beyond them.
+    /// Places and numbers of images, and capacity beyond them.
     places: Vec<(u32, u32)>,
     count: usize,
     /// Squared distances from the site that queries, in units.
@@ -194,7 +194,7 @@ impl CandidateSoa {
         }
     }
 
-    /// Lists the numbers of the sites that are, as far as single precision can tell, neither nearer
+    /// Lists the numbers of the sites that are, up to the error of single precision, neither nearer
     /// nor farther than this, in units; returns how many these are.
     fn list_near(&mut self, above: f64, limit: f64) -> usize {
         let reach = limit + ROUNDING;

@@ -1,4 +1,4 @@
-//! The spatial index: a k-d tree over the sites, and the candidate neighbors found in it.
+//! The k-d tree over the sites, and the candidate neighbors gathered from it.
 //!
 //! [`tree`] sorts the sites into leaves, [`candidates`] holds what may cut a cell, [`neighborhood`]
 //! gathers candidates once for all sites of a small subtree and orders them by distance for each.

@@ -1,6 +1,6 @@
-//! Candidate neighbors of a site, ordered by distance, gathered once for all sites nearby.
+//! Candidate neighbors of a site, ordered by distance and gathered once for the sites of a subtree.
 //!
-//! The sites of a small subtree have much the same candidates. So the tree is searched once for such a
+//! The sites of a small subtree have almost the same candidates. So the tree is searched once for such a
 //! neighborhood, and what lies within reach is copied by component, in single precision about the
 //! middle of the subtree ([`NeighborhoodBuffer`]). Each site then filters the copy without a branch;
 //! what passes, with a margin for the rounding, is measured again in double precision.
@@ -17,7 +17,7 @@ use crate::voronoi::kd_tree::candidates::{
 };
 use crate::voronoi::kd_tree::tree::KdTree;
 
-/// Sorted candidates at most: more take longer to sort than they save, and the radius is reduced.
+/// The most sorted candidates: more take longer to sort than they save, and the radius is reduced.
 const MOST_SORTED: usize = 256;
 
 /// The bits of a sorting key that number a candidate: as many as [`MOST_SORTED`] takes.
@@ -95,6 +95,12 @@ impl NeighborQuery {
             self.order.extend(numbers);
             return;
         }
+        self.rank_by_comparison(count);
+    }
+
+    /// Ranks each of the first `count` keys by the number of smaller ones.
+    #[inline]
+    fn rank_by_comparison(&mut self, count: usize) {
         self.order.resize(count, 0);
         self.keys.resize(count.next_multiple_of(BLOCK), i32::MAX);
         let blocks = self.keys.as_chunks::<BLOCK>().0;
@@ -228,6 +234,7 @@ impl NeighborhoodBuffer {
         &self.beyond
     }
 
+    /// Gathers what is within reach of the box, and lists the other subtrees; false if that is too much.
     fn gather_within(&mut self, tree: &KdTree, around: &Bounds<3>) -> bool {
         self.beyond.clear();
         self.sets.iter_mut().for_each(CandidateSoa::clear);
@@ -235,29 +242,20 @@ impl NeighborhoodBuffer {
         for (shift, image) in tree.images().iter().enumerate() {
             self.stack.clear();
             self.stack.push(Subtree::whole(shift));
-            while let Some(subtree) = self.stack.pop() {
-                let by = image.by;
-                let bounds = tree.bounds(subtree.node);
-                let bounds = Bounds {
-                    min: bounds.min + by,
-                    max: bounds.max + by,
-                };
-                let gap_squared = gap_squared(&bounds, around);
-                if gap_squared > self.reach_squared {
-                    self.beyond.push(Subtree {
-                        gap_squared,
-                        ..subtree
-                    });
+            while let Some(mut subtree) = self.stack.pop() {
+                let bounds = tree.bounds(subtree.node).translated(&image.by);
+                subtree.gap_squared = gap_squared(&bounds, around);
+                if subtree.gap_squared > self.reach_squared {
+                    self.beyond.push(subtree);
                 } else if tree.is_leaf(subtree.node) {
                     self.add(tree, &subtree, &half);
                     if self.sets.iter().map(CandidateSoa::len).sum::<usize>() > MOST_GATHERED {
                         return false;
                     }
                 } else {
-                    for side in [1, 0] {
-                        let node = 2 * subtree.node + side;
-                        self.stack.push(Subtree { node, ..subtree });
-                    }
+                    let children = [1, 0].map(|side| 2 * subtree.node + side);
+                    let children = children.map(|node| Subtree { node, ..subtree });
+                    self.stack.extend(children);
                 }
             }
         }
@@ -336,7 +334,7 @@ impl NeighborhoodBuffer {
 
 /// The squared distance of two boxes (L²).
 fn gap_squared(one: &Bounds<3>, other: &Bounds<3>) -> f64 {
-    // Not f64::max, whose care for NaN costs more than the rest.
+    // Not f64::max: its treatment of NaN costs more than the rest.
     let greater = |a: f64, b: f64| if a > b { a } else { b };
     let gap = |axis: usize| {
         let below = other.min[axis] - one.max[axis];

@@ -1,4 +1,4 @@
-//! The spatial index: a balanced k-d tree over the sites.
+//! A balanced k-d tree over the sites, the spatial index of the diagram.
 //!
 //! Every node's sites are halved across the longest side of the least box around them, so that
 //! leaves hold a few sites each however dense the sites are and whatever the domain's shape. All leaves
@@ -15,7 +15,7 @@ use wide::f64x2;
 
 use crate::geometry::bounds::Bounds;
 
-/// Sites a leaf at most. Fewer cost more steps through the tree, more are tested in vain.
+/// The most sites of a leaf. Fewer cost more steps through the tree, more are tested without effect.
 const LEAF: usize = 12;
 
 /// How many levels above the leaves neighborhoods are gathered.
@@ -173,14 +173,7 @@ impl KdTree {
                     continue;
                 }
                 if !self.is_leaf(node) {
-                    let [one, other] = self.gaps_squared(node, &here);
-                    let [one, other] = [(one, 2 * node), (other, 2 * node + 1)];
-                    let nearer_last = if one.0 < other.0 {
-                        [other, one]
-                    } else {
-                        [one, other]
-                    };
-                    stack.extend(nearer_last);
+                    stack.extend(self.children(node, &here));
                     continue;
                 }
                 for place in self.places(node) {
@@ -192,6 +185,17 @@ impl KdTree {
             }
         }
         site
+    }
+
+    /// The squared distances of a node's children from `here`, and their numbers, the nearer one last.
+    fn children(&self, node: u32, here: &Point3<f64>) -> [(f64, u32); 2] {
+        let [one, other] = self.gaps_squared(node, here);
+        let [one, other] = [(one, 2 * node), (other, 2 * node + 1)];
+        if one.0 < other.0 {
+            [other, one]
+        } else {
+            [one, other]
+        }
     }
 
     /// The squared distance within which candidates of the site in `place` are gathered first (L²).
@@ -265,6 +269,22 @@ struct Entry {
     site: u32,
 }
 
+impl Entry {
+    /// The order of coordinates, and of sites where they are equal.
+    #[inline(always)]
+    fn order_along(&self, axis: usize, other: &Self) -> Ordering {
+        let [before, after] = [self, other].map(|entry| entry.position[axis]);
+        // Written so that the common case, whether the first is less, needs no branch.
+        if (before < after) | (before <= after) & (self.site < other.site) {
+            Ordering::Less
+        } else if self.site == other.site {
+            Ordering::Equal
+        } else {
+            Ordering::Greater
+        }
+    }
+}
+
 /// The first of `total` places that node `number` of a level with 2^level nodes covers.
 fn start(total: usize, number: u64, level: u32) -> usize {
     ((total as u64 * number) >> level) as usize
@@ -278,17 +298,7 @@ fn sort(entries: &mut [Entry], total: usize, (number, level): (u64, u32), depth:
     let extent = Bounds::of(entries.iter().map(|entry| &entry.position)).extent();
     let axis = extent.imax();
     let half = start(total, 2 * number + 1, level + 1) - start(total, number, level);
-    entries.select_nth_unstable_by(half, |a, b| {
-        let [before, after] = [a, b].map(|entry| entry.position[axis]);
-        // Written so that no branch is needed to tell whether the first is less.
-        if (before < after) | (before <= after) & (a.site < b.site) {
-            Ordering::Less
-        } else if a.site == b.site {
-            Ordering::Equal
-        } else {
-            Ordering::Greater
-        }
-    });
+    entries.select_nth_unstable_by(half, |a, b| a.order_along(axis, b));
     let (low, high) = entries.split_at_mut(half);
     let mut low = || sort(low, total, (2 * number, level + 1), depth);
     let mut high = || sort(high, total, (2 * number + 1, level + 1), depth);
@@ -311,13 +321,7 @@ pub(crate) struct PeriodicImage {
 
 /// The image itself first, then its periodic copies.
 fn images(periods: [Option<f64>; 3]) -> Vec<PeriodicImage> {
-    let copies = periods.map(|period| {
-        if period.is_some() {
-            &[0, 1, -1][..]
-        } else {
-            &[0]
-        }
-    });
+    let copies = periods.map(|period| period.map_or(&[0][..], |_| &[0, 1, -1]));
     let mut images = Vec::new();
     for &z in copies[2] {
         for &y in copies[1] {

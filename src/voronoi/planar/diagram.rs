@@ -1,9 +1,9 @@
 //! L2 Voronoi cells of the plane, clipped to a rectangle or convex polygon.
 //!
 //! The crate `voronator` finds which sites are neighbors; every cell is then the domain's polygon
-//! cut by the bisectors with these neighbors, so each edge knows what lies behind it. A neighbor
-//! that `voronator` overlooks can only make cells too large, never too small: their areas add up
-//! to the domain's if and only if nothing was overlooked. That sum is checked, and when it fails
+//! cut by the bisectors with these neighbors, so each edge is labelled with its neighbor. A neighbor
+//! that `voronator` misses can only make cells too large, never too small: their areas add up
+//! to the domain's if and only if none was missed. That sum is checked, and when it fails
 //! (or `voronator` does, or there are too few sites for it) all cells are cut by the bisectors of
 //! ever farther sites of a grid instead, until none can matter: beyond twice the distance to the
 //! cell's farthest vertex, the security radius of \[RSL\].
@@ -256,14 +256,14 @@ fn check_distinct(sites: &[Point2<f64>]) -> Result<(), PlaneDiagramError> {
 }
 
 /// The half side of `voronator`'s bounding square, in units of the domain's largest extent. Its
-/// helpers stand three times as far out: no point of the domain is nearer to one than to a site.
+/// auxiliary sites lie three times as far out: no point of the domain is nearer to one than to a site.
 const BOUNDING_SQUARE: f64 = 5.0;
 
-/// Fewest sites for which `voronator` is right.
+/// The fewest sites for which `voronator` is correct.
 const FEWEST_SITES: usize = 3;
 
-/// The neighbors of every site in the Delaunay triangulation, helpers left out; none if
-/// `voronator` cannot say.
+/// The neighbors of every site in the Delaunay triangulation, auxiliary sites left out; `None` if
+/// `voronator` fails.
 pub(crate) fn delaunay_neighbors(
     domain: &PlaneDomain,
     sites: &[Point2<f64>],
@@ -284,7 +284,7 @@ pub(crate) fn delaunay_neighbors(
             y: BOUNDING_SQUARE * y,
         })
         .to_vec();
-    // `voronator` panics where its hull breaks down; for us that is one more way to fail.
+    // `voronator` panics where its convex hull fails: that counts as a failure like any other.
     let diagram = catch_unwind(AssertUnwindSafe(|| {
         VoronoiDiagram::with_bounding_polygon(points, &Polygon::from_points(square))
     }));

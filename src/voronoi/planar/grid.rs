@@ -1,4 +1,4 @@
-//! A uniform grid over sites of the plane, read in rings of growing distance.
+//! A uniform grid over sites of the plane, visited in rings of growing distance.
 
 use nalgebra::Point2;
 
@@ -42,7 +42,7 @@ impl PlaneGrid {
         grid
     }
 
-    /// The number of rings after which every site has been seen from anywhere.
+    /// The number of rings after which every site has been visited, from any square.
     pub(crate) fn rings(&self) -> usize {
         self.columns.max(self.rows)
     }

@@ -1,4 +1,4 @@
-//! Voronoi cells of the plane, through the crate `voronator` with a fallback of our own.
+//! Voronoi cells of the plane, by the crate `voronator` with a fallback by bisectors.
 
 pub mod diagram;
 
