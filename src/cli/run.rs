@@ -112,7 +112,7 @@ impl<'a, const D: usize, S: DrawCells<D>> FiledRun<'a, D, S> {
 
     /// Runs to the end and leaves all files.
     pub(crate) fn run(mut self, common: Common) -> Result<(), Failure> {
-        listen_for_interrupts()?;
+        install_interrupt_handler()?;
         if self.description.initial.is_none() {
             self.description.initial = Some(self.metrics(&self.cells()?));
             self.directory
@@ -284,8 +284,9 @@ impl Bar {
     }
 }
 
-/// From now on the first SIGINT, SIGTERM or SIGHUP is only noted, for the run to end well.
-fn listen_for_interrupts() -> Result<(), Failure> {
+/// Sets a handler by which the first SIGINT, SIGTERM or SIGHUP only sets a flag: the run then
+/// ends after its iteration.
+fn install_interrupt_handler() -> Result<(), Failure> {
     ctrlc::set_handler(|| {
         if IS_INTERRUPTED.swap(true, Ordering::SeqCst) {
             std::process::exit(KILLED);

@@ -1,4 +1,4 @@
-//! Dropping what adds nothing to a surface: collapsed and duplicate triangles, doubled vertices.
+//! Repairs of a surface: collapsed, duplicate and wall triangles dropped, equal vertices merged.
 
 use nalgebra::Point3;
 
@@ -156,7 +156,7 @@ impl Welder {
         }
     }
 
-    /// The index of `point`, a new one if it was not seen before.
+    /// The index of `point`, a new one at its first occurrence.
     pub(crate) fn index(&mut self, point: &Point3<f64>) -> u32 {
         // Adding zero turns −0 into 0.
         let point = point.map(|coordinate| coordinate + 0.0);

@@ -4,7 +4,7 @@ use std::fmt;
 
 use thiserror::Error;
 
-/// How often something was found, and where first.
+/// The count of a finding, and its first place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Tally<T> {
     /// How many.
@@ -85,7 +85,7 @@ pub struct SurfaceReport {
     /// Vertices no triangle uses, dropped.
     pub isolated: Tally<u32>,
     /// Pairs of triangles that cross, kept: the part enclosed twice counts twice. `None`: not
-    /// looked for in a surface this large.
+    /// searched for in a surface this large.
     pub crossings: Option<Tally<[u32; 2]>>,
 }
 
@@ -175,10 +175,10 @@ fn unused_note(tally: Tally<u32>) -> Option<String> {
     ))
 }
 
-/// Why a mesh bounds or fills no solid, and what to do. The sentence continues a file's name.
+/// The reason why a mesh bounds or fills no solid, with the remedy. The sentence continues a file's name.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum Refusal {
-    /// Nothing there.
+    /// No elements.
     #[error("has no {0}; export the mesh again")]
     Empty(&'static str),
     /// A coordinate or value is NaN or infinite.
@@ -223,7 +223,7 @@ pub enum Refusal {
         "has a one-sided component (such as a Klein bottle): its triangles cannot be oriented, the first contradiction stands {first}; cut it open there"
     )]
     OneSided {
-        /// Where a contradiction was met.
+        /// An edge at which the orientations contradict each other.
         first: EdgePlace,
     },
     /// No inside.

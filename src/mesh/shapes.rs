@@ -319,8 +319,8 @@ mod tests {
 
     #[test]
     fn corner_fans_of_the_drilled_face_face_away_from_the_hole() {
-        // The face's corner k sees hole vertices k·quarter … (k + 1)·quarter: no triangle may
-        // be turned over, so the drilled face's area is the rectangle's less the polygon's.
+        // The face's corner k is joined to hole vertices k·quarter … (k + 1)·quarter: no triangle
+        // may be turned over, so the drilled face's area is the rectangle's less the polygon's.
         let mesh = bracket(4);
         let top = mesh
             .all_corners()

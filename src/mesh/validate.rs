@@ -11,7 +11,7 @@
 //!
 //! Of tetrahedra, inverted ones are turned, flat and duplicate ones dropped, unused vertices
 //! removed with their data, each counted in the report. A facet of more than two tetrahedra is
-//! refused. Other overlaps are not looked for.
+//! refused. Other overlaps are not searched for.
 
 use nalgebra::Point3;
 
@@ -54,7 +54,7 @@ impl<M> Valid<M> {
         &self.mesh
     }
 
-    /// The mesh to be changed at will.
+    /// The mesh, no longer known to be valid.
     #[must_use]
     pub fn into_mesh(self) -> M {
         self.mesh
@@ -190,7 +190,8 @@ fn closed_triangles(
 fn cleaned(triangles: &mut Triangles, vertices: usize, report: &mut SurfaceReport) -> EdgeTable {
     report.collapsed = drop_collapsed(triangles);
     let edges = EdgeTable::of(&triangles.corners, vertices);
-    // Duplicates crowd their edges, unless they are all of a component, without volume.
+    // A duplicate gives its edges more than two sides, unless the whole component is duplicated:
+    // that encloses no volume.
     if edges.iter().all(|edge| edge.sides.len() <= 2) {
         return edges;
     }
@@ -320,7 +321,7 @@ fn keep_positive(mesh: &mut TetMesh, report: &mut TetReport) -> Vec<u32> {
     numbers
 }
 
-/// Which tetrahedra stand on the same four vertices as an earlier one.
+/// Marks of the tetrahedra on the same four vertices as an earlier one.
 fn duplicates(tets: &[[u32; 4]]) -> Vec<bool> {
     let sorted = |mut tet: [u32; 4]| {
         tet.sort_unstable();
@@ -345,8 +346,8 @@ fn check_facets(mesh: &TetMesh, numbers: &[u32]) -> Result<(), Refusal> {
     let mut facets = mesh.facets();
     facets.sort_unstable();
     let groups = facets.chunk_by(|one, other| one.0 == other.0);
-    let crowded = groups.filter(|group| group.len() > 2);
-    let Tally { count, first } = crowded
+    let overfull = groups.filter(|group| group.len() > 2);
+    let Tally { count, first } = overfull
         .map(|group| numbers[group[0].1 as usize / 4])
         .collect();
     first.map_or(Ok(()), |first| Err(Refusal::Overlap { count, first }))

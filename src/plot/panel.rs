@@ -24,13 +24,13 @@ pub const TICK_SIZE: f64 = 11.0;
 pub const LABEL_SIZE: f64 = 12.0;
 /// The font size of titles.
 pub const TITLE_SIZE: f64 = 14.0;
-/// How far tick labels stand off the frame.
+/// The distance of tick labels from the frame.
 const STANDOFF: f64 = 7.0;
 /// How long ticks are.
 const TICK_LENGTH: f64 = 4.0;
 
 impl Panel {
-    /// Where the data point `(x, y)` stands in the figure.
+    /// The position of the data point `(x, y)` in the figure.
     #[must_use]
     pub fn place(&self, x: f64, y: f64) -> Point2<f64> {
         let [min, max] = self.frame;
@@ -93,13 +93,13 @@ impl Panel {
     }
 }
 
-/// The bar's width; ticks, their labels and the scale's name need [`BAR_ROOM`] in all.
+/// The bar's width; ticks, their labels and the scale's name need [`BAR_SPACE`] in all.
 const BAR_WIDTH: f64 = 14.0;
 
 /// The space that a bar takes to the right of its left edge.
-pub const BAR_ROOM: f64 = 92.0;
+pub const BAR_SPACE: f64 = 92.0;
 
-/// Steps of color along the bar: more than the eye can tell apart.
+/// Steps of color along the bar: finer than visible steps.
 const BAR_STEPS: usize = 128;
 
 /// Draws the bar of `scale` downward from its upper left corner.

@@ -75,7 +75,7 @@ fn read_dimension(words: &mut Words<'_>) -> Result<(), ParseError> {
 
 fn read_vertices(words: &mut Words<'_>, mesh: &mut MeshParts) -> Result<(), ParseError> {
     let count = words.size("the number of vertices", "vertices")?;
-    mesh.vertices.reserve(words.room_for(count, 6));
+    mesh.vertices.reserve(words.capacity_for(count, 6));
     for _ in 0..count {
         mesh.vertices.push(words.point()?);
         words.number("a reference")?;

@@ -15,7 +15,7 @@ pub enum Mesh {
     Tets(TetMesh),
 }
 
-/// What a file holds that may hold both kinds.
+/// The parts of a file of a format for both kinds.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct MeshParts {
     pub(crate) vertices: Vec<Point3<f64>>,

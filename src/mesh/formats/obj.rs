@@ -2,7 +2,7 @@
 //!
 //! Lines `v` and `f` are read, in all forms of `f` (v, v/vt, v//vn, v/vt/vn, negative indices
 //! that count from the last vertex so far); all groups and objects make one surface. A face's
-//! vertices stand before it. Lines that end in a backslash continue. Other lines are passed
+//! vertices precede it. Lines that end in a backslash continue. Other lines are passed
 //! over. Vertices are not split by normals or texture coordinates, which would open the
 //! surface.
 

@@ -1,7 +1,7 @@
 //! PLY, the Stanford polygon format, text and binary of either byte order.
 //!
 //! Of the element `vertex` the properties x, y, z are read, of `face` the list `vertex_indices`
-//! (or `vertex_index`), whatever else stands before, between or after them; other elements are
+//! (or `vertex_index`), with any other properties before, between or after them; other elements are
 //! passed over. Triangle strips are not read.
 
 use nalgebra::Point3;
@@ -44,7 +44,7 @@ enum Encoding {
     Big,
 }
 
-/// All that stands before the data.
+/// The header: everything before the data.
 #[derive(Clone, Debug)]
 struct Header {
     encoding: Encoding,
@@ -165,7 +165,7 @@ fn read_body(header: &Header, source: &mut Source<'_>) -> Result<SurfaceMesh, Pa
             _ => skip_element(element, source)?,
         }
     }
-    // Faces may stand before the vertices: they are cut up once both are known.
+    // Faces may precede the vertices: they are triangulated once both are read.
     for polygon in polygons.iter() {
         triangulate(&mesh.vertices, polygon, &mut mesh.triangles);
     }
@@ -208,7 +208,7 @@ fn read_vertices(
             "export vertex positions",
         ));
     }
-    vertices.reserve(source.room_for(element.count));
+    vertices.reserve(source.capacity_for(element.count));
     for _ in 0..element.count {
         let mut point = Point3::origin();
         for (property, axis) in element.properties.iter().zip(&axes) {
@@ -229,7 +229,7 @@ fn read_faces(
     source: &mut Source<'_>,
     polygons: &mut Polygons,
 ) -> Result<(), ParseError> {
-    polygons.ends.reserve(source.room_for(element.count));
+    polygons.ends.reserve(source.capacity_for(element.count));
     for _ in 0..element.count {
         for property in &element.properties {
             let is_corners = property.name == "vertex_indices" || property.name == "vertex_index";
@@ -292,7 +292,7 @@ fn skip_property(property: &Property, source: &mut Source<'_>) -> Result<(), Par
     Ok(())
 }
 
-/// Where the numbers come from.
+/// The source of the numbers.
 enum Source<'a> {
     Text(Words<'a>),
     Binary(Bytes<'a>),
@@ -335,9 +335,9 @@ impl Source<'_> {
     }
 
     /// A bound on the elements that the rest can hold.
-    fn room_for(&self, announced: usize) -> usize {
+    fn capacity_for(&self, announced: usize) -> usize {
         match self {
-            Self::Text(words) => words.room_for(announced, 4),
+            Self::Text(words) => words.capacity_for(announced, 4),
             Self::Binary(bytes) => announced.min(bytes.left()),
         }
     }

@@ -85,7 +85,7 @@ fn parse_binary(bytes: &[u8]) -> Result<SurfaceMesh, ParseError> {
 
 fn parse_text(bytes: &[u8]) -> Result<SurfaceMesh, ParseError> {
     let mut words = Words::new(bytes, None);
-    let mut soup = Soup::with_capacity(words.room_for(usize::MAX, 200));
+    let mut soup = Soup::with_capacity(words.capacity_for(usize::MAX, 200));
     while let Some(word) = words.word() {
         match word {
             b"solid" => read_solid(&mut words, &mut soup)?,
@@ -112,7 +112,7 @@ fn read_solid(words: &mut Words<'_>, soup: &mut Soup) -> Result<(), ParseError> 
 }
 
 /// Reads a facet after its first word; exporters write NaN into the normals of slivers, so
-/// these are not looked at.
+/// these are passed over.
 fn read_facet(words: &mut Words<'_>, soup: &mut Soup) -> Result<(), ParseError> {
     words.next_line();
     keyword(words, "outer")?;

@@ -31,7 +31,7 @@ pub fn parse_nodes(bytes: &[u8]) -> Result<Nodes, ParseError> {
     let count = words.size("the number of vertices", "vertices")?;
     let mut nodes = Nodes {
         first: 0,
-        vertices: Vec::with_capacity(words.room_for(count, 8)),
+        vertices: Vec::with_capacity(words.capacity_for(count, 8)),
         vertex_data: read_layout(&mut words)?,
     };
     for number in 0..count as i64 {
@@ -68,7 +68,7 @@ pub fn parse_elements(bytes: &[u8], nodes: Nodes) -> Result<TetMesh, ParseError>
     if corners != 4 {
         return Err(words.error(no_tetrahedron(format!("{corners}-node tetrahedron"))));
     }
-    let mut tets = Vec::with_capacity(words.room_for(count, 10));
+    let mut tets = Vec::with_capacity(words.capacity_for(count, 10));
     for _ in 0..count {
         words.next_line();
         words.integer("a tetrahedron's number")?;
@@ -98,7 +98,7 @@ fn read_layout(words: &mut Words<'_>) -> Result<Vec<VertexData>, ParseError> {
         None => 0,
         Some(word) => words.parse_count(word, "the number of attributes")?,
     };
-    let attributes = words.room_for(attributes, 2);
+    let attributes = words.capacity_for(attributes, 2);
     let field = |number| VertexData {
         name: format!("attribute{number}"),
         values: Vec::new(),

@@ -42,7 +42,7 @@ pub fn parse(bytes: &[u8]) -> Result<Mesh, ParseError> {
     file.into_mesh()
 }
 
-/// Which data follow, and for how many elements.
+/// The owner of the data that follow, points or cells, and the number of tuples.
 #[derive(Clone, Copy, Debug)]
 struct Tuples {
     of_points: bool,
@@ -97,7 +97,9 @@ impl File<'_> {
     fn read_points(&mut self) -> Result<(), ParseError> {
         let count = self.words.size("the number of points", "points")?;
         self.words.some_word_on_line("a number type")?;
-        self.mesh.vertices.reserve(self.words.room_for(count, 6));
+        self.mesh
+            .vertices
+            .reserve(self.words.capacity_for(count, 6));
         for _ in 0..count {
             self.mesh.vertices.push(self.words.point()?);
         }
@@ -110,7 +112,7 @@ impl File<'_> {
         if self.words.peek() == Some(b"OFFSETS") {
             return self.read_offset_cells(first, second);
         }
-        let mut cells = Vec::with_capacity(self.words.room_for(first, 4));
+        let mut cells = Vec::with_capacity(self.words.capacity_for(first, 4));
         let mut found = 0;
         for _ in 0..first {
             let corners = self.words.count("a cell's number of vertices")?;
@@ -206,7 +208,7 @@ impl File<'_> {
         self.read_array(name, components, count)
     }
 
-    /// Reads the arrays of a FIELD, wherever it stands.
+    /// Reads the arrays of a FIELD, in or outside POINT_DATA and CELL_DATA.
     fn read_field(&mut self) -> Result<(), ParseError> {
         self.words.some_word("a field's name")?;
         let arrays = self.words.count("the number of arrays")?;

@@ -1,6 +1,6 @@
 //! VTK's XML unstructured grids, `.vtu`: tetrahedra (or surface cells) and point scalars.
 //!
-//! Data may stand as text, as base64 in place, or appended (raw or base64), of either byte
+//! Data may be text, base64 in place, or appended (raw or base64), of either byte
 //! order, uncompressed or compressed with zlib. Several pieces make one mesh; their common
 //! vertices are not merged. Format: "VTK File Formats", Kitware.
 //!
@@ -70,7 +70,7 @@ struct File<'a> {
 }
 
 impl<'a> File<'a> {
-    /// The encoding told by the tag `VTKFile`, and where it ends.
+    /// The encoding that the tag `VTKFile` gives, and the byte offset of its end.
     fn read_header(&self) -> Result<(Encoding<'a>, usize), ParseError> {
         let mut position = 0;
         while let Some(tag) = next_tag(self.bytes, position) {
@@ -199,7 +199,7 @@ fn add_cells(mesh: &mut MeshParts, piece: &Piece, base: usize) -> Result<(), Err
     Ok(())
 }
 
-/// What the tag `VTKFile` and the appended data tell about all arrays.
+/// The encoding common to all arrays: attributes of the tag `VTKFile`, and the appended data.
 #[derive(Clone, Debug)]
 struct Encoding<'a> {
     big_endian: bool,
@@ -211,7 +211,7 @@ struct Encoding<'a> {
 }
 
 impl<'a> Encoding<'a> {
-    /// Reads the attributes of the tag `VTKFile` and looks for appended data.
+    /// Reads the attributes of the tag `VTKFile` and finds the appended data.
     fn of(file: &Tag<'a>, bytes: &'a [u8]) -> Self {
         let appended = find_appended(bytes, file.end);
         let is_wide = file.attribute("header_type") == Some(b"UInt64");
@@ -290,7 +290,7 @@ fn appended(tag: &Tag<'_>, encoding: &Encoding<'_>) -> Result<Vec<u8>, ErrorKind
     from_base64(&data[..end], encoding)
 }
 
-/// Decodes no more base64 than the header asks for: appended arrays follow one another.
+/// Decodes only as much base64 as the header announces: appended arrays follow one another.
 fn from_base64(text: &[u8], encoding: &Encoding<'_>) -> Result<Vec<u8>, ErrorKind> {
     let text = text.trim_ascii();
     let width = encoding.header.width();
@@ -331,7 +331,7 @@ fn inflate(data: &[u8], blocks: usize, encoding: &Encoding<'_>) -> Result<Vec<u8
     let mut start = blocks
         .saturating_add(3)
         .saturating_mul(encoding.header.width());
-    // A damaged block must not blow up beyond the size of a whole one.
+    // No block inflates beyond the size of a whole one: damaged data must not fill memory.
     let whole = header_value(data, 1, encoding)? as u64;
     let mut inflated = Vec::new();
     for block in 0..blocks {
@@ -362,7 +362,7 @@ fn too_short() -> ErrorKind {
     ErrorKind::Truncated { expected }
 }
 
-/// The first `limit` bytes encoded in `text`, fewer if it is shorter. Padding may stand inside,
+/// The first `limit` bytes encoded in `text`, fewer if it is shorter. Padding may occur inside,
 /// where encoded parts follow one another.
 fn base64(text: &[u8], limit: usize) -> Result<Vec<u8>, ErrorKind> {
     let mut bytes = Vec::with_capacity(limit.min(text.len()));

@@ -1,7 +1,7 @@
-//! Just enough XML for VTK's files: tags with attributes, and the text after them.
+//! The part of XML that VTK's files need: tags with attributes, and the text after them.
 //!
 //! Entities are not decoded and nothing is validated: VTK writes neither entities nor CDATA
-//! where numbers stand. Comments and `<?…?>` are passed over.
+//! among numbers. Comments and `<?…?>` are passed over.
 
 /// An opening or closing tag.
 #[derive(Clone, Debug, PartialEq, Eq)]
