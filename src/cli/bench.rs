@@ -95,13 +95,8 @@ pub(crate) fn run(options: &Options, threads: Option<u32>) -> Result<(), Failure
     }
     let _ = writeln!(table, " {:>11} {:>6}", "evaluations", "MB");
     if let Some(file) = &options.points {
-        add_rows(
-            "file",
-            &BenchSites::read(file)?,
-            options,
-            threads,
-            &mut table,
-        )?;
+        let sites = BenchSites::read(file)?;
+        add_rows("file", &sites, options, threads, &mut table)?;
         return print(table);
     }
     for &count in &options.count {

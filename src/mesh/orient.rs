@@ -6,6 +6,7 @@
 
 use crate::mesh::edges::{Edge, EdgeTable, NO_PARTNER, side_vertices};
 use crate::mesh::report::{EdgePlace, Refusal, Tally};
+use crate::mesh::surface::SurfaceMesh;
 
 /// The components of a surface and the turns that make each consistent.
 #[derive(Clone, Debug)]
@@ -89,7 +90,13 @@ pub(crate) struct Places<'a> {
     pub(crate) numbers: &'a [u32],
 }
 
-impl Places<'_> {
+impl<'a> Places<'a> {
+    /// The places in `mesh` as read of triangles with these numbers there.
+    pub(crate) fn of(mesh: &'a SurfaceMesh, numbers: &'a [u32]) -> Self {
+        let read = &mesh.triangles;
+        Self { read, numbers }
+    }
+
     /// The place of a side, numbered before any triangle was turned.
     pub(crate) fn of_side(&self, side: u32) -> EdgePlace {
         let triangle = self.numbers[side as usize / 3];

@@ -89,10 +89,15 @@ fn spread_walls(edges: &EdgeTable, doubled: &[bool], marked: &mut [bool]) {
     for wall in walls.into_iter().filter(|&wall| doubled[wall]) {
         marked[wall] = true;
     }
+    spread(&inner, marked);
+}
+
+/// Marks both of a pair if one is marked, until nothing changes.
+fn spread(pairs: &[[usize; 2]], marked: &mut [bool]) {
     let mut spreads = true;
     while spreads {
         spreads = false;
-        for &[one, other] in &inner {
+        for &[one, other] in pairs {
             if marked[one] != marked[other] {
                 (marked[one], marked[other]) = (true, true);
                 spreads = true;

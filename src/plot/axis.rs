@@ -128,11 +128,8 @@ impl Axis {
         let ticks = (0..=count)
             .map(|k| {
                 let value = (first + k as f64) * step;
-                let label = format!("{value:.decimals$}");
-                Tick {
-                    value,
-                    label: label.replace('-', "−"),
-                }
+                let label = format!("{value:.decimals$}").replace('-', "−");
+                Tick { value, label }
             })
             .collect();
         Self {

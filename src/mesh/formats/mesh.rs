@@ -51,6 +51,18 @@ impl MeshParts {
     }
 }
 
+/// The surface, unless it has no triangles: then the error that `what` is missing.
+pub(crate) fn not_empty(
+    mesh: SurfaceMesh,
+    what: &'static str,
+    mend: &'static str,
+) -> Result<SurfaceMesh, ParseError> {
+    if mesh.triangles.is_empty() {
+        return Err(ParseError::missing(what, mend));
+    }
+    Ok(mesh)
+}
+
 /// The error of volume elements that are not plain tetrahedra: leaving them out would leave
 /// holes in the solid.
 pub(crate) fn no_tetrahedron(kind: impl std::fmt::Display) -> ErrorKind {

@@ -36,24 +36,30 @@ pub fn parse_nodes(bytes: &[u8]) -> Result<Nodes, ParseError> {
     };
     for number in 0..count as i64 {
         words.next_line();
-        let written = words.integer("a vertex number")?;
-        if number == 0 && written == 1 {
-            nodes.first = 1;
-        }
-        if written != number + nodes.first {
-            let expected = "vertices numbered without gaps from 0 or 1";
-            return Err(words.unexpected(expected, written.to_string().as_bytes()));
-        }
-        let mut value = || words.number_on_line("a coordinate");
-        let point = Point3::new(value()?, value()?, value()?);
-        nodes.vertices.push(point);
-        for field in &mut nodes.vertex_data {
-            field.values.push(words.number_on_line("an attribute")?);
-        }
+        read_node(&mut words, number, &mut nodes)?;
     }
     words.next_line();
     check_end(&mut words, "vertices", count)?;
     Ok(nodes)
+}
+
+/// Reads the line of the vertex with zero-based index `number`.
+fn read_node(words: &mut Words<'_>, number: i64, nodes: &mut Nodes) -> Result<(), ParseError> {
+    let written = words.integer("a vertex number")?;
+    if number == 0 && written == 1 {
+        nodes.first = 1;
+    }
+    if written != number + nodes.first {
+        let expected = "vertices numbered without gaps from 0 or 1";
+        return Err(words.unexpected(expected, written.to_string().as_bytes()));
+    }
+    let mut value = || words.number_on_line("a coordinate");
+    let point = Point3::new(value()?, value()?, value()?);
+    nodes.vertices.push(point);
+    for field in &mut nodes.vertex_data {
+        field.values.push(words.number_on_line("an attribute")?);
+    }
+    Ok(())
 }
 
 /// Reads the `.ele` file that belongs to `nodes`.

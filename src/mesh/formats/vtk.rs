@@ -60,28 +60,22 @@ struct File<'a> {
 impl File<'_> {
     fn read_section(&mut self, keyword: &[u8]) -> Result<(), ParseError> {
         match keyword {
-            b"DATASET" => self.read_dataset(),
-            b"POINTS" => self.read_points(),
-            b"CELLS" => {
-                self.cells = self.read_cells()?;
-                Ok(())
-            }
+            b"DATASET" => self.read_dataset()?,
+            b"POINTS" => self.read_points()?,
+            b"CELLS" => self.cells = self.read_cells()?,
             b"POLYGONS" => {
                 self.cells = self.read_cells()?;
                 self.kinds = vec![POLYGON; self.cells.len()];
-                Ok(())
             }
-            b"VERTICES" | b"LINES" => self.read_cells().map(|_| ()),
-            b"CELL_TYPES" => self.read_kinds(),
-            b"POINT_DATA" => self.start_data(true),
-            b"CELL_DATA" => self.start_data(false),
-            b"METADATA" => {
-                self.skip_metadata();
-                Ok(())
-            }
-            b"FIELD" => self.read_field(),
-            _ => self.read_attribute(keyword),
+            b"VERTICES" | b"LINES" => drop(self.read_cells()?),
+            b"CELL_TYPES" => self.read_kinds()?,
+            b"POINT_DATA" => self.start_data(true)?,
+            b"CELL_DATA" => self.start_data(false)?,
+            b"METADATA" => self.skip_metadata(),
+            b"FIELD" => self.read_field()?,
+            _ => self.read_attribute(keyword)?,
         }
+        Ok(())
     }
 
     fn read_dataset(&mut self) -> Result<(), ParseError> {
@@ -149,10 +143,8 @@ impl File<'_> {
         let connectivity = self.read_cell(size)?;
         let ranges = cell_ranges(&offsets, size);
         let ranges = ranges.ok_or_else(|| self.words.unexpected("ascending offsets", b"others"))?;
-        Ok(ranges
-            .into_iter()
-            .map(|[start, end]| connectivity[start..end].to_vec())
-            .collect())
+        let cell = |[start, end]: [usize; 2]| connectivity[start..end].to_vec();
+        Ok(ranges.into_iter().map(cell).collect())
     }
 
     fn read_kinds(&mut self) -> Result<(), ParseError> {

@@ -19,7 +19,7 @@ use crate::mesh::formats::error::{ErrorKind, ParseError};
 use crate::mesh::formats::mesh::{Mesh, MeshParts};
 use crate::mesh::formats::vtk::{add_cell, cell_ranges};
 use crate::mesh::formats::words::{Words, shown};
-use crate::mesh::formats::xml::{Tag, line_of, next_tag, text_at};
+use crate::mesh::formats::xml::{Tag, line_of, next_tag};
 use crate::mesh::tets::VertexData;
 
 /// Reads tetrahedra, or the surface of a file without any.
@@ -36,11 +36,7 @@ pub fn parse(bytes: &[u8]) -> Result<Mesh, ParseError> {
     let mut piece = Piece::default();
     let mut section: &[u8] = b"";
     loop {
-        let missing = || {
-            let expected = "</UnstructuredGrid>";
-            file.error(bytes.len(), ErrorKind::Truncated { expected })
-        };
-        let tag = next_tag(bytes, position).ok_or_else(missing)?;
+        let tag = file.next_tag(position, "</UnstructuredGrid>")?;
         position = tag.end;
         match tag.name {
             b"Piece" => piece = Piece::default(),
@@ -73,7 +69,8 @@ impl<'a> File<'a> {
     /// The encoding that the tag `VTKFile` gives, and the byte offset of its end.
     fn read_header(&self) -> Result<(Encoding<'a>, usize), ParseError> {
         let mut position = 0;
-        while let Some(tag) = next_tag(self.bytes, position) {
+        loop {
+            let tag = self.next_tag(position, "the element VTKFile")?;
             if tag.name == b"VTKFile" {
                 let kind = tag.attribute("type").unwrap_or_default();
                 if kind != b"UnstructuredGrid" {
@@ -85,8 +82,12 @@ impl<'a> File<'a> {
             }
             position = tag.end;
         }
-        let expected = "the element VTKFile";
-        Err(self.error(self.bytes.len(), ErrorKind::Truncated { expected }))
+    }
+
+    /// The first tag at or after `position`; `expected` describes the missing one in the error.
+    fn next_tag(&self, position: usize, expected: &'static str) -> Result<Tag<'a>, ParseError> {
+        let missing = || self.error(self.bytes.len(), ErrorKind::Truncated { expected });
+        next_tag(self.bytes, position).ok_or_else(missing)
     }
 
     fn read_array(
@@ -121,9 +122,10 @@ impl<'a> File<'a> {
         let at_piece = |kind| ParseError::on_line(line_of(self.bytes, end), kind);
         let (points, rest) = piece.points.as_chunks::<3>();
         if !rest.is_empty() {
+            let found = piece.points.len().to_string();
             return Err(at_piece(ErrorKind::expected(
                 "three coordinates a point",
-                piece.points.len().to_string(),
+                found,
             )));
         }
         let finite = |number: &&f64| !number.is_finite();
@@ -188,15 +190,18 @@ fn add_cells(mesh: &mut MeshParts, piece: &Piece, base: usize) -> Result<(), Err
     for ([start, end], &kind) in ranges.into_iter().zip(&piece.types) {
         cell.clear();
         for &vertex in &piece.connectivity[start..end] {
-            // Casts saturate: what is out of range stays out, what is not a number goes out.
-            let index = vertex as i64;
-            let index = if vertex >= 0.0 { index } else { index.min(-1) };
-            let vertex = ErrorKind::check_vertex(index, vertices, 0)?;
-            cell.push(base as u32 + vertex);
+            cell.push(base as u32 + vertex_index(vertex, vertices)?);
         }
         add_cell(mesh, kind as u32, &cell)?;
     }
     Ok(())
+}
+
+fn vertex_index(number: f64, vertices: usize) -> Result<u32, ErrorKind> {
+    // Casts saturate: a number out of range stays out of range; NaN, cast to 0, becomes −1.
+    let index = number as i64;
+    let index = if number >= 0.0 { index } else { index.min(-1) };
+    ErrorKind::check_vertex(index, vertices, 0)
 }
 
 /// The encoding common to all arrays: attributes of the tag `VTKFile`, and the appended data.
@@ -237,11 +242,7 @@ fn decode(bytes: &[u8], tag: &Tag<'_>, encoding: &Encoding<'_>) -> Result<Vec<f6
     let kind = Scalar::named(&name.to_ascii_lowercase());
     let kind = kind.ok_or_else(|| at_tag(unknown("array of type", name)))?;
     let format = tag.attribute("format").unwrap_or(b"ascii");
-    let content = if tag.is_empty() {
-        &b""[..]
-    } else {
-        text_at(bytes, tag.end)
-    };
+    let content = tag.content(bytes);
     let data = match format {
         b"ascii" => return read_text(content, line),
         b"binary" => from_base64(content, encoding),
