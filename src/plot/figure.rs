@@ -23,7 +23,7 @@ pub struct Stroke {
 impl Stroke {
     /// A solid line.
     #[must_use]
-    pub fn solid(color: Color, width: f64) -> Self {
+    pub const fn solid(color: Color, width: f64) -> Self {
         Self {
             color,
             width,
