@@ -1,4 +1,4 @@
-//! The layout: who may import whom, no circles between files, and how large files and functions grow.
+//! The layout: allowed imports, no circles between files, limits on the size of files and functions.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;

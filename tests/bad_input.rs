@@ -1,9 +1,9 @@
-//! Bad input ends with code 2 and one clear message, and touches nothing.
+//! Bad input: exit code 2, one message, no file changed.
 
-#[path = "common/desk.rs"]
-mod desk;
+#[path = "common/test_dir.rs"]
+mod test_dir;
 
-use desk::{Desk, SMALL, assert_all_in};
+use test_dir::{SMALL, TestDir, assert_all_in};
 
 /// A scene, and words that its refusal must hold.
 const BAD_SCENES: &[(&str, &[&str])] = &[
@@ -104,11 +104,11 @@ const BAD_SCENES: &[(&str, &[&str])] = &[
 
 #[test]
 fn scenes_that_say_something_wrong_are_refused_at_the_place() {
-    let desk = Desk::new();
+    let dir = TestDir::new();
     for (scene, words) in BAD_SCENES {
-        desk.write("s.json", scene);
+        dir.write("s.json", scene);
         for command in ["relax", "measure"] {
-            assert_all_in(&desk.refusal(&[command, "s.json"]), words);
+            assert_all_in(&dir.refusal(&[command, "s.json"]), words);
         }
     }
 }
@@ -171,25 +171,25 @@ const BAD_SITES: &[(&str, &[u8], &[&str])] = &[
 
 #[test]
 fn sites_that_have_no_cells_are_refused_by_name() {
-    let desk = Desk::new();
+    let dir = TestDir::new();
     for (name, content, words) in BAD_SITES {
-        desk.write(name, content);
+        dir.write(name, content);
         for command in ["relax", "measure"] {
-            let told = desk.refusal(&[command, "--sites", name]);
+            let message = dir.refusal(&[command, "--sites", name]);
             // The program names files by their whole path.
-            assert_all_in(&told.replace(&format!("{}/", real(&desk)), ""), words);
+            assert_all_in(&message.replace(&format!("{}/", real(&dir)), ""), words);
         }
     }
 }
 
-fn real(desk: &Desk) -> String {
-    let folder = desk.folder.path().canonicalize().expect("a folder");
+fn real(dir: &TestDir) -> String {
+    let folder = dir.folder.path().canonicalize().expect("a folder");
     folder.display().to_string()
 }
 
 #[test]
 fn usage_errors_end_with_code_2() {
-    let desk = Desk::new();
+    let dir = TestDir::new();
     for arguments in [
         &["relx"][..],
         &["relax", "--iteratons", "3"],
@@ -213,49 +213,49 @@ fn usage_errors_end_with_code_2() {
         &["completions", "tcsh9"],
         &["man", "relx"],
     ] {
-        desk.refusal(arguments);
+        dir.refusal(arguments);
     }
-    let nothing = desk.run(&[]);
+    let nothing = dir.run(&[]);
     assert_eq!(nothing.status.code(), Some(2));
 }
 
 #[test]
 fn an_occupied_directory_is_refused_unless_forced() {
-    let desk = Desk::new();
+    let dir = TestDir::new();
     let mut arguments = vec!["relax", "--out", "r", "--seed", "1"];
     arguments.extend(SMALL);
-    desk.stdout(&arguments);
+    dir.stdout(&arguments);
     assert_all_in(
-        &desk.refusal(&arguments),
+        &dir.refusal(&arguments),
         &["r already holds a run", "--resume", "--force", "--out"],
     );
 
     arguments[4] = "2";
     arguments.push("--force");
-    let before = desk.read("r/sites.csv");
-    desk.stdout(&arguments);
-    assert_ne!(before, desk.read("r/sites.csv"));
-    assert_eq!(desk.records("r").len(), 3);
+    let before = dir.read("r/sites.csv");
+    dir.stdout(&arguments);
+    assert_ne!(before, dir.read("r/sites.csv"));
+    assert_eq!(dir.records("r").len(), 3);
 
     // Bad input is found before anything is overwritten.
-    desk.refusal(&["relax", "--out", "r", "--force", "--count", "0"]);
-    desk.refusal(&["relax", "--out", "r", "--force", "--sites", "nowhere.csv"]);
+    dir.refusal(&["relax", "--out", "r", "--force", "--count", "0"]);
+    dir.refusal(&["relax", "--out", "r", "--force", "--sites", "nowhere.csv"]);
 }
 
 #[test]
 fn a_place_that_cannot_hold_a_run_is_refused() {
-    let desk = Desk::new();
-    desk.write("file", "not a directory");
+    let dir = TestDir::new();
+    dir.write("file", "not a directory");
     assert_all_in(
-        &desk.refusal(&["relax", "--out", "file"]),
+        &dir.refusal(&["relax", "--out", "file"]),
         &["file is not a directory"],
     );
     assert_all_in(
-        &desk.refusal(&["relax", "--out", "file/below"]),
+        &dir.refusal(&["relax", "--out", "file/below"]),
         &["file/below"],
     );
     assert_all_in(
-        &desk.refusal(&["relax", "--out", "none", "--resume"]),
+        &dir.refusal(&["relax", "--out", "none", "--resume"]),
         &["none holds no run"],
     );
 }

@@ -1,24 +1,24 @@
-//! The program as its users meet it: every test reads as a sentence about the command line.
+//! The command line: output, files, exit codes.
 
-#[path = "common/desk.rs"]
-mod desk;
+#[path = "common/test_dir.rs"]
+mod test_dir;
 
 use std::fs;
 use std::process::Stdio;
 
 use serde_json::Value;
 
-use desk::{Desk, SMALL, assert_all_in};
+use test_dir::{SMALL, TestDir, assert_all_in};
 
 #[test]
 fn relax_leaves_what_the_interface_promises() {
-    let desk = Desk::new();
+    let dir = TestDir::new();
     let mut arguments = vec!["relax", "--out", "a/b"];
     arguments.extend(SMALL);
-    let told = desk.stdout(&arguments);
-    assert_all_in(&told, &["20 sites", "2 iterations", "energy", "a/b"]);
+    let message = dir.stdout(&arguments);
+    assert_all_in(&message, &["20 sites", "2 iterations", "energy", "a/b"]);
 
-    let records = desk.records("a/b");
+    let records = dir.records("a/b");
     assert_eq!(records.len(), 3);
     for key in [
         "iteration",
@@ -37,7 +37,7 @@ fn relax_leaves_what_the_interface_promises() {
     }
     assert_eq!(records[0]["movement_mean"], 0.0);
 
-    let run = desk.json("a/b/run.json");
+    let run = dir.json("a/b/run.json");
     assert_eq!(run["program"], "chebloyd");
     assert_eq!(run["version"], env!("CARGO_PKG_VERSION"));
     assert_eq!(run["scene"]["method"]["lloyd"]["iterations"], 2);
@@ -51,24 +51,24 @@ fn relax_leaves_what_the_interface_promises() {
     assert_eq!(run["final"]["energy_mean"], records[2]["energy_mean"]);
     assert!(run["threads"].as_u64() >= Some(1) && run["seconds"].as_f64() >= Some(0.0));
 
-    let sites = String::from_utf8(desk.read("a/b/sites.csv")).expect("text");
+    let sites = String::from_utf8(dir.read("a/b/sites.csv")).expect("text");
     assert_eq!(sites.lines().next(), Some("x,y,z"));
     assert_eq!(sites.lines().count(), 21);
     for name in ["cells.vtu", "cells.svg", "cells.png", "convergence.svg"] {
-        assert!(!desk.read(&format!("a/b/{name}")).is_empty());
+        assert!(!dir.read(&format!("a/b/{name}")).is_empty());
     }
 }
 
 #[test]
 fn measure_prints_one_object_and_cells_in_site_order() {
-    let desk = Desk::new();
-    desk.write("p.csv", "x,y,z\n0.25,0.5,0.5\n0.75,0.5,0.5\n");
+    let dir = TestDir::new();
+    dir.write("p.csv", "x,y,z\n0.25,0.5,0.5\n0.75,0.5,0.5\n");
     let bare: Value =
-        serde_json::from_str(&desk.stdout(&["measure", "--sites", "p.csv"])).expect("JSON");
+        serde_json::from_str(&dir.stdout(&["measure", "--sites", "p.csv"])).expect("JSON");
     assert_eq!(bare["sites"], 2);
     assert_eq!(bare["facet_histogram"], serde_json::json!({ "6": 2 }));
     assert!(bare.get("cells").is_none());
-    let full = desk.stdout(&["measure", "--sites", "p.csv", "--per-cell"]);
+    let full = dir.stdout(&["measure", "--sites", "p.csv", "--per-cell"]);
     let full: Value = serde_json::from_str(&full).expect("JSON");
     let cells = full["cells"].as_array().expect("cells");
     let x: Vec<f64> = cells
@@ -94,13 +94,13 @@ fn measure_prints_one_object_and_cells_in_site_order() {
 #[test]
 fn a_run_measures_as_its_last_record_says_in_both_norms() {
     for norm in ["linf", "l2"] {
-        let desk = Desk::new();
+        let dir = TestDir::new();
         let mut arguments = vec!["relax", "--norm", norm, "-q"];
         arguments.extend(SMALL);
-        assert_eq!(desk.stdout(&arguments), "");
-        let text = desk.stdout(&["measure", "--sites", "relaxed/sites.csv", "--norm", norm]);
+        assert_eq!(dir.stdout(&arguments), "");
+        let text = dir.stdout(&["measure", "--sites", "relaxed/sites.csv", "--norm", norm]);
         let measured: Value = serde_json::from_str(&text).expect("JSON");
-        let last = &desk.records("relaxed")[2];
+        let last = &dir.records("relaxed")[2];
         for key in ["energy_mean", "energy_max", "energy_percent"] {
             let ratio = measured[key]
                 .as_f64()
@@ -111,17 +111,17 @@ fn a_run_measures_as_its_last_record_says_in_both_norms() {
                 "{norm} {key}"
             );
         }
-        assert_eq!(measured, desk.json("relaxed/run.json")["final"]);
+        assert_eq!(measured, dir.json("relaxed/run.json")["final"]);
     }
 }
 
 #[test]
 fn every_site_format_gives_the_same_tessellation() {
-    let desk = Desk::new();
-    desk.write("p.csv", "x,y,z\n0.25,0.5,0.5\n0.75,0.5,0.375\n");
-    desk.write("p.xyz", "# two sites\n0.25 0.5 0.5\n0.75 0.5 0.375\n");
-    desk.write("p.txt", "0.25\t0.5\t0.5\n0.75\t0.5\t0.375");
-    desk.write("p.json", "[[0.25, 0.5, 0.5], [0.75, 0.5, 0.375]]");
+    let dir = TestDir::new();
+    dir.write("p.csv", "x,y,z\n0.25,0.5,0.5\n0.75,0.5,0.375\n");
+    dir.write("p.xyz", "# two sites\n0.25 0.5 0.5\n0.75 0.5 0.375\n");
+    dir.write("p.txt", "0.25\t0.5\t0.5\n0.75\t0.5\t0.375");
+    dir.write("p.json", "[[0.25, 0.5, 0.5], [0.75, 0.5, 0.375]]");
     let mut npy = b"\x93NUMPY\x01\x00\x46\x00".to_vec();
     let header = "{'descr': '<f8', 'fortran_order': False, 'shape': (2, 3), }";
     npy.extend(format!("{header:<69}\n").as_bytes());
@@ -130,11 +130,11 @@ fn every_site_format_gives_the_same_tessellation() {
             .iter()
             .flat_map(|x: &f64| x.to_le_bytes()),
     );
-    desk.write("p.npy", npy);
-    let expected = desk.stdout(&["measure", "--sites", "p.csv", "--per-cell"]);
+    dir.write("p.npy", npy);
+    let expected = dir.stdout(&["measure", "--sites", "p.csv", "--per-cell"]);
     for file in ["p.xyz", "p.txt", "p.json", "p.npy"] {
         assert_eq!(
-            desk.stdout(&["measure", "--sites", file, "--per-cell"]),
+            dir.stdout(&["measure", "--sites", file, "--per-cell"]),
             expected,
             "{file}"
         );
@@ -143,22 +143,22 @@ fn every_site_format_gives_the_same_tessellation() {
 
 #[test]
 fn a_scene_finds_its_sites_beside_it() {
-    let desk = Desk::new();
-    fs::create_dir(desk.path("scenes")).expect("a folder");
-    desk.write("scenes/p.csv", "0.25,0.5,0.5\n0.75,0.5,0.375\n");
-    desk.write(
+    let dir = TestDir::new();
+    fs::create_dir(dir.path("scenes")).expect("a folder");
+    dir.write("scenes/p.csv", "0.25,0.5,0.5\n0.75,0.5,0.375\n");
+    dir.write(
         "scenes/s.json",
         r#"{"sites": {"file": "p.csv"}, "method": {"lloyd": {"iterations": 1}}}"#,
     );
-    desk.stdout(&["relax", "scenes/s.json"]);
-    assert_eq!(desk.json("relaxed/run.json")["sites"], 2);
+    dir.stdout(&["relax", "scenes/s.json"]);
+    assert_eq!(dir.json("relaxed/run.json")["sites"], 2);
 }
 
 #[test]
 fn results_do_not_depend_on_the_number_of_threads() {
-    let desk = Desk::new();
+    let dir = TestDir::new();
     for threads in ["1", "3"] {
-        desk.stdout(&[
+        dir.stdout(&[
             "relax",
             "--count",
             "300",
@@ -170,16 +170,16 @@ fn results_do_not_depend_on_the_number_of_threads() {
             threads,
         ]);
     }
-    assert_eq!(desk.read("1/sites.csv"), desk.read("3/sites.csv"));
-    assert_eq!(desk.records("1"), desk.records("3"));
-    assert_eq!(desk.json("3/run.json")["threads"], 3);
+    assert_eq!(dir.read("1/sites.csv"), dir.read("3/sites.csv"));
+    assert_eq!(dir.records("1"), dir.records("3"));
+    assert_eq!(dir.json("3/run.json")["threads"], 3);
 }
 
 #[test]
 fn plot_draws_one_or_several_runs_as_svg_or_png() {
-    let desk = Desk::new();
+    let dir = TestDir::new();
     for norm in ["linf", "l2"] {
-        desk.stdout(&[
+        dir.stdout(&[
             "relax",
             "--count",
             "20",
@@ -191,37 +191,31 @@ fn plot_draws_one_or_several_runs_as_svg_or_png() {
             norm,
         ]);
     }
-    assert_eq!(
-        desk.stdout(&["plot", "linf/log.jsonl"]),
-        "convergence.svg\n"
-    );
-    let svg = String::from_utf8(desk.read("convergence.svg")).expect("text");
+    assert_eq!(dir.stdout(&["plot", "linf/log.jsonl"]), "convergence.svg\n");
+    let svg = String::from_utf8(dir.read("convergence.svg")).expect("text");
     assert_all_in(&svg, &["<svg", "linf", "movement", "energy"]);
-    desk.stdout(&["plot", "linf/log.jsonl", "l2", "-o", "both.svg"]);
-    let svg = String::from_utf8(desk.read("both.svg")).expect("text");
+    dir.stdout(&["plot", "linf/log.jsonl", "l2", "-o", "both.svg"]);
+    let svg = String::from_utf8(dir.read("both.svg")).expect("text");
     assert_all_in(&svg, &["linf", "l2"]);
     assert_eq!(
-        desk.stdout(&["plot", "linf", "l2", "-o", "both.png", "--quiet"]),
+        dir.stdout(&["plot", "linf", "l2", "-o", "both.png", "--quiet"]),
         ""
     );
-    assert!(desk.read("both.png").starts_with(b"\x89PNG"));
+    assert!(dir.read("both.png").starts_with(b"\x89PNG"));
     assert_all_in(
-        &desk.refusal(&["plot", "linf", "-o", "both.pdf"]),
+        &dir.refusal(&["plot", "linf", "-o", "both.pdf"]),
         &[".svg or .png"],
     );
-    desk.write("bad.jsonl", "{\"iteration\": 0}\n");
-    assert_all_in(
-        &desk.refusal(&["plot", "bad.jsonl"]),
-        &["bad.jsonl, line 1"],
-    );
-    desk.write("empty.jsonl", "");
-    assert_all_in(&desk.refusal(&["plot", "empty.jsonl"]), &["no records"]);
+    dir.write("bad.jsonl", "{\"iteration\": 0}\n");
+    assert_all_in(&dir.refusal(&["plot", "bad.jsonl"]), &["bad.jsonl, line 1"]);
+    dir.write("empty.jsonl", "");
+    assert_all_in(&dir.refusal(&["plot", "empty.jsonl"]), &["no records"]);
 }
 
 #[test]
 fn the_program_describes_itself() {
-    let desk = Desk::new();
-    let schema: Value = serde_json::from_str(&desk.stdout(&["schema"])).expect("JSON");
+    let dir = TestDir::new();
+    let schema: Value = serde_json::from_str(&dir.stdout(&["schema"])).expect("JSON");
     for key in [
         "dimension",
         "domain",
@@ -235,33 +229,27 @@ fn the_program_describes_itself() {
     }
     assert_eq!(schema["required"], serde_json::json!(["sites"]));
     for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
-        assert_all_in(
-            &desk.stdout(&["completions", shell]),
-            &["chebloyd", "relax"],
-        );
+        assert_all_in(&dir.stdout(&["completions", shell]), &["chebloyd", "relax"]);
     }
-    assert_all_in(&desk.stdout(&["man"]), &[".TH chebloyd 1", "relax"]);
+    assert_all_in(&dir.stdout(&["man"]), &[".TH chebloyd 1", "relax"]);
     assert_all_in(
-        &desk.stdout(&["man", "relax"]),
+        &dir.stdout(&["man", "relax"]),
         &[".TH chebloyd-relax 1", "iterations"],
     );
     let version = format!("chebloyd {}\n", env!("CARGO_PKG_VERSION"));
-    assert_eq!(desk.stdout(&["--version"]), version);
+    assert_eq!(dir.stdout(&["--version"]), version);
     for command in ["relax", "measure", "plot", "schema", "completions", "man"] {
-        let help = desk.stdout(&[command, "--help"]);
+        let help = dir.stdout(&[command, "--help"]);
         assert_all_in(&help, &["Usage: chebloyd", "--threads", "--quiet"]);
-        assert!(
-            desk.stdout(&[command, "--version"])
-                .ends_with(&version[8..])
-        );
+        assert!(dir.stdout(&[command, "--version"]).ends_with(&version[8..]));
     }
 }
 
 #[cfg(unix)]
 #[test]
 fn a_reader_that_leaves_is_no_error() {
-    let desk = Desk::new();
-    let mut child = desk
+    let dir = TestDir::new();
+    let mut child = dir
         .command(&["completions", "bash"])
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
@@ -275,27 +263,27 @@ fn a_reader_that_leaves_is_no_error() {
 
 #[test]
 fn a_cell_is_taken_apart_as_picture_and_as_polyhedra() {
-    let desk = Desk::new();
+    let dir = TestDir::new();
     for (name, beginning) in [("cell.png", "\u{fffd}PNG"), ("cell.vtu", "<?xml")] {
-        let output = desk.run(&["fragments", "--count", "50", "--site", "7", "-o", name]);
+        let output = dir.run(&["fragments", "--count", "50", "--site", "7", "-o", name]);
         assert_eq!(output.status.code(), Some(0), "{output:?}");
-        let bytes = desk.read(name);
+        let bytes = dir.read(name);
         assert!(
             String::from_utf8_lossy(&bytes).starts_with(beginning),
             "{name}"
         );
     }
-    let told = desk.refusal(&["fragments", "--count", "50", "--site", "50", "-o", "no.png"]);
-    assert_all_in(&told, &["site 50", "50"]);
-    assert!(!desk.path("no.png").exists());
+    let message = dir.refusal(&["fragments", "--count", "50", "--site", "50", "-o", "no.png"]);
+    assert_all_in(&message, &["site 50", "50"]);
+    assert!(!dir.path("no.png").exists());
 }
 
 #[test]
 fn bench_tells_what_was_asked_and_nothing_else() {
-    let desk = Desk::new();
+    let dir = TestDir::new();
     let row = |arguments: &[&str]| {
-        let told = desk.stdout(arguments);
-        let mut lines = told.lines();
+        let message = dir.stdout(arguments);
+        let mut lines = message.lines();
         let names = lines.next().expect("the columns");
         let numbers = lines.next().expect("a row");
         // "µs per site" and "random 200" take three words and two.
@@ -326,7 +314,7 @@ fn bench_tells_what_was_asked_and_nothing_else() {
 
 #[test]
 fn bench_replaces_a_file_only_when_told_to() {
-    let desk = Desk::new();
+    let dir = TestDir::new();
     let arguments = [
         "bench",
         "--count",
@@ -336,12 +324,12 @@ fn bench_replaces_a_file_only_when_told_to() {
         "--save",
         "sites.csv",
     ];
-    assert!(desk.stdout(&arguments).is_empty());
-    let sites = desk.read("sites.csv");
-    fs::write(desk.path("sites.csv"), "mine").expect("room for a word");
-    let told = desk.refusal(&arguments);
-    assert_all_in(&told, &["sites.csv", "--force"]);
-    assert_eq!(desk.read("sites.csv"), b"mine");
-    desk.stdout(&[&arguments[..], &["--force"]].concat());
-    assert_eq!(desk.read("sites.csv"), sites);
+    assert!(dir.stdout(&arguments).is_empty());
+    let sites = dir.read("sites.csv");
+    fs::write(dir.path("sites.csv"), "mine").expect("room for a word");
+    let message = dir.refusal(&arguments);
+    assert_all_in(&message, &["sites.csv", "--force"]);
+    assert_eq!(dir.read("sites.csv"), b"mine");
+    dir.stdout(&[&arguments[..], &["--force"]].concat());
+    assert_eq!(dir.read("sites.csv"), sites);
 }

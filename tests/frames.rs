@@ -1,14 +1,14 @@
 //! Frames of cells from files, from one rotation and from the boundary, by the command.
 
-#[path = "common/desk.rs"]
-mod desk;
+#[path = "common/test_dir.rs"]
+mod test_dir;
 
-use desk::{Desk, assert_all_in};
 use nalgebra::Vector3;
+use test_dir::{TestDir, assert_all_in};
 
 #[test]
 fn scenes_take_frames_from_files_and_from_the_boundary() {
-    let desk = Desk::new();
+    let dir = TestDir::new();
     let scene = |frames: &str| {
         format!(
             r#"{{ "sites": {{ "random": {{ "count": 40 }} }}, "frames": {frames},
@@ -16,8 +16,8 @@ fn scenes_take_frames_from_files_and_from_the_boundary() {
         )
     };
     let rotation = "0.1,0.2,0.3\n";
-    desk.write("frames.csv", format!("x,y,z\n{}", rotation.repeat(40)));
-    desk.write("short.csv", rotation.repeat(39));
+    dir.write("frames.csv", format!("x,y,z\n{}", rotation.repeat(40)));
+    dir.write("short.csv", rotation.repeat(39));
     let degrees = Vector3::new(0.1_f64, 0.2, 0.3).norm().to_degrees();
     let one = format!(r#"{{ "axis": [1, 2, 3], "degrees": {degrees:?} }}"#);
     for (name, frames) in [
@@ -27,25 +27,25 @@ fn scenes_take_frames_from_files_and_from_the_boundary() {
         ("short", r#"{ "file": "short.csv" }"#),
         ("odd", r#""walls""#),
     ] {
-        desk.write(&format!("{name}.json"), scene(frames));
+        dir.write(&format!("{name}.json"), scene(frames));
     }
     for name in ["file", "one", "boundary"] {
-        desk.stdout(&["relax", &format!("{name}.json"), "--out", name]);
+        dir.stdout(&["relax", &format!("{name}.json"), "--out", name]);
         // Frames belong to the sites of the start, also in a run that goes on.
-        desk.stdout(&["relax", "--resume", "--out", name, "--iterations", "5"]);
+        dir.stdout(&["relax", "--resume", "--out", name, "--iterations", "5"]);
     }
     let last =
-        |name: &str| desk.json(&format!("{name}/run.json"))["final"]["energy_percent"].clone();
+        |name: &str| dir.json(&format!("{name}/run.json"))["final"]["energy_percent"].clone();
     let number = |name: &str| last(name).as_f64().expect("a number");
     assert!((number("file") / number("one") - 1.0).abs() < 1e-9);
     assert!((number("file") / number("boundary") - 1.0).abs() > 1e-6);
-    let told = desk.refusal(&["relax", "short.json", "--out", "r"]);
-    assert_all_in(&told, &["short.csv", "39 rotations for 40 sites"]);
-    let told = desk.refusal(&["relax", "odd.json", "--out", "r"]);
-    assert_all_in(&told, &["boundary", "degrees"]);
-    let told = desk.refusal(&["relax", "file.json", "--coarse-to-fine", "1", "--out", "r"]);
-    assert_all_in(&told, &["coarse_to_fine", "frame"]);
-    desk.stdout(&[
+    let message = dir.refusal(&["relax", "short.json", "--out", "r"]);
+    assert_all_in(&message, &["short.csv", "39 rotations for 40 sites"]);
+    let message = dir.refusal(&["relax", "odd.json", "--out", "r"]);
+    assert_all_in(&message, &["boundary", "degrees"]);
+    let message = dir.refusal(&["relax", "file.json", "--coarse-to-fine", "1", "--out", "r"]);
+    assert_all_in(&message, &["coarse_to_fine", "frame"]);
+    dir.stdout(&[
         "relax",
         "file.json",
         "--goal",
@@ -55,5 +55,5 @@ fn scenes_take_frames_from_files_and_from_the_boundary() {
         "--out",
         "r",
     ]);
-    desk.stdout(&["fragments", "file.json", "-o", "cell.vtu"]);
+    dir.stdout(&["fragments", "file.json", "-o", "cell.vtu"]);
 }

@@ -1,11 +1,11 @@
-//! `chebloyd mass` as its users meet it.
+//! The command `chebloyd mass`: output and error messages.
 
-#[path = "common/desk.rs"]
-mod desk;
+#[path = "common/test_dir.rs"]
+mod test_dir;
 
 use serde_json::Value;
 
-use desk::{Desk, assert_all_in};
+use test_dir::{TestDir, assert_all_in};
 
 /// The unit cube with its least corner at (`x`, 0, 0), as OFF quads.
 fn cube(x: f64) -> String {
@@ -21,19 +21,19 @@ fn cube(x: f64) -> String {
     text + "4 0 4 6 2\n4 1 3 7 5\n4 0 1 5 4\n4 2 6 7 3\n4 0 2 3 1\n4 4 5 7 6\n"
 }
 
-fn desk() -> Desk {
-    let desk = Desk::new();
-    desk.write("cube.off", cube(0.0))
+fn dir() -> TestDir {
+    let dir = TestDir::new();
+    dir.write("cube.off", cube(0.0))
         .write("next.off", cube(1.0));
     let nodes = "4 3 1 0\n0 0 0 0 1\n1 1 0 0 2\n2 0 1 0 3\n3 0 0 1 4\n";
-    desk.write("tet.node", nodes)
+    dir.write("tet.node", nodes)
         .write("tet.ele", "1 4 0\n0 0 1 2 3\n");
-    desk
+    dir
 }
 
-fn json(desk: &Desk, arguments: &[&str]) -> Value {
+fn json(dir: &TestDir, arguments: &[&str]) -> Value {
     let arguments = [&["mass", "--json"], arguments].concat();
-    serde_json::from_str(&desk.stdout(&arguments)).expect("JSON")
+    serde_json::from_str(&dir.stdout(&arguments)).expect("JSON")
 }
 
 fn near(value: &Value, expected: f64) {
@@ -43,8 +43,8 @@ fn near(value: &Value, expected: f64) {
 
 #[test]
 fn the_json_object_holds_what_the_interface_promises() {
-    let desk = desk();
-    let cube = json(&desk, &["cube.off", "--density", "3"]);
+    let dir = dir();
+    let cube = json(&dir, &["cube.off", "--density", "3"]);
     near(&cube["volume"], 1.0);
     near(&cube["surface_area"], 6.0);
     near(&cube["mass"], 3.0);
@@ -60,23 +60,23 @@ fn the_json_object_holds_what_the_interface_promises() {
 
 #[test]
 fn a_ramp_runs_over_all_parts_together() {
-    let desk = desk();
+    let dir = dir();
     let ramp = "linear:axis=x,from=0,to=2";
-    let both = json(&desk, &["cube.off", "next.off", "--density", ramp]);
+    let both = json(&dir, &["cube.off", "next.off", "--density", ramp]);
     near(&both["mass"], 2.0);
     near(&both["center_of_mass"][0], 4.0 / 3.0);
     near(&both["parts"][0]["mass"], 0.5);
     near(&both["parts"][1]["mass"], 1.5);
     let own = ["--density", "1", "--density", "linear:axis=x,from=0,to=2"];
-    let own = json(&desk, &[&["cube.off", "next.off"], &own[..]].concat());
+    let own = json(&dir, &[&["cube.off", "next.off"], &own[..]].concat());
     near(&own["parts"][0]["mass"], 1.0);
 }
 
 #[test]
 fn parts_may_be_given_by_mass_and_turned_about_any_axis() {
-    let desk = desk();
+    let dir = dir();
     let masses = ["--mass", "3", "--mass", "1", "--axis", "0.5,0.5,-7,0,0,2"];
-    let both = json(&desk, &[&["cube.off", "next.off"], &masses[..]].concat());
+    let both = json(&dir, &[&["cube.off", "next.off"], &masses[..]].concat());
     near(&both["mass"], 4.0);
     near(&both["center_of_mass"][0], 0.75);
     near(&both["moment_about_axis"], 4.0 / 6.0 + 1.0);
@@ -84,16 +84,16 @@ fn parts_may_be_given_by_mass_and_turned_about_any_axis() {
 
 #[test]
 fn vertex_data_of_a_tetrahedral_mesh_are_densities() {
-    let desk = desk();
-    let tet = json(&desk, &["tet.node", "--density", "vertex"]);
+    let dir = dir();
+    let tet = json(&dir, &["tet.node", "--density", "vertex"]);
     near(&tet["mass"], 2.5 / 6.0);
     near(&tet["center_of_mass"][0], (1.0 + 2.0 / 10.0) / 5.0);
 }
 
 #[test]
 fn the_table_carries_units_and_ten_digits() {
-    let desk = desk();
-    let table = desk.stdout(&["mass", "cube.off", "--density", "x", "--units", "mm and g"]);
+    let dir = dir();
+    let table = dir.stdout(&["mass", "cube.off", "--density", "x", "--units", "mm and g"]);
     let parts = [
         "mass                            0.5000000000",
         "center of mass                  0.6666666667        0.5000000000",
@@ -105,8 +105,8 @@ fn the_table_carries_units_and_ten_digits() {
 
 #[test]
 fn what_cannot_be_weighed_is_refused_by_name() {
-    let desk = desk();
-    desk.write("open.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
+    let dir = dir();
+    dir.write("open.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
     for (arguments, parts) in [
         (
             &["open.off"][..],
@@ -127,7 +127,7 @@ fn what_cannot_be_weighed_is_refused_by_name() {
             &["--mass is given 2 times; this body has 1 part"],
         ),
     ] {
-        let told = desk.refusal(&[&["mass"], arguments].concat());
-        assert_all_in(&told, parts);
+        let message = dir.refusal(&[&["mass"], arguments].concat());
+        assert_all_in(&message, parts);
     }
 }

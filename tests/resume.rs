@@ -1,26 +1,26 @@
-//! However a run ends, it goes on to the same bytes.
+//! Resumed runs: the same bytes as without the interruption.
 
-#[path = "common/desk.rs"]
-mod desk;
+#[path = "common/test_dir.rs"]
+mod test_dir;
 
 use std::fs;
 use std::process::{Child, Command};
 
 use serde_json::Value;
 
-use desk::{Desk, LONG, SMALL, assert_all_in};
+use test_dir::{LONG, SMALL, TestDir, assert_all_in};
 
 #[test]
 fn a_run_goes_on_where_it_ended() {
-    let desk = Desk::new();
+    let dir = TestDir::new();
     let relax = |rest: &[&str]| {
         let mut arguments = vec!["relax", "--count", "60", "--seed", "5"];
         arguments.extend(rest);
-        desk.stdout(&arguments);
+        dir.stdout(&arguments);
     };
     relax(&["--iterations", "9", "--out", "whole"]);
     relax(&["--iterations", "4", "--out", "parts"]);
-    desk.stdout(&[
+    dir.stdout(&[
         "relax",
         "--resume",
         "--out",
@@ -30,25 +30,25 @@ fn a_run_goes_on_where_it_ended() {
         "--threads",
         "1",
     ]);
-    assert_eq!(desk.read("whole/sites.csv"), desk.read("parts/sites.csv"));
-    assert_eq!(desk.records("whole"), desk.records("parts"));
-    let (whole, parts) = (desk.json("whole/run.json"), desk.json("parts/run.json"));
+    assert_eq!(dir.read("whole/sites.csv"), dir.read("parts/sites.csv"));
+    assert_eq!(dir.records("whole"), dir.records("parts"));
+    let (whole, parts) = (dir.json("whole/run.json"), dir.json("parts/run.json"));
     assert_eq!(whole["final"], parts["final"]);
     assert_eq!(whole["initial"], parts["initial"]);
     assert_eq!(parts["scene"]["method"]["lloyd"]["iterations"], 9);
 
     // Nothing to add: the files stay as they are.
-    desk.stdout(&["relax", "--resume", "--out", "parts"]);
-    assert_eq!(desk.records("whole"), desk.records("parts"));
-    let told = desk.refusal(&["relax", "--resume", "--out", "parts", "--iterations", "3"]);
-    assert_all_in(&told, &["9 iterations already", "3"]);
+    dir.stdout(&["relax", "--resume", "--out", "parts"]);
+    assert_eq!(dir.records("whole"), dir.records("parts"));
+    let message = dir.refusal(&["relax", "--resume", "--out", "parts", "--iterations", "3"]);
+    assert_all_in(&message, &["9 iterations already", "3"]);
 }
 
 #[test]
 fn a_resumed_run_can_stop_by_tolerance() {
-    let desk = Desk::new();
-    desk.stdout(&["relax", "--count", "30", "--iterations", "3"]);
-    desk.stdout(&[
+    let dir = TestDir::new();
+    dir.stdout(&["relax", "--count", "30", "--iterations", "3"]);
+    dir.stdout(&[
         "relax",
         "--resume",
         "--iterations",
@@ -56,9 +56,9 @@ fn a_resumed_run_can_stop_by_tolerance() {
         "--tolerance",
         "2",
     ]);
-    let run = desk.json("relaxed/run.json");
+    let run = dir.json("relaxed/run.json");
     assert_eq!(run["ended"], "tolerance");
-    let records = desk.records("relaxed");
+    let records = dir.records("relaxed");
     let movement = |record: &Value| record["movement_percent"].as_f64().expect("a number");
     assert!(records.len() < 501);
     assert!(movement(&records[records.len() - 1]) < 2.0);
@@ -73,56 +73,56 @@ fn a_resumed_run_can_stop_by_tolerance() {
 #[test]
 fn a_killed_run_goes_on_from_its_last_complete_record() {
     use std::os::unix::process::ExitStatusExt;
-    let desk = Desk::new();
+    let dir = TestDir::new();
     let mut whole = vec!["relax", "--out", "whole"];
     whole.extend(LONG);
-    desk.stdout(&whole);
+    dir.stdout(&whole);
 
-    let mut child = desk.start("killed", 12);
+    let mut child = dir.start("killed", 12);
     child.kill().expect("a child to kill");
     let status = child.wait().expect("a child");
     assert_eq!(status.signal(), Some(9), "killed on the way");
-    let run = desk.json("killed/run.json");
+    let run = dir.json("killed/run.json");
     assert_eq!(run["ended"], Value::Null);
-    assert!(!desk.path("killed/sites.csv").exists());
+    assert!(!dir.path("killed/sites.csv").exists());
     // A kill in the middle of a line.
-    let mut log = desk.read("killed/log.jsonl");
+    let mut log = dir.read("killed/log.jsonl");
     log.extend(b"{\"iteration\":");
-    desk.write("killed/log.jsonl", log);
+    dir.write("killed/log.jsonl", log);
 
-    desk.stdout(&["relax", "--resume", "--out", "killed"]);
-    assert_eq!(desk.read("whole/sites.csv"), desk.read("killed/sites.csv"));
-    assert_eq!(desk.records("whole"), desk.records("killed"));
-    assert_eq!(desk.json("killed/run.json")["ended"], "iterations");
+    dir.stdout(&["relax", "--resume", "--out", "killed"]);
+    assert_eq!(dir.read("whole/sites.csv"), dir.read("killed/sites.csv"));
+    assert_eq!(dir.records("whole"), dir.records("killed"));
+    assert_eq!(dir.json("killed/run.json")["ended"], "iterations");
 }
 
 #[cfg(unix)]
 #[test]
 fn a_run_killed_before_its_first_record_starts_again() {
-    let desk = Desk::new();
+    let dir = TestDir::new();
     let mut arguments = vec!["relax", "--out", "r"];
     arguments.extend(SMALL);
-    desk.stdout(&arguments);
-    let sites = desk.read("r/sites.csv");
-    let mut run = desk.json("r/run.json");
+    dir.stdout(&arguments);
+    let sites = dir.read("r/sites.csv");
+    let mut run = dir.json("r/run.json");
     for key in ["initial", "final", "ended"] {
         run[key] = Value::Null;
     }
-    desk.write("r/run.json", run.to_string());
-    desk.write("r/log.jsonl", "{\"itera");
+    dir.write("r/run.json", run.to_string());
+    dir.write("r/log.jsonl", "{\"itera");
     for name in ["checkpoint.bin", "sites.csv"] {
-        fs::remove_file(desk.path("r").join(name)).expect("a file to remove");
+        fs::remove_file(dir.path("r").join(name)).expect("a file to remove");
     }
-    desk.stdout(&["relax", "--resume", "--out", "r"]);
-    assert_eq!(sites, desk.read("r/sites.csv"));
-    assert_eq!(desk.records("r").len(), 3);
+    dir.stdout(&["relax", "--resume", "--out", "r"]);
+    assert_eq!(sites, dir.read("r/sites.csv"));
+    assert_eq!(dir.records("r").len(), 3);
 }
 
 #[cfg(unix)]
 #[test]
 fn ctrl_c_finishes_the_iteration_and_leaves_complete_files() {
-    let desk = Desk::new();
-    let child = desk.start("r", 4);
+    let dir = TestDir::new();
+    let child = dir.start("r", 4);
     interrupt(&child);
     let output = child.wait_with_output().expect("a child");
     assert_eq!(output.status.code(), Some(0), "{output:?}");
@@ -130,13 +130,13 @@ fn ctrl_c_finishes_the_iteration_and_leaves_complete_files() {
         &String::from_utf8_lossy(&output.stdout),
         &["interrupted", "--resume --out r"],
     );
-    let run = desk.json("r/run.json");
+    let run = dir.json("r/run.json");
     assert_eq!(run["ended"], "interrupted");
     assert!(run["final"].is_object());
-    let done = desk.records("r").len() - 1;
+    let done = dir.records("r").len() - 1;
     assert!(done < 40, "it was interrupted on the way");
     for name in ["sites.csv", "cells.vtu", "convergence.svg"] {
-        assert!(desk.path("r").join(name).exists(), "{name}");
+        assert!(dir.path("r").join(name).exists(), "{name}");
     }
 
     // What was left is exactly what a run of so many iterations leaves, and can go on.
@@ -144,13 +144,13 @@ fn ctrl_c_finishes_the_iteration_and_leaves_complete_files() {
     let mut whole = vec!["relax", "--out", "whole"];
     whole.extend(LONG);
     whole[8] = &count;
-    desk.stdout(&whole);
-    assert_eq!(desk.read("whole/sites.csv"), desk.read("r/sites.csv"));
+    dir.stdout(&whole);
+    assert_eq!(dir.read("whole/sites.csv"), dir.read("r/sites.csv"));
     let more = (done + 2).to_string();
-    desk.stdout(&["relax", "--resume", "--out", "r", "--iterations", &more]);
-    desk.stdout(&["relax", "--resume", "--out", "whole", "--iterations", &more]);
-    assert_eq!(desk.read("whole/sites.csv"), desk.read("r/sites.csv"));
-    assert_eq!(desk.records("whole"), desk.records("r"));
+    dir.stdout(&["relax", "--resume", "--out", "r", "--iterations", &more]);
+    dir.stdout(&["relax", "--resume", "--out", "whole", "--iterations", &more]);
+    assert_eq!(dir.read("whole/sites.csv"), dir.read("r/sites.csv"));
+    assert_eq!(dir.records("whole"), dir.records("r"));
 }
 
 #[cfg(unix)]
@@ -164,16 +164,16 @@ fn interrupt(child: &Child) {
 #[cfg(unix)]
 #[test]
 fn a_directory_in_use_is_refused() {
-    let desk = Desk::new();
-    let mut child = desk.start("r", 2);
+    let dir = TestDir::new();
+    let mut child = dir.start("r", 2);
     for arguments in [
         &["relax", "--resume", "--out", "r"][..],
         &["relax", "--force", "--out", "r"],
     ] {
-        let output = desk.run(arguments);
-        let told = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert_eq!(output.status.code(), Some(2), "{told}");
-        assert_all_in(&told, &["r is in use"]);
+        let output = dir.run(arguments);
+        let message = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(2), "{message}");
+        assert_all_in(&message, &["r is in use"]);
     }
     child.kill().expect("a child to kill");
     child.wait().expect("a child");
@@ -197,21 +197,21 @@ fn quasi_newton_and_annealing_go_on_where_they_ended() {
         &["--method", "lloyd", "--coarse-to-fine", "1"],
         &["--goal", "cubes", "--coarse-to-fine", "1"],
     ] {
-        let desk = Desk::new();
+        let dir = TestDir::new();
         let relax = |rest: &[&str]| {
             let mut arguments = vec!["relax", "--count", "60", "--seed", "5"];
             arguments.extend(method.iter().chain(rest));
-            desk.stdout(&arguments);
+            dir.stdout(&arguments);
         };
         relax(&["--iterations", "30", "--out", "whole"]);
         relax(&["--iterations", "30", "--out", "parts"]);
         // What is left of a run that was killed after its last checkpoint.
-        let path = desk.path("parts/log.jsonl");
+        let path = dir.path("parts/log.jsonl");
         let text = fs::read_to_string(&path).expect("the log");
         fs::write(&path, format!("{text}{{\"iteration\":31,")).expect("room for it");
-        desk.stdout(&["relax", "--resume", "--out", "parts", "--threads", "1"]);
-        assert_eq!(desk.read("whole/sites.csv"), desk.read("parts/sites.csv"));
-        assert_eq!(desk.records("whole"), desk.records("parts"));
+        dir.stdout(&["relax", "--resume", "--out", "parts", "--threads", "1"]);
+        assert_eq!(dir.read("whole/sites.csv"), dir.read("parts/sites.csv"));
+        assert_eq!(dir.records("whole"), dir.records("parts"));
     }
 }
 
@@ -222,11 +222,11 @@ fn longer_runs_begin_like_shorter_ones() {
         &["--method", "quasi-newton"][..],
         &["--method", "lloyd", "--accelerate"],
     ] {
-        let desk = Desk::new();
+        let dir = TestDir::new();
         let relax = |out: &str, rest: &[&str]| {
             let mut arguments = vec!["relax", "--out", out];
             arguments.extend(rest);
-            desk.stdout(&arguments);
+            dir.stdout(&arguments);
         };
         let start = |out: &str, iterations: &str| {
             let mut rest = vec!["--count", "60", "--iterations", iterations];
@@ -236,22 +236,22 @@ fn longer_runs_begin_like_shorter_ones() {
         start("whole", "20");
         start("parts", "8");
         relax("parts", &["--resume", "--iterations", "20"]);
-        assert_eq!(desk.read("whole/sites.csv"), desk.read("parts/sites.csv"));
-        assert_eq!(desk.records("whole"), desk.records("parts"));
+        assert_eq!(dir.read("whole/sites.csv"), dir.read("parts/sites.csv"));
+        assert_eq!(dir.records("whole"), dir.records("parts"));
     }
 }
 
-/// Rounds that were cut short for the return to the best sites go on where there is room for more.
+/// Rounds cut short for the return to the best sites continue while iterations are left.
 #[test]
 fn an_annealing_that_was_cut_short_goes_on_with_its_rounds() {
-    let desk = Desk::new();
+    let dir = TestDir::new();
     let round = || {
-        let records = desk.records("r");
+        let records = dir.records("r");
         records[records.len() - 1]["round"]
             .as_u64()
             .expect("a round")
     };
-    desk.stdout(&[
+    dir.stdout(&[
         "relax",
         "--out",
         "r",
@@ -264,8 +264,8 @@ fn an_annealing_that_was_cut_short_goes_on_with_its_rounds() {
     ]);
     let before = round();
     let best = |run: &Value| run["final"]["energy_mean"].as_f64().expect("a number");
-    let energy = best(&desk.json("r/run.json"));
-    desk.stdout(&["relax", "--resume", "--out", "r", "--iterations", "260"]);
+    let energy = best(&dir.json("r/run.json"));
+    dir.stdout(&["relax", "--resume", "--out", "r", "--iterations", "260"]);
     assert!(round() > before, "{before}");
-    assert!(best(&desk.json("r/run.json")) <= energy * (1.0 + 1e-12));
+    assert!(best(&dir.json("r/run.json")) <= energy * (1.0 + 1e-12));
 }

@@ -1,15 +1,15 @@
-//! Solids on the command line: what users bring, and what they are told.
+//! Solids on the command line: accepted files and error messages.
 
-#[path = "common/desk.rs"]
-mod desk;
 #[path = "common/models.rs"]
 mod models;
+#[path = "common/test_dir.rs"]
+mod test_dir;
 
 use std::path::Path;
 
-use desk::{Desk, assert_all_in};
 use models::shared_model;
 use serde_json::Value;
+use test_dir::{TestDir, assert_all_in};
 
 const CORNERS: [[f64; 3]; 8] = [
     [0.0, 0.0, 0.0],
@@ -54,62 +54,65 @@ fn cube() -> String {
     off(&CORNERS, &TRIANGLES)
 }
 
-/// A desk with a mesh file and a scene of a few sites within it.
-fn desk_with(name: &str, mesh: impl AsRef<[u8]>) -> Desk {
-    let desk = Desk::new();
-    desk.write(name, mesh);
-    scene(&desk, &format!(r#"{{"surface": "{name}"}}"#), "");
-    desk
+/// A dir with a mesh file and a scene of a few sites within it.
+fn desk_with(name: &str, mesh: impl AsRef<[u8]>) -> TestDir {
+    let dir = TestDir::new();
+    dir.write(name, mesh);
+    scene(&dir, &format!(r#"{{"surface": "{name}"}}"#), "");
+    dir
 }
 
-fn scene(desk: &Desk, domain: &str, more: &str) {
+fn scene(dir: &TestDir, domain: &str, more: &str) {
     let text = format!(
         r#"{{"domain": {domain}, "sites": {{"random": {{"count": 20, "seed": 1}}}},
             "method": {{"lloyd": {{"iterations": 3}}}},
             "output": {{"cells": false, "plot": false}}{more}}}"#
     );
-    desk.write("scene.json", text);
+    dir.write("scene.json", text);
 }
 
 /// The error of both commands that read a solid.
-fn refusal(desk: &Desk) -> String {
-    let told = desk.refusal(&["relax", "scene.json", "--out", "run"]);
-    assert_eq!(told, desk.refusal(&["measure", "scene.json"]));
-    assert!(told.lines().count() <= 2 && told.len() < 400, "{told}");
-    told
+fn refusal(dir: &TestDir) -> String {
+    let message = dir.refusal(&["relax", "scene.json", "--out", "run"]);
+    assert_eq!(message, dir.refusal(&["measure", "scene.json"]));
+    assert!(
+        message.lines().count() <= 2 && message.len() < 400,
+        "{message}"
+    );
+    message
 }
 
 /// Σ volumes over the domain's volume after a run, which must have lowered the energy.
-fn filled(desk: &Desk) -> f64 {
-    let output = desk.run(&["relax", "scene.json", "--out", "run", "-q"]);
-    let told = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert_eq!(output.status.code(), Some(0), "{told}");
-    let records = desk.records("run");
+fn filled(dir: &TestDir) -> f64 {
+    let output = dir.run(&["relax", "scene.json", "--out", "run", "-q"]);
+    let message = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(0), "{message}");
+    let records = dir.records("run");
     let energy = |k: usize| records[k]["energy_mean"].as_f64().expect("a number");
     assert!(energy(records.len() - 1) < energy(0));
-    let last = desk.json("run/run.json")["final"].clone();
+    let last = dir.json("run/run.json")["final"].clone();
     let number = |key: &str| last[key].as_f64().expect("a number");
     number("volume_sum") / number("domain_volume")
 }
 
 #[test]
 fn open_surfaces_are_refused_with_their_edges_counted() {
-    let desk = desk_with("open.off", off(&CORNERS, &TRIANGLES[..11]));
-    let told = refusal(&desk);
+    let dir = desk_with("open.off", off(&CORNERS, &TRIANGLES[..11]));
+    let message = refusal(&dir);
     assert_all_in(
-        &told,
+        &message,
         &["open.off", "3 boundary edges", "triangle 10", "close it"],
     );
 }
 
 #[test]
-#[ignore = "needs ../shared/models, whose licenses are not told"]
+#[ignore = "needs ../shared/models, whose licenses are not message"]
 fn the_open_model_is_refused_with_its_edges_counted() {
     let shark = shared_model("open-shark.off");
-    let desk = desk_with("unused.off", cube());
-    scene(&desk, &format!(r#"{{"surface": {shark:?}}}"#), "");
+    let dir = desk_with("unused.off", cube());
+    scene(&dir, &format!(r#"{{"surface": {shark:?}}}"#), "");
     assert_all_in(
-        &refusal(&desk),
+        &refusal(&dir),
         &["open-shark.off", "304 boundary edges", "close it"],
     );
 }
@@ -146,9 +149,9 @@ fn damaged_files_are_refused_with_the_line_and_the_mend() {
     for (name, mesh, words) in cases {
         assert_all_in(&refusal(&desk_with(name, mesh)), words);
     }
-    let desk = Desk::new();
-    scene(&desk, r#"{"surface": "nowhere.off"}"#, "");
-    assert_all_in(&refusal(&desk), &["nowhere.off", "check the path"]);
+    let dir = TestDir::new();
+    scene(&dir, r#"{"surface": "nowhere.off"}"#, "");
+    assert_all_in(&refusal(&dir), &["nowhere.off", "check the path"]);
 }
 
 #[test]
@@ -176,12 +179,12 @@ fn what_needs_no_guess_is_repaired_and_told() {
         ),
     ];
     for (name, triangles, words) in cases {
-        let desk = desk_with(name, off(&CORNERS, triangles));
-        let output = desk.run(&["relax", "scene.json", "--out", "run"]);
-        let told = String::from_utf8(output.stderr).expect("text");
-        assert_eq!(output.status.code(), Some(0), "{told}");
-        assert_all_in(&told, words);
-        let run = desk.json("run/run.json");
+        let dir = desk_with(name, off(&CORNERS, triangles));
+        let output = dir.run(&["relax", "scene.json", "--out", "run"]);
+        let message = String::from_utf8(output.stderr).expect("text");
+        assert_eq!(output.status.code(), Some(0), "{message}");
+        assert_all_in(&message, words);
+        let run = dir.json("run/run.json");
         assert_eq!(run["domain_volume"], 1.0, "{name}");
     }
 }
@@ -193,9 +196,9 @@ fn surfaces_that_cross_themselves_are_refused() {
         corners.extend(CORNERS.map(|corner| [0, 1, 2].map(|axis| corner[axis] + shift[axis])));
         let mut triangles = TRIANGLES.to_vec();
         triangles.extend(TRIANGLES.map(|triangle| triangle.map(|vertex| vertex + 8)));
-        let desk = desk_with("two.off", off(&corners, &triangles));
+        let dir = desk_with("two.off", off(&corners, &triangles));
         assert_all_in(
-            &refusal(&desk),
+            &refusal(&dir),
             &["two.off", "crosses itself", "Boolean union"],
         );
     }
@@ -204,34 +207,34 @@ fn surfaces_that_cross_themselves_are_refused() {
 #[test]
 fn thin_solids_and_single_tetrahedra_are_relaxed() {
     let thin = CORNERS.map(|[x, y, z]| [x, y, 1e-3 * z]);
-    let desk = desk_with("thin.off", off(&thin, &TRIANGLES));
-    assert!((filled(&desk) - 1.0).abs() < 1e-11);
+    let dir = desk_with("thin.off", off(&thin, &TRIANGLES));
+    assert!((filled(&dir) - 1.0).abs() < 1e-11);
     let single = "MeshVersionFormatted 2\nDimension 3\nVertices\n4\n0 0 0 0\n1 0 0 0\n0 1 0 0\n\
                   0 0 1 0\nTetrahedra\n1\n1 2 3 4 0\nEnd\n";
     for form in ["tets", "surface"] {
-        let desk = desk_with("single.mesh", single);
-        scene(&desk, &format!(r#"{{"{form}": "single.mesh"}}"#), "");
-        assert!((filled(&desk) - 1.0).abs() < 1e-11);
+        let dir = desk_with("single.mesh", single);
+        scene(&dir, &format!(r#"{{"{form}": "single.mesh"}}"#), "");
+        assert!((filled(&dir) - 1.0).abs() < 1e-11);
     }
-    let desk = desk_with("cube.off", cube());
-    scene(&desk, r#"{"tets": "cube.off"}"#, "");
-    assert_all_in(&refusal(&desk), &["cube.off", "no tetrahedra", "surface"]);
+    let dir = desk_with("cube.off", cube());
+    scene(&dir, r#"{"tets": "cube.off"}"#, "");
+    assert_all_in(&refusal(&dir), &["cube.off", "no tetrahedra", "surface"]);
 }
 
 #[test]
 fn solids_are_scaled_into_boxes() {
-    let desk = desk_with("cube.off", cube());
+    let dir = desk_with("cube.off", cube());
     for (target, volume) in [
         (r#""unit_cube""#, 1.0),
         ("2.5", 15.625),
         (r#"{"min": [0, 0, 0], "max": [4, 2, 3]}"#, 8.0),
     ] {
         scene(
-            &desk,
+            &dir,
             &format!(r#"{{"surface": "cube.off", "scale_to": {target}}}"#),
             "",
         );
-        let text = desk.stdout(&["measure", "scene.json"]);
+        let text = dir.stdout(&["measure", "scene.json"]);
         let measured: Value = serde_json::from_str(&text).expect("JSON");
         let found = measured["domain_volume"].as_f64().expect("a number");
         assert!((found / volume - 1.0).abs() < 1e-12, "{target}: {found}");
@@ -251,36 +254,36 @@ fn solids_are_scaled_into_boxes() {
     ];
     for (target, words) in cases {
         scene(
-            &desk,
+            &dir,
             &format!(r#"{{"surface": "cube.off", "scale_to": {target}}}"#),
             "",
         );
-        assert_all_in(&refusal(&desk), words);
+        assert_all_in(&refusal(&dir), words);
     }
 }
 
 #[test]
 fn sites_outside_a_solid_are_named_or_dropped() {
-    let desk = desk_with("cube.off", cube());
+    let dir = desk_with("cube.off", cube());
     let text = r#"{"domain": {"surface": "cube.off"}, "sites": {"file": "p.csv"}}"#;
-    desk.write("scene.json", text);
-    desk.write("p.csv", "0.5,0.5,0.5\n2,2,2\n0,0.5,0.5\n3,3,3\n");
+    dir.write("scene.json", text);
+    dir.write("p.csv", "0.5,0.5,0.5\n2,2,2\n0,0.5,0.5\n3,3,3\n");
     assert_all_in(
-        &refusal(&desk),
+        &refusal(&dir),
         &["site 1 (2.0, 2.0, 2.0)", "1 more", "--drop-outside"],
     );
-    let text = desk.stdout(&["measure", "scene.json", "--drop-outside"]);
+    let text = dir.stdout(&["measure", "scene.json", "--drop-outside"]);
     let measured: Value = serde_json::from_str(&text).expect("JSON");
     assert_eq!(measured["sites"], 2);
     assert_eq!(measured["volume_sum"], 1.0);
-    desk.write("p.csv", "2,2,2\n");
-    let told = desk.refusal(&["measure", "scene.json", "--drop-outside"]);
-    assert_all_in(&told, &["all sites lie outside the domain"]);
+    dir.write("p.csv", "2,2,2\n");
+    let message = dir.refusal(&["measure", "scene.json", "--drop-outside"]);
+    assert_all_in(&message, &["all sites lie outside the domain"]);
 }
 
 #[test]
 fn grids_are_cropped_to_the_solid() {
-    let desk = Desk::new();
+    let dir = TestDir::new();
     let here = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/bracket.off");
     for jitter in [0.0, 0.5, 1.0] {
         let text = format!(
@@ -288,10 +291,10 @@ fn grids_are_cropped_to_the_solid() {
                 "sites": {{"grid": {{"counts": [8, 8, 8], "jitter": {jitter}, "seed": 1}}}},
                 "method": {{"lloyd": {{"iterations": 3}}}}}}"#
         );
-        desk.write("scene.json", text);
-        let output = desk.run(&["relax", "scene.json", "--out", "run", "--force", "-q"]);
+        dir.write("scene.json", text);
+        let output = dir.run(&["relax", "scene.json", "--out", "run", "--force", "-q"]);
         assert_eq!(output.status.code(), Some(0));
-        let last = desk.json("run/run.json")["final"].clone();
+        let last = dir.json("run/run.json")["final"].clone();
         let count = last["sites"].as_u64().expect("a number");
         assert!((150..350).contains(&count), "{count} of 512");
         let number = |key: &str| last[key].as_f64().expect("a number");
@@ -301,11 +304,11 @@ fn grids_are_cropped_to_the_solid() {
 
 #[test]
 fn densities_of_solids_are_accepted_or_refused_clearly() {
-    let desk = desk_with("cube.off", cube());
+    let dir = desk_with("cube.off", cube());
     let surface = r#"{"surface": "cube.off"}"#;
     for density in [r#""1 + x""#, r#"{"size": "0.1 + 0.1*x"}"#] {
-        scene(&desk, surface, &format!(r#", "density": {density}"#));
-        desk.stdout(&["measure", "scene.json"]);
+        scene(&dir, surface, &format!(r#", "density": {density}"#));
+        dir.stdout(&["measure", "scene.json"]);
     }
     let cases: [(&str, &[&str]); 5] = [
         (r#"{"data": "heat"}"#, &["density", "tets", "size"]),
@@ -315,15 +318,15 @@ fn densities_of_solids_are_accepted_or_refused_clearly() {
         (r#"{"size": "1 + x^9"}"#, &["degree 9", "8 is the highest"]),
     ];
     for (density, words) in cases {
-        scene(&desk, surface, &format!(r#", "density": {density}"#));
-        assert_all_in(&refusal(&desk), words);
+        scene(&dir, surface, &format!(r#", "density": {density}"#));
+        assert_all_in(&refusal(&dir), words);
     }
 }
 
 #[test]
 fn every_method_keeps_sites_in_solids_with_holes_and_bends() {
     for name in ["bracket", "torus", "trefoil"] {
-        let desk = Desk::new();
+        let dir = TestDir::new();
         let file = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("scenes/{name}.off"));
         let domain = format!(r#"{{"surface": {file:?}}}"#);
         for (method, falls) in [
@@ -332,12 +335,12 @@ fn every_method_keeps_sites_in_solids_with_holes_and_bends() {
             (["--method", "anneal"], false),
             (["--goal", "cubes"], false),
         ] {
-            scene(&desk, &domain, "");
+            scene(&dir, &domain, "");
             let mut arguments = vec!["relax", "scene.json", "--out", "run", "--force", "-q"];
             arguments.extend(["--count", "40", "--iterations", "30"]);
             arguments.extend(method);
-            desk.stdout(&arguments);
-            let records = desk.records("run");
+            dir.stdout(&arguments);
+            let records = dir.records("run");
             let energy = |k: usize| records[k]["energy_mean"].as_f64().expect("a number");
             let last = records.len() - 1;
             assert!(energy(last) < energy(0), "{name} {method:?}");
@@ -345,8 +348,8 @@ fn every_method_keeps_sites_in_solids_with_holes_and_bends() {
             assert!(!falls || rises.count() == 0, "{name} {method:?}");
             // Sites outside would be refused.
             let text = format!(r#"{{"domain": {domain}, "sites": {{"file": "run/sites.csv"}}}}"#);
-            desk.write("end.json", text);
-            let measured = desk.stdout(&["measure", "end.json"]);
+            dir.write("end.json", text);
+            let measured = dir.stdout(&["measure", "end.json"]);
             let measured: Value = serde_json::from_str(&measured).expect("JSON");
             let number = |key: &str| measured[key].as_f64().expect("a number");
             assert!((number("volume_sum") / number("domain_volume") - 1.0).abs() < 1e-11);
@@ -356,13 +359,13 @@ fn every_method_keeps_sites_in_solids_with_holes_and_bends() {
 
 #[test]
 fn cells_that_the_surface_cuts_are_taken_apart_too() {
-    let desk = Desk::new();
+    let dir = TestDir::new();
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/trefoil.off");
-    scene(&desk, &format!(r#"{{"surface": {file:?}}}"#), "");
+    scene(&dir, &format!(r#"{{"surface": {file:?}}}"#), "");
     for name in ["parts.png", "parts.vtu"] {
-        let told = desk.stdout(&["fragments", "scene.json", "--site", "3", "-o", name]);
-        assert_all_in(&told, &[name]);
+        let message = dir.stdout(&["fragments", "scene.json", "--site", "3", "-o", name]);
+        assert_all_in(&message, &[name]);
     }
-    let text = String::from_utf8_lossy(&desk.read("parts.vtu")).into_owned();
+    let text = String::from_utf8_lossy(&dir.read("parts.vtu")).into_owned();
     assert_all_in(&text, &["NumberOfCells=\"6\"", "energy", "volume"]);
 }

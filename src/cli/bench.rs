@@ -9,7 +9,7 @@ use rayon::ThreadPoolBuilder;
 
 use crate::cli::bench_sites::{BenchSites, ENERGY, SiteKind};
 use crate::cli::failure::{Failure, print};
-use crate::cli::stopwatch::{Stopwatch, forget_peak_memory, peak_memory};
+use crate::cli::stopwatch::{Stopwatch, peak_memory, reset_peak_memory};
 use crate::domain::domain::Domain;
 use crate::relax::evaluate_cell::CellMemory;
 use crate::relax::relaxation_space::RelaxationSpace;
@@ -95,13 +95,8 @@ pub(crate) fn run(options: &Options, threads: Option<u32>) -> Result<(), Failure
     }
     let _ = writeln!(table, " {:>11} {:>6}", "evaluations", "MB");
     if let Some(file) = &options.points {
-        add_rows(
-            "file",
-            &BenchSites::read(file)?,
-            options,
-            threads,
-            &mut table,
-        )?;
+        let sites = BenchSites::read(file)?;
+        add_rows("file", &sites, options, threads, &mut table)?;
         return print(table);
     }
     for &count in &options.count {
@@ -146,7 +141,7 @@ fn add_rows(
     for threads in threads {
         let pool = ThreadPoolBuilder::new().num_threads(threads).build();
         let pool = pool.map_err(Failure::run)?;
-        forget_peak_memory();
+        reset_peak_memory();
         let row = pool.install(|| time(sites, options));
         let row = row.map_err(Failure::run)?;
         let name = format!("{name} {}", sites.sites.len());

@@ -7,7 +7,8 @@ use std::io::{BufRead, BufReader};
 
 use crate::cli::failure::Failure;
 
-/// What `.cargo/config.toml` asks for, by the names of Linux, and what the compiler calls it.
+/// The features that `.cargo/config.toml` enables, by their names in Linux, and whether this
+/// build has them.
 const NEEDED: [(&str, bool); 3] = [
     ("avx2", cfg!(target_feature = "avx2")),
     ("bmi2", cfg!(target_feature = "bmi2")),

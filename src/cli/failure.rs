@@ -8,7 +8,7 @@ use std::process::ExitCode;
 
 use crate::export::atomic_write;
 
-/// Why a command failed.
+/// The reason why a command failed.
 #[derive(Debug)]
 pub(crate) enum Failure {
     /// Bad input or usage: nothing has been done.

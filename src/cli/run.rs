@@ -81,23 +81,7 @@ impl<'a, const D: usize, S: DrawCells<D>> FiledRun<'a, D, S> {
         mut directory: RunDirectory,
         mut description: Description,
     ) -> Result<Self, Failure> {
-        let kept = directory.checkpoint().map_err(Failure::input)?;
-        let checkpoint = match kept {
-            Some(kept) => {
-                let wanted = description.scene.method.iterations();
-                if wanted < kept.iteration {
-                    return Err(already_further(wanted, kept.iteration));
-                }
-                let last = directory.log().rewind(kept.iteration);
-                let last = last.map_err(Failure::input)?;
-                Checkpoint::from_parts(kept.sites, last, &kept.memory).map_err(Failure::input)?
-            }
-            None => {
-                let sites = space.place(&description.scene).map_err(Failure::input)?;
-                directory.log().clear().map_err(Failure::input)?;
-                Checkpoint::at_start(sites)
-            }
-        };
+        let checkpoint = Self::last_checkpoint(space, &mut directory, &description.scene)?;
         description.last = None;
         description.ended = None;
         description.threads = rayon::current_num_threads();
@@ -110,9 +94,29 @@ impl<'a, const D: usize, S: DrawCells<D>> FiledRun<'a, D, S> {
         })
     }
 
+    /// The last checkpoint of `directory`, its log cut back to it; else the scene's own sites.
+    fn last_checkpoint(
+        space: &S,
+        directory: &mut RunDirectory,
+        scene: &Scene,
+    ) -> Result<Checkpoint<D>, Failure> {
+        let Some(kept) = directory.checkpoint().map_err(Failure::input)? else {
+            let sites = space.place(scene).map_err(Failure::input)?;
+            directory.log().clear().map_err(Failure::input)?;
+            return Ok(Checkpoint::at_start(sites));
+        };
+        let wanted = scene.method.iterations();
+        if wanted < kept.iteration {
+            return Err(already_further(wanted, kept.iteration));
+        }
+        let last = directory.log().rewind(kept.iteration);
+        let last = last.map_err(Failure::input)?;
+        Checkpoint::from_parts(kept.sites, last, &kept.memory).map_err(Failure::input)
+    }
+
     /// Runs to the end and leaves all files.
     pub(crate) fn run(mut self, common: Common) -> Result<(), Failure> {
-        listen_for_interrupts()?;
+        install_interrupt_handler()?;
         if self.description.initial.is_none() {
             self.description.initial = Some(self.metrics(&self.cells()?));
             self.directory
@@ -284,8 +288,9 @@ impl Bar {
     }
 }
 
-/// From now on the first SIGINT, SIGTERM or SIGHUP is only noted, for the run to end well.
-fn listen_for_interrupts() -> Result<(), Failure> {
+/// Sets a handler by which the first SIGINT, SIGTERM or SIGHUP only sets a flag: the run then
+/// ends after its iteration.
+fn install_interrupt_handler() -> Result<(), Failure> {
     ctrlc::set_handler(|| {
         if IS_INTERRUPTED.swap(true, Ordering::SeqCst) {
             std::process::exit(KILLED);

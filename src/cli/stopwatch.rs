@@ -52,7 +52,7 @@ fn spent() -> Option<Spent> {
 }
 
 /// Lets the peak of memory begin anew, where the system can (Linux).
-pub(crate) fn forget_peak_memory() {
+pub(crate) fn reset_peak_memory() {
     // Where it cannot, the peak is that since the start: more, never less.
     let _ = fs::write("/proc/self/clear_refs", "5");
 }

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 /// the disk, and the file is renamed last.
 ///
 /// # Errors
-/// What the system says; `path` is then as it was.
+/// The error of the system; `path` is then unchanged.
 pub fn write(
     path: &Path,
     content: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
@@ -17,13 +17,13 @@ pub fn write(
     let partial = partial(path);
     let written = write_synced(&partial, content).and_then(|()| fs::rename(&partial, path));
     if written.is_err() {
-        // The first error is the one to tell.
+        // The first error is reported.
         let _ = fs::remove_file(&partial);
     }
     written
 }
 
-/// Where the bytes of `path` gather before they are all there: `.NAME.partial` beside it.
+/// The file that holds the bytes of `path` while it is written: `.NAME.partial` beside it.
 #[must_use]
 pub fn partial(path: &Path) -> PathBuf {
     let mut name = std::ffi::OsString::from(".");

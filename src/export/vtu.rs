@@ -6,9 +6,9 @@
 //! little-endian binary, so coordinates are exact and the file is as small as it can be
 //! without compression: about 2 kB per cell.
 //!
-//! Cells come one at a time and need not fit in memory together. The format wants array after
-//! array, so each array gathers in its own nameless scratch file (in memory while it is short),
-//! and the file is put together at the end. It takes its name when it is whole.
+//! Cells are added one at a time and need not fit in memory together. The format stores array
+//! after array, so each array is collected in its own unnamed scratch file (in memory while it is
+//! short); the file is assembled at the end and renamed when complete.
 //!
 //! Every cell has its own points: neighbors do not share them.
 
@@ -21,7 +21,7 @@ use tempfile::{SpooledTempFile, spooled_tempfile_in};
 use crate::export::atomic_write;
 use crate::geometry::shell::Shell;
 
-/// A cell and what is told about it.
+/// A cell with the data written for it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CellGeometry {
     /// The index of the cell's site.
@@ -38,7 +38,7 @@ pub struct CellGeometry {
     pub facet_count: usize,
 }
 
-/// Why there is no file of cells.
+/// The reason why no file of cells is written.
 #[derive(Debug, thiserror::Error)]
 pub enum VtuError {
     /// The file or its scratch files cannot be written.
@@ -66,7 +66,7 @@ pub fn write_cells(
     writer.finish()
 }
 
-/// A file of cells in the making; dropped before [`VtuWriter::finish`] it leaves nothing behind.
+/// A file of cells under construction; dropped before [`VtuWriter::finish`] it leaves nothing behind.
 #[derive(Debug)]
 pub struct VtuWriter {
     path: PathBuf,
@@ -287,7 +287,7 @@ fn assemble(
         "</Piece>\n</UnstructuredGrid>\n<AppendedData encoding=\"raw\">\n_"
     )?;
     for (.., spool) in &mut arrays {
-        spool.pour_into(file)?;
+        spool.copy_to(file)?;
     }
     write!(file, "\n</AppendedData>\n</VTKFile>\n")
 }
@@ -335,7 +335,7 @@ impl Spool {
     }
 
     /// Copies the array, behind its length in bytes, to the end of `file`.
-    fn pour_into(&mut self, file: &mut impl Write) -> io::Result<()> {
+    fn copy_to(&mut self, file: &mut impl Write) -> io::Result<()> {
         file.write_all(&self.bytes.to_le_bytes())?;
         self.file.rewind()?;
         let copied = io::copy(&mut self.file.get_mut().take(self.bytes), file)?;

@@ -14,7 +14,7 @@ use crate::mesh::edges::{EdgeTable, NO_PARTNER};
 use crate::mesh::report::Tally;
 use crate::mesh::surface::SurfaceMesh;
 
-/// Larger surfaces are not looked through.
+/// Larger surfaces are not searched.
 pub const TRIANGLE_LIMIT: usize = 100_000;
 
 /// The pairs of triangles of `mesh` that cross; `None` above [`TRIANGLE_LIMIT`] triangles.
@@ -70,7 +70,7 @@ fn pierces(mesh: &SurfaceMesh, partners: &[u32], needle: u32, sheet: u32) -> boo
     })
 }
 
-/// Where a segment passes properly through a triangle's plane.
+/// The relation of a segment that passes properly through a triangle's plane to the triangle.
 enum Passage {
     None,
     /// Through the inside of the triangle.

@@ -1,7 +1,7 @@
 //! Triangulated surfaces and tetrahedral meshes: validated, repaired, measured, made by formula,
 //! read from files.
 //!
-//! A mesh from arrays is a [`surface::SurfaceMesh`] or a [`tets::TetMesh`] as it stands.
+//! A mesh from arrays is a [`surface::SurfaceMesh`] or a [`tets::TetMesh`], unchecked.
 //! [`validate::validate_surface`] and [`validate::validate_tets`] decide what bounds or fills a
 //! solid and are the only makers of [`validate::ValidSurface`] and [`validate::ValidTetMesh`].
 //! Nothing here but [`formats`] touches files: [`formats::read::load`] reads, validates and puts

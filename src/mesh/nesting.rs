@@ -1,4 +1,4 @@
-//! Nesting of the components of a surface.
+//! Nesting of the components of a surface by winding numbers.
 //!
 //! A component inside an even number of others bounds a part of the solid from outside, one
 //! inside an odd number bounds a cavity. Inside is decided by the winding number, the sum of
@@ -13,7 +13,7 @@ use crate::mesh::report::SurfaceReport;
 use crate::mesh::surface::{SurfaceMesh, cone_volume};
 
 /// The number of vertices of a component that are tested at most. One suffices unless it lies on the
-/// other component: then the one with the clearest answer counts.
+/// other component: then the one whose winding number is nearest an integer decides.
 const PROBES: usize = 5;
 
 /// Turns the closed, consistently oriented components of `surface` outward, cavities inward,

@@ -6,6 +6,7 @@
 
 use crate::mesh::edges::{Edge, EdgeTable, NO_PARTNER, side_vertices};
 use crate::mesh::report::{EdgePlace, Refusal, Tally};
+use crate::mesh::surface::SurfaceMesh;
 
 /// The components of a surface and the turns that make each consistent.
 #[derive(Clone, Debug)]
@@ -20,19 +21,19 @@ pub(crate) struct Orientation {
     pub(crate) contradiction: Option<u32>,
 }
 
-const UNSEEN: u32 = u32::MAX;
+const UNVISITED: u32 = u32::MAX;
 
 /// Orients `triangles`, whose edges are `edges`.
 pub(crate) fn orient(triangles: &[[u32; 3]], edges: &EdgeTable) -> Orientation {
     let partners = edges.partners();
     let mut orientation = Orientation {
-        component: vec![UNSEEN; triangles.len()],
+        component: vec![UNVISITED; triangles.len()],
         components: 0,
         turned: vec![false; triangles.len()],
         contradiction: None,
     };
     for first in 0..triangles.len() as u32 {
-        if orientation.component[first as usize] == UNSEEN {
+        if orientation.component[first as usize] == UNVISITED {
             flood(first, triangles, &partners, &mut orientation);
             orientation.components += 1;
         }
@@ -56,7 +57,7 @@ fn flood(first: u32, triangles: &[[u32; 3]], partners: &[u32], orientation: &mut
             let neighbor = partner / 3;
             let agree = side_vertices(triangles, side) != side_vertices(triangles, partner);
             let turn = orientation.turned[triangle as usize] == agree;
-            if orientation.component[neighbor as usize] == UNSEEN {
+            if orientation.component[neighbor as usize] == UNVISITED {
                 orientation.component[neighbor as usize] = number;
                 orientation.turned[neighbor as usize] = turn;
                 members.push(neighbor);
@@ -80,7 +81,7 @@ fn turn_minority(members: &[u32], turned: &mut [bool]) {
     }
 }
 
-/// Names sides as the user knows them: by the mesh as read.
+/// Places of sides in the mesh as read, for messages.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Places<'a> {
     /// The triangles as read.
@@ -89,7 +90,13 @@ pub(crate) struct Places<'a> {
     pub(crate) numbers: &'a [u32],
 }
 
-impl Places<'_> {
+impl<'a> Places<'a> {
+    /// The places in `mesh` as read of triangles with these numbers there.
+    pub(crate) fn of(mesh: &'a SurfaceMesh, numbers: &'a [u32]) -> Self {
+        let read = &mesh.triangles;
+        Self { read, numbers }
+    }
+
     /// The place of a side, numbered before any triangle was turned.
     pub(crate) fn of_side(&self, side: u32) -> EdgePlace {
         let triangle = self.numbers[side as usize / 3];
@@ -127,9 +134,9 @@ pub(crate) fn check_balance(
     orientation: &Orientation,
     places: &Places<'_>,
 ) -> Result<Tally<EdgePlace>, Refusal> {
-    let crowded = edges.iter().filter(|edge| edge.sides.len() > 2);
+    let overfull = edges.iter().filter(|edge| edge.sides.len() > 2);
     let (balanced, others): (Vec<_>, Vec<_>) =
-        crowded.partition(|edge| is_balanced(triangles, edge, orientation));
+        overfull.partition(|edge| is_balanced(triangles, edge, orientation));
     let tally = |edges: Vec<Edge<'_>>| {
         edges
             .iter()

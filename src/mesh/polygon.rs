@@ -1,4 +1,4 @@
-//! Polygons into triangles.
+//! Triangulation of polygons.
 //!
 //! Convex polygons become fans from their first vertex, others are cut by ear clipping in the
 //! plane of their Newell normal. The triangles keep the polygon's winding and use its vertices
@@ -68,13 +68,13 @@ fn is_convex(outline: &[Point2<f64>]) -> bool {
 /// The first vertex of `ring` that can be cut off; if none can (a crossing outline), the one
 /// with the greatest turn.
 fn find_ear(outline: &[Point2<f64>], ring: &[usize]) -> usize {
-    let bend = |at: usize| {
+    let turn_at = |at: usize| {
         let [a, b, c] = around(ring, at);
         turn(&outline[a], &outline[b], &outline[c])
     };
     (0..ring.len())
-        .find(|&at| bend(at) > 0.0 && is_free(outline, ring, at))
-        .or_else(|| (0..ring.len()).max_by(|&one, &other| bend(one).total_cmp(&bend(other))))
+        .find(|&at| turn_at(at) > 0.0 && is_free(outline, ring, at))
+        .or_else(|| (0..ring.len()).max_by(|&one, &other| turn_at(one).total_cmp(&turn_at(other))))
         .unwrap_or(0)
 }
 

@@ -1,4 +1,4 @@
-//! Dropping what adds nothing to a surface: collapsed and duplicate triangles, doubled vertices.
+//! Repairs of a surface: collapsed, duplicate and wall triangles dropped, equal vertices merged.
 
 use nalgebra::Point3;
 
@@ -89,10 +89,15 @@ fn spread_walls(edges: &EdgeTable, doubled: &[bool], marked: &mut [bool]) {
     for wall in walls.into_iter().filter(|&wall| doubled[wall]) {
         marked[wall] = true;
     }
+    spread(&inner, marked);
+}
+
+/// Marks both of a pair if one is marked, until nothing changes.
+fn spread(pairs: &[[usize; 2]], marked: &mut [bool]) {
     let mut spreads = true;
     while spreads {
         spreads = false;
-        for &[one, other] in &inner {
+        for &[one, other] in pairs {
             if marked[one] != marked[other] {
                 (marked[one], marked[other]) = (true, true);
                 spreads = true;
@@ -156,7 +161,7 @@ impl Welder {
         }
     }
 
-    /// The index of `point`, a new one if it was not seen before.
+    /// The index of `point`, a new one at its first occurrence.
     pub(crate) fn index(&mut self, point: &Point3<f64>) -> u32 {
         // Adding zero turns −0 into 0.
         let point = point.map(|coordinate| coordinate + 0.0);

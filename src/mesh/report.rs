@@ -4,7 +4,7 @@ use std::fmt;
 
 use thiserror::Error;
 
-/// How often something was found, and where first.
+/// The count of a finding, and its first place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Tally<T> {
     /// How many.
@@ -85,7 +85,7 @@ pub struct SurfaceReport {
     /// Vertices no triangle uses, dropped.
     pub isolated: Tally<u32>,
     /// Pairs of triangles that cross, kept: the part enclosed twice counts twice. `None`: not
-    /// looked for in a surface this large.
+    /// searched for in a surface this large.
     pub crossings: Option<Tally<[u32; 2]>>,
 }
 
@@ -93,41 +93,41 @@ impl SurfaceReport {
     /// One sentence for each thing that a user should know; none for a flawless surface.
     #[must_use]
     pub fn notes(&self) -> Vec<String> {
-        let welded = (self.welded > 0).then(|| {
-            format!(
-                "{} coincident vertices were merged to close the surface",
-                self.welded
-            )
-        });
-        let touching = self.touching.first.map(|place| {
-            format!("{} edges belong to more than two triangles, the first {place}; kept, the solid touches itself there", self.touching.count)
-        });
-        let crossings = self.crossings.and_then(|tally| {
-            tally.first.map(|[one, other]| {
-                format!("{} pairs of triangles cross, the first {one} and {other}; what is enclosed twice counts twice, mend the overlap with a Boolean union", tally.count)
-            })
-        });
+        let collapsed = "triangles with a repeated vertex were dropped";
+        let reoriented = "triangles were turned to agree with their neighbors";
         let notes = [
-            note(
-                self.collapsed,
-                "triangles with a repeated vertex were dropped",
-            ),
+            self.welded_note(),
+            note(self.collapsed, collapsed),
             note(self.duplicates, "duplicate triangles were dropped"),
-            note(
-                self.reoriented,
-                "triangles were turned to agree with their neighbors",
-            ),
+            note(self.reoriented, reoriented),
             note(self.inverted, "components were turned inside out"),
             note(self.flat, "triangles have no area; kept"),
             unused_note(self.isolated),
+            self.touching_note(),
+            self.crossings_note(),
         ];
-        let notes = notes.into_iter().flatten();
-        welded
-            .into_iter()
-            .chain(notes)
-            .chain(touching)
-            .chain(crossings)
-            .collect()
+        notes.into_iter().flatten().collect()
+    }
+
+    fn welded_note(&self) -> Option<String> {
+        let count = self.welded;
+        (count > 0).then(|| format!("{count} coincident vertices were merged to close the surface"))
+    }
+
+    fn touching_note(&self) -> Option<String> {
+        let Tally { count, first } = self.touching;
+        Some(format!(
+            "{count} edges belong to more than two triangles, the first {}; kept, the solid touches itself there",
+            first?
+        ))
+    }
+
+    fn crossings_note(&self) -> Option<String> {
+        let Tally { count, first } = self.crossings?;
+        let [one, other] = first?;
+        Some(format!(
+            "{count} pairs of triangles cross, the first {one} and {other}; what is enclosed twice counts twice, mend the overlap with a Boolean union"
+        ))
     }
 }
 
@@ -175,10 +175,10 @@ fn unused_note(tally: Tally<u32>) -> Option<String> {
     ))
 }
 
-/// Why a mesh bounds or fills no solid, and what to do. The sentence continues a file's name.
+/// The reason why a mesh bounds or fills no solid, with the remedy. The sentence continues a file's name.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum Refusal {
-    /// Nothing there.
+    /// No elements.
     #[error("has no {0}; export the mesh again")]
     Empty(&'static str),
     /// A coordinate or value is NaN or infinite.
@@ -223,7 +223,7 @@ pub enum Refusal {
         "has a one-sided component (such as a Klein bottle): its triangles cannot be oriented, the first contradiction stands {first}; cut it open there"
     )]
     OneSided {
-        /// Where a contradiction was met.
+        /// An edge at which the orientations contradict each other.
         first: EdgePlace,
     },
     /// No inside.

@@ -52,18 +52,20 @@ pub fn unit_cube_five_tets() -> TetMesh {
     }
 }
 
+/// The orders of the three axes, the even permutations first.
+const ORDERS: [[usize; 3]; 6] = [
+    [0, 1, 2],
+    [1, 2, 0],
+    [2, 0, 1],
+    [0, 2, 1],
+    [2, 1, 0],
+    [1, 0, 2],
+];
+
 /// The unit cube in n³ boxes of six tetrahedra each (Kuhn's: one for each order of the axes),
 /// conforming.
 #[must_use]
 pub fn unit_cube_tets(n: u32) -> TetMesh {
-    const ORDERS: [[usize; 3]; 6] = [
-        [0, 1, 2],
-        [1, 2, 0],
-        [2, 0, 1],
-        [0, 2, 1],
-        [2, 1, 0],
-        [1, 0, 2],
-    ];
     let strides = [1, n + 1, (n + 1) * (n + 1)];
     let mut mesh = TetMesh::default();
     for [x, y, z] in lattice(n + 1) {
@@ -126,7 +128,8 @@ pub fn icosphere(levels: u32) -> SurfaceMesh {
     mesh
 }
 
-fn icosahedron() -> SurfaceMesh {
+/// The vertices of the icosahedron of edge length 2: cyclic permutations of (±1, ±φ, 0).
+fn icosahedron_vertices() -> Vec<Point3<f64>> {
     let golden = f64::midpoint(1.0, 5.0_f64.sqrt());
     let mut vertices = Vec::new();
     for axis in 0..3 {
@@ -142,6 +145,11 @@ fn icosahedron() -> SurfaceMesh {
             vertices.push(vertex);
         }
     }
+    vertices
+}
+
+fn icosahedron() -> SurfaceMesh {
+    let vertices = icosahedron_vertices();
     let adjacent = |a: usize, b: usize| (vertices[a] - vertices[b]).norm_squared() < 4.1;
     let mut triangles = Vec::new();
     for a in 0..12 {
@@ -228,36 +236,43 @@ fn closed_tube(
                 .push(here + (side * turn.cos() + up * turn.sin()) * tube);
         }
     }
-    let vertex = |i: u32, j: u32| (i % around) * across + j % across;
-    for i in 0..around {
-        for j in 0..across {
-            let quad = [
-                vertex(i, j),
-                vertex(i + 1, j),
-                vertex(i + 1, j + 1),
-                vertex(i, j + 1),
-            ];
-            mesh.triangles.extend(split_quad(&quad));
-        }
-    }
+    mesh.triangles = torus_triangles(around, across);
     mesh
 }
+
+/// The triangles of a grid of `around` · `across` vertices that closes in both directions.
+fn torus_triangles(around: u32, across: u32) -> Vec<[u32; 3]> {
+    let vertex = |i: u32, j: u32| (i % around) * across + j % across;
+    let pairs = (0..around).flat_map(|i| (0..across).map(move |j| (i, j)));
+    let quad = |(i, j)| {
+        let (right, up) = (i + 1, j + 1);
+        [
+            vertex(i, j),
+            vertex(right, j),
+            vertex(right, up),
+            vertex(i, up),
+        ]
+    };
+    pairs.flat_map(|pair| split_quad(&quad(pair))).collect()
+}
+
+/// The bracket's outline in x and z.
+const BRACKET: [[f64; 2]; 6] = [
+    [0.0, 0.0],
+    [2.0, 0.0],
+    [2.0, 0.5],
+    [0.5, 0.5],
+    [0.5, 1.5],
+    [0.0, 1.5],
+];
 
 /// An L-bracket, 2 × 1 × 1.5 with legs 0.5 thick, and a hole of radius 0.25 through the long
 /// leg in `4 · quarter` segments: genus 1, sharp edges, volume 1.5 less the hole.
 #[must_use]
 pub fn bracket(quarter: u32) -> SurfaceMesh {
-    let outline = [
-        [0.0, 0.0],
-        [2.0, 0.0],
-        [2.0, 0.5],
-        [0.5, 0.5],
-        [0.5, 1.5],
-        [0.0, 1.5],
-    ];
     let mut mesh = SurfaceMesh::default();
     for y in [0.0, 1.0] {
-        let corners = outline.iter().map(|&[x, z]| Point3::new(x, y, z));
+        let corners = BRACKET.iter().map(|&[x, z]| Point3::new(x, y, z));
         mesh.vertices.extend(corners);
     }
     for from in 0..6 {
@@ -319,8 +334,8 @@ mod tests {
 
     #[test]
     fn corner_fans_of_the_drilled_face_face_away_from_the_hole() {
-        // The face's corner k sees hole vertices k·quarter … (k + 1)·quarter: no triangle may
-        // be turned over, so the drilled face's area is the rectangle's less the polygon's.
+        // The face's corner k is joined to hole vertices k·quarter … (k + 1)·quarter: no triangle
+        // may be turned over, so the drilled face's area is the rectangle's less the polygon's.
         let mesh = bracket(4);
         let top = mesh
             .all_corners()

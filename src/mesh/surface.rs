@@ -1,4 +1,4 @@
-//! Triangulated surfaces.
+//! Triangulated surfaces: corners, bounds, volume, area.
 
 use nalgebra::Point3;
 

@@ -117,16 +117,22 @@ pub fn tet_volume([a, b, c, d]: &[Point3<f64>; 4]) -> f64 {
     (b - a).dot(&(c - a).cross(&(d - a))) / 6.0
 }
 
+/// For every vertex, whether an element uses it.
+pub(crate) fn used_vertices<const N: usize>(elements: &[[u32; N]], count: usize) -> Vec<bool> {
+    let mut used = vec![false; count];
+    for &vertex in elements.iter().flatten() {
+        used[vertex as usize] = true;
+    }
+    used
+}
+
 /// Drops the vertices that no element uses and renumbers the elements; returns the kept
 /// vertices' former indices.
 pub(crate) fn compact<const N: usize>(
     vertices: &mut Vec<Point3<f64>>,
     elements: &mut [[u32; N]],
 ) -> Vec<u32> {
-    let mut used = vec![false; vertices.len()];
-    for &vertex in elements.iter().flatten() {
-        used[vertex as usize] = true;
-    }
+    let used = used_vertices(elements, vertices.len());
     let kept: Vec<u32> = (0..)
         .zip(&used)
         .filter(|&(_, &used)| used)

@@ -11,19 +11,19 @@
 //!
 //! Of tetrahedra, inverted ones are turned, flat and duplicate ones dropped, unused vertices
 //! removed with their data, each counted in the report. A facet of more than two tetrahedra is
-//! refused. Other overlaps are not looked for.
+//! refused. Other overlaps are not searched for.
 
 use nalgebra::Point3;
 
 use crate::mesh::crossings::crossings;
 use crate::mesh::edges::EdgeTable;
 use crate::mesh::nesting::turn_outward;
-use crate::mesh::orient::{Orientation, Places, check_balance, orient, turn_to_neighbors};
+use crate::mesh::orient::{Places, check_balance, orient, turn_to_neighbors};
 use crate::mesh::repair::{Triangles, drop_collapsed, drop_duplicates, weld};
 use crate::mesh::report::{Refusal, SurfaceReport, Tally, TetReport};
 use crate::mesh::similarity::Similarity;
 use crate::mesh::surface::{SurfaceMesh, triangle_area};
-use crate::mesh::tets::{TetMesh, compact, tet_volume};
+use crate::mesh::tets::{TetMesh, compact, tet_volume, used_vertices};
 
 /// A triangle whose area is below this share of its longest edge squared is called flat: the
 /// cross product's own rounding.
@@ -54,7 +54,7 @@ impl<M> Valid<M> {
         &self.mesh
     }
 
-    /// The mesh to be changed at will.
+    /// The mesh, no longer known to be valid.
     #[must_use]
     pub fn into_mesh(self) -> M {
         self.mesh
@@ -108,10 +108,7 @@ pub fn validate_surface(mesh: &SurfaceMesh) -> Result<(ValidSurface, SurfaceRepo
     let mut report = SurfaceReport::default();
     let (vertices, mut triangles, edges) = closed_triangles(mesh, &mut report)?;
     let orientation = orient(&triangles.corners, &edges);
-    let places = Places {
-        read: &mesh.triangles,
-        numbers: &triangles.numbers,
-    };
+    let places = Places::of(mesh, &triangles.numbers);
     report.reoriented = turn_to_neighbors(&mut triangles.corners, &orientation, &places)?;
     report.touching = check_balance(&triangles.corners, &edges, &orientation, &places)?;
     let mut surface = SurfaceMesh {
@@ -119,13 +116,8 @@ pub fn validate_surface(mesh: &SurfaceMesh) -> Result<(ValidSurface, SurfaceRepo
         triangles: triangles.corners,
     };
     turn_outward(&mut surface, &places, &orientation, &mut report);
-    describe(
-        &surface,
-        &triangles.numbers,
-        &edges,
-        &orientation,
-        &mut report,
-    );
+    report.genus = genus(&surface, &edges, orientation.components);
+    report.flat = flat_triangles(&surface, &triangles.numbers);
     report.isolated = unused(mesh);
     compact(&mut surface.vertices, &mut surface.triangles);
     check_volume(&surface)?;
@@ -190,7 +182,8 @@ fn closed_triangles(
 fn cleaned(triangles: &mut Triangles, vertices: usize, report: &mut SurfaceReport) -> EdgeTable {
     report.collapsed = drop_collapsed(triangles);
     let edges = EdgeTable::of(&triangles.corners, vertices);
-    // Duplicates crowd their edges, unless they are all of a component, without volume.
+    // A duplicate gives its edges more than two sides, unless the whole component is duplicated:
+    // that encloses no volume.
     if edges.iter().all(|edge| edge.sides.len() <= 2) {
         return edges;
     }
@@ -200,27 +193,22 @@ fn cleaned(triangles: &mut Triangles, vertices: usize, report: &mut SurfaceRepor
 
 /// The refusal of edges with a single triangle, if there are any.
 fn open(edges: &EdgeTable, mesh: &SurfaceMesh, triangles: &Triangles) -> Option<Refusal> {
-    let places = Places {
-        read: &mesh.triangles,
-        numbers: &triangles.numbers,
-    };
+    let places = Places::of(mesh, &triangles.numbers);
     let boundary = edges.iter().filter(|edge| edge.sides.len() == 1);
     let Tally { count, first } = boundary.map(|edge| places.of_side(edge.sides[0])).collect();
     first.map(|first| Refusal::Open { count, first })
 }
 
-/// Genus and flat triangles.
-fn describe(
-    surface: &SurfaceMesh,
-    numbers: &[u32],
-    edges: &EdgeTable,
-    orientation: &Orientation,
-    report: &mut SurfaceReport,
-) {
+/// The sum of the components' genera by Euler's formula.
+fn genus(surface: &SurfaceMesh, edges: &EdgeTable, components: usize) -> i64 {
     let unused = unused(surface).count;
     let vertices = (surface.vertices.len() - unused) as i64;
     let euler = vertices - edges.len() as i64 + surface.triangles.len() as i64;
-    report.genus = orientation.components as i64 - euler / 2;
+    components as i64 - euler / 2
+}
+
+/// The triangles without area, by their numbers as read.
+fn flat_triangles(surface: &SurfaceMesh, numbers: &[u32]) -> Tally<u32> {
     let flat = |corners: &[Point3<f64>; 3]| {
         let [a, b, c] = corners;
         let longest_squared = (b - a)
@@ -230,17 +218,13 @@ fn describe(
         triangle_area(corners) <= FLAT_TRIANGLE * longest_squared
     };
     let all = surface.all_corners().zip(numbers);
-    report.flat = all
-        .filter(|(corners, _)| flat(corners))
+    all.filter(|(corners, _)| flat(corners))
         .map(|(_, &number)| number)
-        .collect();
+        .collect()
 }
 
 fn unused(mesh: &SurfaceMesh) -> Tally<u32> {
-    let mut used = vec![false; mesh.vertices.len()];
-    for &vertex in mesh.triangles.iter().flatten() {
-        used[vertex as usize] = true;
-    }
+    let used = used_vertices(&mesh.triangles, mesh.vertices.len());
     (0..)
         .zip(used)
         .filter(|&(_, used)| !used)
@@ -320,7 +304,7 @@ fn keep_positive(mesh: &mut TetMesh, report: &mut TetReport) -> Vec<u32> {
     numbers
 }
 
-/// Which tetrahedra stand on the same four vertices as an earlier one.
+/// Marks of the tetrahedra on the same four vertices as an earlier one.
 fn duplicates(tets: &[[u32; 4]]) -> Vec<bool> {
     let sorted = |mut tet: [u32; 4]| {
         tet.sort_unstable();
@@ -345,8 +329,8 @@ fn check_facets(mesh: &TetMesh, numbers: &[u32]) -> Result<(), Refusal> {
     let mut facets = mesh.facets();
     facets.sort_unstable();
     let groups = facets.chunk_by(|one, other| one.0 == other.0);
-    let crowded = groups.filter(|group| group.len() > 2);
-    let Tally { count, first } = crowded
+    let overfull = groups.filter(|group| group.len() > 2);
+    let Tally { count, first } = overfull
         .map(|group| numbers[group[0].1 as usize / 4])
         .collect();
     first.map_or(Ok(()), |first| Err(Refusal::Overlap { count, first }))

@@ -1,11 +1,11 @@
-//! An axis: its range, its scale and where its ticks stand.
+//! An axis: its range, its scale and its ticks.
 
 /// A labelled tick.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tick {
-    /// Where it stands on the axis.
+    /// Its value on the axis.
     pub value: f64,
-    /// What is written beside it.
+    /// The text beside it.
     pub label: String,
 }
 
@@ -27,7 +27,7 @@ pub struct Axis {
 /// About as many labelled ticks as fit one of our panels.
 const TICKS: f64 = 6.0;
 
-/// The room left free beyond the data at either end, as a share of the range.
+/// The margin beyond the data at either end, as a share of the range.
 const MARGIN: f64 = 0.04;
 
 /// The least range of a linear axis relative to its values: a constant still gets an axis whose
@@ -128,11 +128,8 @@ impl Axis {
         let ticks = (0..=count)
             .map(|k| {
                 let value = (first + k as f64) * step;
-                let label = format!("{value:.decimals$}");
-                Tick {
-                    value,
-                    label: label.replace('-', "−"),
-                }
+                let label = format!("{value:.decimals$}").replace('-', "−");
+                Tick { value, label }
             })
             .collect();
         Self {

@@ -1,11 +1,11 @@
-//! Parallel projection: where a point in space stands in a picture.
+//! Parallel projection of points in space to a picture.
 
 use nalgebra::{Point2, Point3, Vector3};
 
 use crate::geometry::bounds::Bounds;
 
 /// From the picture's middle toward the viewer: a little from the right, more from the front (−y)
-/// and from above, so that three walls of a box show and none looks like another.
+/// and from above, so that three walls of a box are visible and differ in shape.
 pub const TOWARD: Vector3<f64> = Vector3::new(0.50, -0.72, 0.48);
 
 /// A viewer at infinity.
@@ -14,7 +14,7 @@ pub struct Camera {
     right: Vector3<f64>,
     up: Vector3<f64>,
     toward: Vector3<f64>,
-    /// What is shown in the picture's middle.
+    /// The point projected to the picture's middle.
     origin: Point3<f64>,
     middle: Point2<f64>,
     /// Pixels per unit of length.
@@ -22,7 +22,7 @@ pub struct Camera {
 }
 
 impl Camera {
-    /// The camera that looks along −[`TOWARD`], +z upward, and shows all `points` as large as
+    /// The camera whose view direction is −[`TOWARD`], +z upward, and shows all `points` as large as
     /// possible in the middle of `frame`, given by its upper left and lower right corner in pixels.
     #[must_use]
     pub fn fitting(points: impl IntoIterator<Item = Point3<f64>>, frame: [Point2<f64>; 2]) -> Self {
@@ -36,21 +36,21 @@ impl Camera {
             middle: nalgebra::center(&frame[0], &frame[1]),
             factor: 1.0,
         };
-        let seen: Vec<Point3<f64>> = points
+        let projected: Vec<Point3<f64>> = points
             .into_iter()
             .map(|point| camera.lengths(&point))
             .collect();
-        let bounds = Bounds::of(&seen);
+        let bounds = Bounds::of(&projected);
         let extent = bounds.extent();
-        let room = (frame[1] - frame[0]).component_div(&extent.xy()).min();
-        if room.is_finite() && room > 0.0 {
+        let factor = (frame[1] - frame[0]).component_div(&extent.xy()).min();
+        if factor.is_finite() && factor > 0.0 {
             camera.origin = camera.at_lengths(&bounds.center());
-            camera.factor = room;
+            camera.factor = factor;
         }
         camera
     }
 
-    /// Where a point stands: pixels to the right and downward from the upper left corner, and the
+    /// The image of a point: pixels to the right and downward from the upper left corner, and the
     /// distance toward the viewer (L).
     #[must_use]
     pub fn project(&self, point: &Point3<f64>) -> Point3<f64> {
@@ -62,12 +62,12 @@ impl Camera {
         )
     }
 
-    /// The point that [`Camera::project`] puts there.
+    /// The inverse of [`Camera::project`].
     #[must_use]
-    pub fn unproject(&self, seen: &Point3<f64>) -> Point3<f64> {
-        let x = (seen.x - self.middle.x) / self.factor;
-        let y = (self.middle.y - seen.y) / self.factor;
-        self.origin + x * self.right + y * self.up + seen.z * self.toward
+    pub fn unproject(&self, image: &Point3<f64>) -> Point3<f64> {
+        let x = (image.x - self.middle.x) / self.factor;
+        let y = (self.middle.y - image.y) / self.factor;
+        self.origin + x * self.right + y * self.up + image.z * self.toward
     }
 
     /// How the depth of a facet with this unit normal grows per pixel to the right and downward;
@@ -106,16 +106,16 @@ mod tests {
             )
         });
         let camera = Camera::fitting(corners, [[0.0, 0.0], [300.0, 200.0]].map(Point2::from));
-        let seen = corners.map(|corner| camera.project(&corner));
-        let bounds = Bounds::of(&seen);
+        let images = corners.map(|corner| camera.project(&corner));
+        let bounds = Bounds::of(&images);
         let extent = bounds.extent();
         assert!((extent.x - 300.0).abs() < 1e-9 || (extent.y - 200.0).abs() < 1e-9);
         assert!(bounds.min.x > -1e-9 && bounds.max.x < 300.0 + 1e-9 && bounds.min.y > -1e-9);
-        for (corner, image) in corners.iter().zip(&seen) {
+        for (corner, image) in corners.iter().zip(&images) {
             assert!((camera.unproject(image) - corner).norm() < 1e-12);
         }
         // The corner (1, 0, 1) is the nearest to the viewer.
-        let depth = |k: usize| seen[k].z;
+        let depth = |k: usize| images[k].z;
         assert!((0..8).all(|k| depth(k) <= depth(5)));
     }
 }

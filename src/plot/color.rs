@@ -8,7 +8,7 @@ pub struct Color {
 }
 
 impl Color {
-    /// The sheet.
+    /// The background.
     pub const WHITE: Self = Self::hex(0xff_ff_ff);
     /// Text and frames.
     pub const INK: Self = Self::hex(0x22_22_22);
@@ -37,7 +37,7 @@ impl Color {
         }
     }
 
-    /// The brightness that the eye sees, 0 to 255 (ITU-R BT.601).
+    /// The perceived brightness, 0 to 255 (ITU-R BT.601).
     #[must_use]
     pub fn luma(self) -> f64 {
         let [r, g, b] = self.rgb.map(f64::from);
@@ -75,7 +75,7 @@ pub fn viridis(t: f64) -> Color {
     Color::hex(VIRIDIS[stop]).mix(Color::hex(VIRIDIS[stop + 1]), place - stop as f64)
 }
 
-/// Which end of a scale is bright. Most cells of a relaxed tessellation are near the best value,
+/// The bright end of a scale. Most cells of a relaxed tessellation are near the best value,
 /// and only bright colors show outlines and shading.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Best {

@@ -1,4 +1,4 @@
-//! Convergence curves: how far the sites still move and what their cells are worth.
+//! Convergence curves: movement of the sites and energy of their cells per iteration.
 //!
 //! The two panels of \[BL\] Fig. 13 side by side, for one or several runs: on the left the mean
 //! movement of an iteration in percent of the optimal cell's diagonal, on the right the mean
@@ -20,7 +20,7 @@ use crate::relax::record::Record;
 /// A run to draw.
 #[derive(Clone, Copy, Debug)]
 pub struct Run<'a> {
-    /// What the legend calls it; shortened where it is too long.
+    /// Its name in the legend; shortened where it is too long.
     pub name: &'a str,
     /// Its log.
     pub records: &'a [Record],
@@ -42,7 +42,7 @@ const COLORS: [Color; 6] = [
     Color::hex(0x56_b4_e9),
 ];
 
-/// Dashes that tell the second and third round of colors from the first.
+/// Dashes that distinguish the second and third round of colors from the first.
 const DASHES: [Option<[f64; 2]>; 3] = [None, Some([6.0, 3.0]), Some([1.5, 2.5])];
 
 /// The optimum's line.
@@ -53,7 +53,7 @@ const OPTIMUM: Stroke = Stroke {
 };
 
 const WIDTH: f64 = 960.0;
-/// Frame of the first panel; the second one stands `PANEL_STEP` to the right.
+/// Frame of the first panel; the second one lies `PANEL_STEP` to the right.
 const FRAME: [Point2<f64>; 2] = [Point2::new(82.0, 36.0), Point2::new(460.0, 330.0)];
 const PANEL_STEP: f64 = 482.0;
 /// Baseline of the legend's first row.
@@ -87,9 +87,9 @@ pub fn convergence(runs: &[Run<'_>]) -> Figure {
     left.draw_grid(&mut figure);
     right.draw_grid(&mut figure);
     draw_optimum(&mut figure, &right);
-    for (k, (moved, worth)) in movement.iter().zip(&energy).enumerate() {
-        draw_curve(&mut figure, &left, moved, look(k));
-        draw_curve(&mut figure, &right, worth, look(k));
+    for (k, (movements, energies)) in movement.iter().zip(&energy).enumerate() {
+        draw_curve(&mut figure, &left, movements, stroke_of(k));
+        draw_curve(&mut figure, &right, energies, stroke_of(k));
     }
     let y_name = "mean movement (% of the optimal diagonal)";
     left.draw_frame(&mut figure, "Movement", "iteration", y_name);
@@ -153,7 +153,7 @@ fn movement_axis(curves: &[Curve]) -> Axis {
 fn energy_axis(curves: &[Curve]) -> Axis {
     let (low, high) = range(curves).unwrap_or((100.0, 130.0));
     let (low, high) = (low.min(100.0), high.max(100.0));
-    // Room for the optimum's name under its line.
+    // Space for the optimum's name under its line.
     Axis::linear(low - 0.05 * (high - low), high)
 }
 
@@ -163,7 +163,8 @@ fn range(curves: &[Curve]) -> Option<(f64, f64)> {
     Some((values().reduce(f64::min)?, values().reduce(f64::max)?))
 }
 
-fn look(run: usize) -> Stroke {
+/// The style of a run's curve.
+fn stroke_of(run: usize) -> Stroke {
     Stroke {
         color: COLORS[run % COLORS.len()],
         width: 1.8,
@@ -176,11 +177,11 @@ fn draw_curve(figure: &mut Figure, panel: &Panel, curve: &Curve, stroke: Stroke)
     let mut points: Vec<Point2<f64>> = Vec::new();
     for (k, (x, y)) in curve.iter().enumerate() {
         let point = panel.place(*x, *y);
-        // A log of a million lines has a thousand pixels: steps below a quarter unit are not seen.
-        let seen = points
+        // A log of a million lines has a thousand pixels: steps below a quarter unit are invisible.
+        let is_visible = points
             .last()
             .is_none_or(|last| (point - last).amax() > 0.25);
-        if seen || k + 1 == curve.len() {
+        if is_visible || k + 1 == curve.len() {
             points.push(point);
         }
     }
@@ -195,10 +196,10 @@ fn draw_curve(figure: &mut Figure, panel: &Panel, curve: &Curve, stroke: Stroke)
     }
 }
 
-/// A name in the legend, its run's look and where the entry begins.
+/// An entry of the legend: the run's name, its style and the entry's left end.
 struct Entry {
     name: String,
-    look: Stroke,
+    stroke: Stroke,
     x: f64,
 }
 
@@ -213,9 +214,9 @@ fn legend_rows(runs: &[Run<'_>]) -> Vec<Vec<Entry>> {
             rows.push(Vec::new());
             x = 0.0;
         }
-        let look = look(k);
+        let stroke = stroke_of(k);
         if let Some(row) = rows.last_mut() {
-            row.push(Entry { name, look, x });
+            row.push(Entry { name, stroke, x });
         }
         x += length + ENTRY_GAP;
     }
@@ -238,7 +239,7 @@ fn draw_legend(figure: &mut Figure, rows: &[Vec<Entry>]) {
         for entry in row {
             let start = Point2::new(entry.x, baseline - 0.36 * LABEL_SIZE);
             let end = Point2::new(start.x + SAMPLE, start.y);
-            figure.line(start, end, entry.look);
+            figure.line(start, end, entry.stroke);
             let beside = Point2::new(end.x + 8.0, baseline);
             figure.text(beside, &entry.name, LABEL_SIZE, Anchor::Start);
         }

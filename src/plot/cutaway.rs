@@ -1,7 +1,7 @@
 //! Shaded cells in space with a part taken away, as in \[BL\] Fig. 11.
 //!
 //! Cells are shown or taken away whole, by their sites, so that the cut is rough and shows the
-//! cells' true shapes. They come one at a time and are forgotten when they are drawn.
+//! cells' true shapes. They are drawn one at a time and not kept.
 
 use nalgebra::{Point2, Point3};
 
@@ -10,11 +10,11 @@ use crate::geometry::shell::Shell;
 use crate::plot::camera::TOWARD;
 use crate::plot::color::ColorScale;
 use crate::plot::figure::{Anchor, Figure};
-use crate::plot::panel::{BAR_ROOM, TITLE_SIZE, draw_color_bar};
+use crate::plot::panel::{BAR_SPACE, TITLE_SIZE, draw_color_bar};
 use crate::plot::png::PngError;
 use crate::plot::z_buffer::ZBuffer;
 
-/// What is taken away.
+/// The part of the domain whose cells are not drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Removed {
     /// Nothing: only the walls of the domain show.
@@ -29,7 +29,7 @@ pub enum Removed {
 const ENOUGH: f64 = 0.05;
 
 impl Removed {
-    /// The octant, or the half where the octant holds next to nothing of the solid.
+    /// The octant, or the half where the octant holds less than 5 % of the sites.
     #[must_use]
     pub fn enough_of(bounds: &Bounds<3>, sites: &[Point3<f64>]) -> Self {
         let middle = bounds.center();
@@ -69,12 +69,12 @@ const HEIGHT: usize = 1300;
 const SCALE: f64 = 2.0;
 
 const MARGIN: f64 = 20.0;
-const TITLE_ROOM: f64 = 26.0;
+const TITLE_SPACE: f64 = 26.0;
 const BAR_GAP: f64 = 14.0;
 /// The color bar's share of the picture's height.
 const BAR_SHARE: f64 = 0.7;
 
-/// A picture in the making.
+/// A picture under construction.
 #[derive(Debug)]
 pub struct CutawayPicture {
     buffer: ZBuffer,
@@ -131,10 +131,10 @@ impl CutawayPicture {
     pub fn finish(self) -> Result<Vec<u8>, PngError> {
         let size = [WIDTH, HEIGHT].map(|pixels| pixels as f64 / SCALE);
         let mut figure = Figure::new(
-            size[0] + 2.0 * MARGIN + BAR_GAP + BAR_ROOM,
-            size[1] + 2.0 * MARGIN + TITLE_ROOM,
+            size[0] + 2.0 * MARGIN + BAR_GAP + BAR_SPACE,
+            size[1] + 2.0 * MARGIN + TITLE_SPACE,
         );
-        let corner = Point2::new(MARGIN, MARGIN + TITLE_ROOM);
+        let corner = Point2::new(MARGIN, MARGIN + TITLE_SPACE);
         let above = Point2::new(MARGIN + 0.5 * size[0], MARGIN + 0.8 * TITLE_SIZE);
         figure.text(above, &self.title, TITLE_SIZE, Anchor::Middle);
         let bar = Point2::new(

@@ -53,7 +53,7 @@ const SIDE: usize = 900;
 const SCALE: f64 = 2.0;
 
 const MARGIN: f64 = 20.0;
-const CAPTION_ROOM: f64 = 30.0;
+const CAPTION_SPACE: f64 = 30.0;
 
 /// The cells side by side, each as large as its part of the picture allows, as the bytes of a PNG
 /// file.
@@ -63,13 +63,13 @@ const CAPTION_ROOM: f64 = 30.0;
 pub fn exploded(cells: &[FragmentedCell]) -> Result<Vec<u8>, PngError> {
     let side = SIDE as f64 / SCALE;
     let width = side * cells.len() as f64;
-    let mut figure = Figure::new(width + 2.0 * MARGIN, side + 2.0 * MARGIN + CAPTION_ROOM);
+    let mut figure = Figure::new(width + 2.0 * MARGIN, side + 2.0 * MARGIN + CAPTION_SPACE);
     let mut buffer = ZBuffer::new(SIDE * cells.len(), SIDE)?;
     for (number, cell) in cells.iter().enumerate() {
         draw_cell(&mut buffer, cell, number);
         let below = Point2::new(
             MARGIN + (number as f64 + 0.5) * side,
-            MARGIN + side + CAPTION_ROOM,
+            MARGIN + side + CAPTION_SPACE,
         );
         figure.text(below, &cell.caption, TITLE_SIZE, Anchor::Middle);
     }

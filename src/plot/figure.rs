@@ -9,7 +9,7 @@ use nalgebra::Point2;
 
 use crate::plot::color::Color;
 
-/// A line's look.
+/// The style of a line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stroke {
     /// The line's color.
@@ -23,7 +23,7 @@ pub struct Stroke {
 impl Stroke {
     /// A solid line.
     #[must_use]
-    pub fn solid(color: Color, width: f64) -> Self {
+    pub const fn solid(color: Color, width: f64) -> Self {
         Self {
             color,
             width,
@@ -32,7 +32,7 @@ impl Stroke {
     }
 }
 
-/// Which point of a text stands at its position, along the direction of reading.
+/// The point of a text that lies at its position, along the direction of reading.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Anchor {
     /// The text's beginning.
@@ -46,17 +46,17 @@ pub enum Anchor {
 /// A line of text whose baseline starts, is centered or ends at `position`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Text {
-    /// Where the anchor stands, on the baseline.
+    /// The position of the anchor, on the baseline.
     pub position: Point2<f64>,
     /// What is written.
     pub content: String,
     /// The font size in figure units.
     pub size: f64,
-    /// Which part of the text stands at the position.
+    /// The part of the text at the position.
     pub anchor: Anchor,
     /// Whether the text reads from bottom to top instead of left to right.
     pub upward: bool,
-    /// The ink.
+    /// The color of the letters.
     pub color: Color,
 }
 
@@ -71,7 +71,7 @@ pub enum Shape {
         closed: bool,
         /// The filling, if any.
         fill: Option<Color>,
-        /// The line's look, if any.
+        /// The style of the line, if any.
         stroke: Option<Stroke>,
     },
     /// A filled circle.

@@ -1,7 +1,7 @@
 //! The typeface of all pictures: widths and outlines of its glyphs.
 //!
 //! A subset of DejaVu Sans (Latin, Greek, a few mathematical signs; license beside it) is part of
-//! the crate, so that a PNG looks the same on every machine. SVG files name the typeface and leave
+//! the crate, so that a PNG has the same pixels on every machine. SVG files name the typeface and leave
 //! the choice of a substitute to the viewer.
 
 use std::sync::LazyLock;
@@ -9,10 +9,10 @@ use std::sync::LazyLock;
 use nalgebra::Point2;
 use ttf_parser::{Face, GlyphId, OutlineBuilder};
 
-/// What SVG viewers are asked for; Verdana shares DejaVu's widths.
+/// The font families named in SVG files; Verdana has DejaVu's widths.
 pub const FAMILY: &str = "DejaVu Sans, Verdana, sans-serif";
 
-/// The typeface; `None` never happens, as a test shows, and would leave pictures without text.
+/// The typeface; never `None`, as a test checks (pictures would lack their texts).
 static FACE: LazyLock<Option<Face<'static>>> =
     LazyLock::new(|| Face::parse(include_bytes!("font/DejaVuSans-subset.ttf"), 0).ok());
 
@@ -65,7 +65,7 @@ pub fn elided(text: &str, size: f64, limit: f64) -> String {
     "…".to_owned()
 }
 
-/// What receives the outlines of glyphs, in figure units.
+/// A receiver of the outlines of glyphs, in figure units.
 pub trait Pen {
     /// Begins a contour.
     fn move_to(&mut self, to: Point2<f64>);

@@ -24,13 +24,16 @@ pub const TICK_SIZE: f64 = 11.0;
 pub const LABEL_SIZE: f64 = 12.0;
 /// The font size of titles.
 pub const TITLE_SIZE: f64 = 14.0;
-/// How far tick labels stand off the frame.
+/// The distance of tick labels from the frame.
 const STANDOFF: f64 = 7.0;
 /// How long ticks are.
 const TICK_LENGTH: f64 = 4.0;
+/// Lines of the grid and of ticks.
+const GRID_LINE: Stroke = Stroke::solid(Color::GRID, 0.8);
+const TICK_LINE: Stroke = Stroke::solid(Color::INK, 0.8);
 
 impl Panel {
-    /// Where the data point `(x, y)` stands in the figure.
+    /// The position of the data point `(x, y)` in the figure.
     #[must_use]
     pub fn place(&self, x: f64, y: f64) -> Point2<f64> {
         let [min, max] = self.frame;
@@ -42,35 +45,36 @@ impl Panel {
 
     /// Draws grid, ticks and tick labels.
     pub fn draw_grid(&self, figure: &mut Figure) {
+        self.draw_x_ticks(figure);
+        self.draw_y_ticks(figure);
+    }
+
+    fn draw_x_ticks(&self, figure: &mut Figure) {
         let [min, max] = self.frame;
-        let grid = Stroke::solid(Color::GRID, 0.8);
-        let ink = Stroke::solid(Color::INK, 0.8);
         for tick in &self.x.ticks {
             let x = self.place(tick.value, self.y.min).x;
-            figure.line(Point2::new(x, min.y), Point2::new(x, max.y), grid);
-            figure.line(
-                Point2::new(x, max.y - TICK_LENGTH),
-                Point2::new(x, max.y),
-                ink,
-            );
+            let [top, bottom] = [min.y, max.y].map(|y| Point2::new(x, y));
+            figure.line(top, bottom, GRID_LINE);
+            figure.line(Point2::new(x, max.y - TICK_LENGTH), bottom, TICK_LINE);
             let below = Point2::new(x, max.y + STANDOFF + 0.8 * TICK_SIZE);
             figure.text(below, &tick.label, TICK_SIZE, Anchor::Middle);
         }
+    }
+
+    fn draw_y_ticks(&self, figure: &mut Figure) {
+        let [min, max] = self.frame;
         for tick in &self.y.ticks {
             let y = self.place(self.x.min, tick.value).y;
-            figure.line(Point2::new(min.x, y), Point2::new(max.x, y), grid);
-            figure.line(
-                Point2::new(min.x, y),
-                Point2::new(min.x + TICK_LENGTH, y),
-                ink,
-            );
+            let [left, right] = [min.x, max.x].map(|x| Point2::new(x, y));
+            figure.line(left, right, GRID_LINE);
+            figure.line(left, Point2::new(min.x + TICK_LENGTH, y), TICK_LINE);
             let beside = Point2::new(min.x - STANDOFF, y + 0.36 * TICK_SIZE);
             figure.text(beside, &tick.label, TICK_SIZE, Anchor::End);
         }
         for value in &self.y.minor {
             let y = self.place(self.x.min, *value).y;
             let end = Point2::new(min.x + 0.6 * TICK_LENGTH, y);
-            figure.line(Point2::new(min.x, y), end, ink);
+            figure.line(Point2::new(min.x, y), end, TICK_LINE);
         }
     }
 
@@ -93,13 +97,13 @@ impl Panel {
     }
 }
 
-/// The bar's width; ticks, their labels and the scale's name need [`BAR_ROOM`] in all.
+/// The bar's width; ticks, their labels and the scale's name need [`BAR_SPACE`] in all.
 const BAR_WIDTH: f64 = 14.0;
 
 /// The space that a bar takes to the right of its left edge.
-pub const BAR_ROOM: f64 = 92.0;
+pub const BAR_SPACE: f64 = 92.0;
 
-/// Steps of color along the bar: more than the eye can tell apart.
+/// Steps of color along the bar: finer than visible steps.
 const BAR_STEPS: usize = 128;
 
 /// Draws the bar of `scale` downward from its upper left corner.

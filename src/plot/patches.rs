@@ -11,9 +11,9 @@ use crate::geometry::section::section;
 use crate::geometry::shell::Shell;
 use crate::plot::color::{Color, ColorScale};
 use crate::plot::figure::{Anchor, Figure, Shape, Stroke};
-use crate::plot::panel::{BAR_ROOM, TITLE_SIZE, draw_color_bar};
+use crate::plot::panel::{BAR_SPACE, TITLE_SIZE, draw_color_bar};
 
-/// What a flat picture shows of one cell.
+/// The part of one cell in a flat picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Patch {
     /// The contours of its area, filled by the even-odd rule (L).
@@ -26,10 +26,10 @@ pub struct Patch {
 
 /// The longer side of the picture proper, in figure units.
 const LONGER_SIDE: f64 = 600.0;
-/// The least of the shorter side: flat domains still have room for the color bar's name.
+/// The least of the shorter side: flat domains leave space for the color bar's name.
 const LEAST_SIDE: f64 = 160.0;
 const MARGIN: f64 = 20.0;
-const TITLE_ROOM: f64 = 26.0;
+const TITLE_SPACE: f64 = 26.0;
 /// From the picture to the color bar.
 const BAR_GAP: f64 = 18.0;
 
@@ -37,7 +37,7 @@ const BAR_GAP: f64 = 18.0;
 const OUTLINE: (f64, [f64; 2]) = (0.02, [0.08, 0.9]);
 const DOT: (f64, [f64; 2]) = (0.06, [0.3, 2.6]);
 
-/// The luma above which a color asks for dark dots.
+/// The luma above which dots are dark.
 const BRIGHT: f64 = 110.0;
 
 /// The picture of all `patches`.
@@ -45,8 +45,8 @@ const BRIGHT: f64 = 110.0;
 pub fn picture(patches: &[Patch], scale: &ColorScale, title: &str) -> Figure {
     let frame = Frame::around(patches);
     let mut figure = Figure::new(
-        frame.size[0] + 2.0 * MARGIN + BAR_GAP + BAR_ROOM,
-        frame.size[1] + 2.0 * MARGIN + TITLE_ROOM,
+        frame.size[0] + 2.0 * MARGIN + BAR_GAP + BAR_SPACE,
+        frame.size[1] + 2.0 * MARGIN + TITLE_SPACE,
     );
     let diameter = (frame.size[0] * frame.size[1] / patches.len().max(1) as f64).sqrt();
     let sized = |(share, [least, most]): (f64, [f64; 2])| (share * diameter).clamp(least, most);
@@ -73,7 +73,7 @@ pub fn picture(patches: &[Patch], scale: &ColorScale, title: &str) -> Figure {
     }
     let above = Point2::new(MARGIN + 0.5 * frame.size[0], MARGIN + 0.8 * TITLE_SIZE);
     figure.text(above, title, TITLE_SIZE, Anchor::Middle);
-    let corner = Point2::new(MARGIN + frame.size[0] + BAR_GAP, MARGIN + TITLE_ROOM);
+    let corner = Point2::new(MARGIN + frame.size[0] + BAR_GAP, MARGIN + TITLE_SPACE);
     draw_color_bar(&mut figure, corner, frame.size[1], scale);
     figure
 }
@@ -111,13 +111,12 @@ impl Frame {
         let arm = self.factor * (point - self.middle);
         Point2::new(
             MARGIN + 0.5 * self.size[0] + arm.x,
-            MARGIN + TITLE_ROOM + 0.5 * self.size[1] - arm.y,
+            MARGIN + TITLE_SPACE + 0.5 * self.size[1] - arm.y,
         )
     }
 }
 
-/// A plane with two directions in it: what is right and what is up for someone who looks at it
-/// against its normal.
+/// A plane with the right and the upward direction of its picture, viewed against its normal.
 #[derive(Clone, Copy, Debug)]
 pub struct Cut {
     plane: HalfSpace,
@@ -126,7 +125,7 @@ pub struct Cut {
 }
 
 impl Cut {
-    /// The cut along the border of `plane`, seen from where its normal points. Up is the direction
+    /// The cut along the border of `plane`, viewed against its normal. Up is the direction
     /// nearest to +z; for a horizontal plane it is +y and right is +x.
     ///
     /// A plane without a normal cuts nothing.
@@ -149,7 +148,7 @@ impl Cut {
         }
     }
 
-    /// The horizontal cut at height `z`, seen from above.
+    /// The horizontal cut at height `z`, viewed from above.
     #[must_use]
     pub fn horizontal(z: f64) -> Self {
         Self::new(HalfSpace {
@@ -158,7 +157,7 @@ impl Cut {
         })
     }
 
-    /// What the cut shows of a cell; `None` where it misses it.
+    /// The section of a cell by the plane; `None` where they do not meet.
     #[must_use]
     pub fn patch(&self, shell: &Shell, value: f64) -> Option<Patch> {
         let flat = |point: &Point3<f64>| {

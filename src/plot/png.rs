@@ -7,7 +7,7 @@ use crate::plot::color::Color;
 use crate::plot::figure::{Anchor, Figure, Shape, Stroke, Text};
 use crate::plot::font::{self, Pen};
 
-/// Why there is no PNG.
+/// The reason why no PNG is made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum PngError {
     /// The picture has no pixels or more than fit in memory.
@@ -18,7 +18,7 @@ pub enum PngError {
         /// Height in pixels.
         height: f64,
     },
-    /// The encoder refused.
+    /// The encoder failed.
     #[error("the PNG encoder failed: {0}")]
     Encode(String),
 }

@@ -6,7 +6,7 @@
 //! exactly as visible as their facets. The buffer is finer than the picture and averaged at the
 //! end, which smooths all edges.
 //!
-//! An edge gets a line where the surface bends, and where it turns away from the viewer: a cell's
+//! An edge gets a line where the facets' normals differ, and where the surface turns away from the viewer: a cell's
 //! part of a solid's surface consists of the surface's triangles, and a facet with a hole may be
 //! one loop that runs along a bridge twice. Lines between such parts of one wall would hide the
 //! cells.
@@ -38,7 +38,7 @@ const DIRECT: f64 = 0.50;
 /// The width of facet rims in picture pixels.
 const LINE: f64 = 1.7;
 
-/// A picture of facets in the making.
+/// A picture under construction, with the depth of every pixel.
 #[derive(Debug)]
 pub struct ZBuffer {
     camera: Camera,
@@ -52,7 +52,7 @@ pub struct ZBuffer {
     crossings: Vec<f64>,
 }
 
-/// A facet as the camera sees it.
+/// A facet in the camera's projection.
 struct ProjectedFacet<'a> {
     /// Its corners in buffer pixels, with their depths.
     rim: &'a [Point3<f64>],
@@ -102,7 +102,7 @@ impl ZBuffer {
         self.camera = Camera::fitting(points, [min + margin, max - margin]);
     }
 
-    /// Draws the facets of a shell that face the viewer, `paint` telling the color at a point.
+    /// Draws the facets of a shell that face the viewer, `paint` giving the color at a point.
     pub fn draw(&mut self, shell: &Shell, paint: impl Fn(&Point3<f64>) -> Color) {
         let mut corners: Vec<Point3<f64>> = Vec::new();
         let creases = creases(shell);
@@ -190,7 +190,7 @@ impl ZBuffer {
             let pixel = Point2::new(column as f64 + 0.5, row as f64 + 0.5);
             let arm = pixel - anchor.xy();
             let depth = anchor.z + facet.slopes[0] * arm.x + facet.slopes[1] * arm.y;
-            // A facet seen nearly edge-on has steep slopes, but its corners bound its depth.
+            // A facet viewed nearly edge-on has steep slopes, but its corners bound its depth.
             let depth = depth.max(least).min(greatest);
             let place = row * self.width + column;
             if depth as f32 <= self.depths[place] {
@@ -200,8 +200,8 @@ impl ZBuffer {
             let color = if is_near(facet.lines, &pixel) {
                 Color::INK
             } else {
-                let seen = Point3::new(pixel.x, pixel.y, depth);
-                paint(&self.camera.unproject(&seen)).lit(facet.shade)
+                let image = Point3::new(pixel.x, pixel.y, depth);
+                paint(&self.camera.unproject(&image)).lit(facet.shade)
             };
             self.colors[place] = color.rgb;
         }
@@ -278,8 +278,8 @@ fn is_near(lines: &[[Point2<f64>; 2]], pixel: &Point2<f64>) -> bool {
     })
 }
 
-/// The cosine below which two facets meet in a crease: 25°, more than a well-made surface bends
-/// between its triangles, less than a corner that anyone would cut.
+/// The cosine below which two facets meet in a crease: 25°, more than between
+/// triangles of a smooth surface, less than at the corners of a polyhedron.
 const CREASE: f64 = 0.9;
 
 /// A side of a facet: the edge's lower and higher vertex, the facet, the side's place.
@@ -304,8 +304,11 @@ fn creases(shell: &Shell) -> Vec<bool> {
     let mut creases = vec![true; sides.len()];
     sides.sort_unstable();
     for edge in sides.chunk_by(|one, other| one.0 == other.0) {
-        let bends = |one: &Side| edge.iter().any(|other| bend(&normals, one.1, other.1));
-        let is_crease = edge.len() < 2 || edge.iter().any(bends);
+        let creased = |one: &Side| {
+            edge.iter()
+                .any(|other| meet_in_crease(&normals, one.1, other.1))
+        };
+        let is_crease = edge.len() < 2 || edge.iter().any(creased);
         for &(_, _, place) in edge {
             creases[place] = is_crease;
         }
@@ -313,7 +316,8 @@ fn creases(shell: &Shell) -> Vec<bool> {
     creases
 }
 
-fn bend(normals: &[Vector3<f64>], one: u32, other: u32) -> bool {
+/// Whether two facets form an angle above the limit, or one faces the viewer and the other not.
+fn meet_in_crease(normals: &[Vector3<f64>], one: u32, other: u32) -> bool {
     let [one, other] = [one, other].map(|facet| normals[facet as usize]);
     let faces = |normal: &Vector3<f64>| normal.dot(&TOWARD) > 0.0;
     one.dot(&other) < CREASE || faces(&one) != faces(&other)

@@ -69,7 +69,7 @@ pub enum Error {
         /// What is wrong and what would be right.
         message: String,
     },
-    /// A site file whose name does not tell its format.
+    /// A site file whose name does not determine its format.
     #[error(
         "cannot tell the format of {path}: name it .csv, .npy, .xyz, .txt or .json",
         path = path.display()
@@ -177,7 +177,7 @@ pub(crate) fn bare_message(error: &serde_json::Error) -> String {
         .to_owned()
 }
 
-/// A key, or a name as value, that means nothing where it stands.
+/// A key, or a name as value, that is not known at its place.
 pub(crate) struct UnknownKey {
     pub(crate) key: String,
     /// The known word most like it.

@@ -41,7 +41,7 @@ pub enum Rule {
 pub struct Turn {
     /// The axis about which they are turned, of any length but zero.
     pub axis: [f64; 3],
-    /// By how much, counter-clockwise as seen against the axis.
+    /// The angle, counter-clockwise when viewed against the axis.
     pub degrees: f64,
 }
 

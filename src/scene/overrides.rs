@@ -14,7 +14,7 @@ use crate::scene::method::Method;
 /// Keys of a scene with the values that replace those in it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Overrides {
-    /// Keys of the scene itself. A name alone as `method` stands for that method with its defaults,
+    /// Keys of the scene itself. A name alone as `method` means that method with its defaults,
     /// unless the scene has it already.
     pub scene: Map<String, Value>,
     /// Keys of `sites`, of whatever kind these are.

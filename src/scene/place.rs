@@ -248,17 +248,17 @@ fn distinct<const D: usize>(sites: &[Point<f64, D>], region: &Region<'_, D>) -> 
     let key = |index: usize| region.canonical(&sites[index]);
     let mut order: Vec<usize> = (0..sites.len()).collect();
     order.par_sort_unstable_by(|&a, &b| lexicographic(&key(a), &key(b)).then(a.cmp(&b)));
-    let twins = || {
+    let duplicates = || {
         order
             .windows(2)
             .filter(|pair| lexicographic(&key(pair[0]), &key(pair[1])) == Ordering::Equal)
     };
-    match twins().min_by_key(|pair| pair[1]) {
+    match duplicates().min_by_key(|pair| pair[1]) {
         Some(pair) => Err(Error::Duplicate {
             first: pair[0],
             second: pair[1],
             point: shown(&sites[pair[1]]),
-            others: twins().count() - 1,
+            others: duplicates().count() - 1,
         }),
         None => Ok(()),
     }

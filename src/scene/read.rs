@@ -69,7 +69,7 @@ fn describe(error: &serde_json::Error, text: &str, path: &Path) -> Error {
     }
 }
 
-/// serde_json points at the end of a key; this is its first column where it stands there.
+/// serde_json points at the end of a key; this is its first column if the key is found there.
 fn start_of(key: &str, text: &str, line: usize, column: usize) -> usize {
     let row = text.lines().nth(line.saturating_sub(1)).unwrap_or("");
     let quoted = format!("\"{key}\"");

@@ -1,7 +1,7 @@
 //! Readers of files of sites, chosen by extension: `.csv`, `.npy`, `.xyz`, `.txt` and `.json`.
 //!
 //! A CSV file may begin with a header; if it does, the columns named x, y and z (in any case)
-//! are read, wherever they stand. Without one every line has exactly one number per axis. In
+//! are read, in any order of columns. Without one every line has exactly one number per axis. In
 //! CSV and in text by white space (`.xyz`, `.txt`) blank lines and what follows `#` are skipped.
 //! A JSON file is an array of arrays of numbers. Errors name the line, or the site counted from zero.
 
@@ -97,7 +97,7 @@ fn parse_lines<const D: usize>(
     Ok(sites)
 }
 
-/// Where in a line the coordinates stand.
+/// The columns of the coordinates in a line.
 struct Columns<const D: usize> {
     at: [usize; D],
     width: usize,

@@ -37,7 +37,7 @@ pub struct Random {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Grid {
-    /// Grid cells per axis; a site stands in the middle of each.
+    /// Grid cells per axis; a site lies in the middle of each.
     pub counts: Vec<usize>,
     /// The width of the box around a grid cell's middle, in grid cells, over which its site is
     /// spread uniformly: 0 for the exact grid, 1 for anywhere in the grid cell.

@@ -1,4 +1,4 @@
-//! Cells in domains that weigh more in one place than in another.
+//! Cells in domains of non-uniform density.
 
 use std::ops::ControlFlow;
 
@@ -55,9 +55,9 @@ fn cube(text: &str) -> Box<dyn Domain> {
 }
 
 fn tets(n: u32, density: impl Fn(&Point3<f64>) -> f64) -> Box<dyn Domain> {
-    let sound = validate_tets(&unit_cube_tets(n)).expect("sound").0;
-    let values: Vec<f64> = sound.mesh().vertices.iter().map(density).collect();
-    let solid = TetSolid::new(&sound).expect("it bounds a solid");
+    let valid = validate_tets(&unit_cube_tets(n)).expect("a valid mesh").0;
+    let values: Vec<f64> = valid.mesh().vertices.iter().map(density).collect();
+    let solid = TetSolid::new(&valid).expect("it bounds a solid");
     Box::new(solid.with_density(&values).expect("positive"))
 }
 
@@ -121,10 +121,13 @@ fn weighted_gradients_and_hessians_agree_with_central_differences() {
                 };
                 let (up, down) = (at(1.0), at(-1.0));
                 let slope = (up.value - down.value) / (2.0 * step);
-                let bend = (up.gradient - down.gradient) / (2.0 * step);
+                let quotient = (up.gradient - down.gradient) / (2.0 * step);
                 let what = format!("{density}, p = {order}, axis {axis}");
                 assert!((slope - here.gradient[axis]).abs() < 1e-8, "{what}");
-                assert!((bend - here.hessian.column(axis)).amax() < 1e-6, "{what}");
+                assert!(
+                    (quotient - here.hessian.column(axis)).amax() < 1e-6,
+                    "{what}"
+                );
             }
         }
     }
@@ -162,8 +165,8 @@ fn a_linear_density_is_the_same_as_polynomial_and_as_vertex_values() {
     let sites = random_sites(40, 1);
     let spaces = domains.map(Space::new);
     for norm in [Norm::Linf, Norm::L2] {
-        let asked = EnergySpec { norm, ..LINF };
-        let [one, two, three] = domains_figures(&spaces, &sites, asked);
+        let question = EnergySpec { norm, ..LINF };
+        let [one, two, three] = domains_figures(&spaces, &sites, question);
         for other in [&two, &three] {
             for (one, other) in one.iter().zip(other) {
                 assert!((one.0 - other.0).abs() < 1e-12, "{norm:?}");
@@ -178,9 +181,13 @@ fn a_linear_density_is_the_same_as_polynomial_and_as_vertex_values() {
 type Row = (f64, Vector3<f64>, Point3<f64>);
 
 /// The rows of all cells, per domain.
-fn domains_figures(spaces: &[Space; 3], sites: &[Point3<f64>], asked: EnergySpec) -> [Vec<Row>; 3] {
+fn domains_figures(
+    spaces: &[Space; 3],
+    sites: &[Point3<f64>],
+    question: EnergySpec,
+) -> [Vec<Row>; 3] {
     spaces.each_ref().map(|space| {
-        let cells = space.metrics(sites, asked).expect("a diagram");
+        let cells = space.metrics(sites, question).expect("a diagram");
         let figures = cells
             .iter()
             .map(|cell| (cell.energy, cell.gradient, cell.center));
@@ -246,8 +253,8 @@ fn the_scale_of_energies_is_the_exact_mean_density() {
     let text = "1 + 3*x^2 - x*y + z^3";
     let surface =
         SurfaceSolid::new(&validate_surface(&unit_cube()).expect("closed").0).expect("a volume");
-    let sound = validate_tets(&unit_cube_tets(2)).expect("sound").0;
-    let solid = TetSolid::new(&sound).expect("it bounds a solid");
+    let valid = validate_tets(&unit_cube_tets(2)).expect("a valid mesh").0;
+    let solid = TetSolid::new(&valid).expect("it bounds a solid");
     let domains: [Box<dyn Domain>; 3] =
         [Box::new(Cuboid::unit()), Box::new(surface), Box::new(solid)];
     for domain in domains {
@@ -269,8 +276,8 @@ fn a_wanted_size_weighs_the_same_in_every_form_of_the_domain() {
     let size = polynomial("0.1 + 0.2*x - 0.05*y*z");
     let surface =
         SurfaceSolid::new(&validate_surface(&unit_cube()).expect("closed").0).expect("a volume");
-    let sound = validate_tets(&unit_cube_tets(2)).expect("sound").0;
-    let solid = TetSolid::new(&sound).expect("it bounds a solid");
+    let valid = validate_tets(&unit_cube_tets(2)).expect("a valid mesh").0;
+    let solid = TetSolid::new(&valid).expect("it bounds a solid");
     let domains: [Box<dyn Domain>; 3] =
         [Box::new(Cuboid::unit()), Box::new(surface), Box::new(solid)];
     let spaces = domains.map(|domain| {

@@ -132,12 +132,12 @@ fn gradients_and_hessians_agree_with_central_differences() {
                     1e-6,
                     &what,
                 );
-                let bend = (up.gradient - down.gradient) / (2.0 * step);
+                let quotient = (up.gradient - down.gradient) / (2.0 * step);
                 for other in 0..3 {
                     let size = 1.0 + hessian.amax();
                     assert_close(
                         hessian[(axis, other)] / size,
-                        bend[other] / size,
+                        quotient[other] / size,
                         1e-6,
                         &what,
                     );
@@ -287,7 +287,7 @@ fn ties_at_lattice_cells_change_nothing() {
         }
         let domain = Cuboid::unit();
         let diagram = Diagram::new(&domain, &sites).unwrap();
-        let answers = diagram
+        let evaluations = diagram
             .map(|(): &mut (), cell| {
                 let here = evaluate(cell.polyhedron(), &Vector3::zeros(), 1);
                 let cubic = evaluate(cell.polyhedron(), &Vector3::zeros(), 3);
@@ -295,7 +295,7 @@ fn ties_at_lattice_cells_change_nothing() {
             })
             .unwrap();
         let tolerance = 1e-13 + 10.0 * noise;
-        for (here, cubic, volume) in &answers {
+        for (here, cubic, volume) in &evaluations {
             assert_close(volume * 64.0, 1.0, tolerance, "volume");
             assert_close(here.value * 256.0, 0.375, tolerance, "energy");
             assert_close(here.gradient.amax() * 64.0, 0.0, tolerance, "gradient");

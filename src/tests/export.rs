@@ -1,4 +1,4 @@
-//! What files must hold: another reader gets back what was written.
+//! Written files: an independent reader gets back the values written.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -204,8 +204,8 @@ fn cells_fill_the_cube_in_the_file_too() {
     );
     let volumes = file.volumes();
     assert!((volumes.iter().sum::<f64>() - 1.0).abs() < 1e-12);
-    for (told, counted) in file.reals("volume").iter().zip(&volumes) {
-        assert!((told - counted).abs() < 1e-12);
+    for (written, counted) in file.reals("volume").iter().zip(&volumes) {
+        assert!((written - counted).abs() < 1e-12);
     }
 }
 

@@ -1,4 +1,4 @@
-//! What must hold of the closed forms: printed tables, rational arithmetic, additivity.
+//! Closed forms of integrals against printed tables, rational arithmetic, additivity.
 
 use crate::geometry::moments::Moments;
 use crate::integrals::mesh_moments::LinearDensity;
@@ -706,8 +706,13 @@ fn polynomials_read_what_they_say() {
         let polynomial: Polynomial = text.parse().unwrap();
         close(polynomial.at(&point), value, 1e-14, text);
         let origin = Point3::new(0.25, 0.5, -1.0);
-        let seen = polynomial.relative_to(&origin);
-        close(seen.at(&Point3::from(point - origin)), value, 1e-13, text);
+        let shifted = polynomial.relative_to(&origin);
+        close(
+            shifted.at(&Point3::from(point - origin)),
+            value,
+            1e-13,
+            text,
+        );
     }
 }
 

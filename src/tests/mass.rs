@@ -1,4 +1,4 @@
-//! What must hold of bodies: transfer of axes, cutting, profiles, three ways to one mass.
+//! Bodies: transfer of axes, cutting, profiles, one mass computed in three ways.
 
 use crate::geometry::bounds::Bounds;
 use crate::geometry::moments::Moments;
@@ -455,7 +455,7 @@ fn generated_shapes_weigh_the_same_three_ways() {
 }
 
 #[test]
-#[ignore = "needs ../shared/models, whose licenses are not told"]
+#[ignore = "needs ../shared/models, whose licenses are not stated"]
 fn casting_and_rocker_arm_weigh_the_same_three_ways() {
     for name in ["casting.off", "rocker-arm.obj"] {
         let Solid::Surface(closed, _) = load(&shared_model(name)).unwrap() else {
@@ -471,7 +471,7 @@ fn a_cube_in_tetrahedra_weighs_what_its_surface_encloses() {
 }
 
 #[test]
-#[ignore = "needs ../shared/models, whose licenses are not told"]
+#[ignore = "needs ../shared/models, whose licenses are not stated"]
 fn the_bunny_in_tetrahedra_weighs_what_its_surface_encloses() {
     let Solid::Tets(tets, _) = load(&shared_model("bunny.mesh")).unwrap() else {
         panic!("the bunny is made of tetrahedra");

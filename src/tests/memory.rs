@@ -1,4 +1,4 @@
-//! How much memory a run takes for every site beyond the sites themselves.
+//! Memory of a run per site, beyond the sites themselves.
 //!
 //! Peaks of the heap are compared between two numbers of sites, so that what every thread and every
 //! file takes once cancels.
@@ -96,9 +96,9 @@ fn write_cells(space: &Space, sites: &[Point3<f64>], path: &Path) {
     let mut file = VtuWriter::new(path);
     let outline =
         |scratch: &mut PieceScratch, cell: Cell<'_>| shell(space.domain(), &cell, scratch);
-    let tell = |site: usize, shell: Shell| {
+    let push = |site: usize, shell: Shell| {
         let cell = &cells[site];
-        let told = CellGeometry {
+        let geometry = CellGeometry {
             site,
             shell,
             energy: cell.energy,
@@ -106,10 +106,10 @@ fn write_cells(space: &Space, sites: &[Point3<f64>], path: &Path) {
             cubeness: cell.cubeness,
             facet_count: cell.facets as usize,
         };
-        file.push(&told).unwrap();
+        file.push(&geometry).unwrap();
         Ok::<(), DiagramError>(())
     };
-    diagram.stream(outline, tell).unwrap();
+    diagram.stream(outline, push).unwrap();
     assert_eq!(file.finish().unwrap(), sites.len() as u64);
 }
 

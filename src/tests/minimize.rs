@@ -1,4 +1,4 @@
-//! What must hold of the minimizers: they find the minimum in the box, from anywhere, in few
+//! Minimizers: they find the minimum in the box, from any start, in few
 //! evaluations, and never panic on a bad function.
 
 use std::ops::ControlFlow;
@@ -291,7 +291,7 @@ fn newton_reports_a_bad_question_instead_of_panicking() {
         hessian: SMatrix::zeros(),
     };
     let options = NewtonOptions::new(1.0, 1.0);
-    let ask = |lower, upper, options: &NewtonOptions| {
+    let minimize = |lower, upper, options: &NewtonOptions| {
         newton(
             |x| problem.evaluate(x),
             &problem.start,
@@ -309,25 +309,25 @@ fn newton_reports_a_bad_question_instead_of_panicking() {
     );
     assert_eq!(found.ended, Termination::NotFinite);
 
-    let zero_size = ask(&problem.lower, &problem.lower, &options);
+    let zero_size = minimize(&problem.lower, &problem.lower, &options);
     assert_eq!(zero_size.ended, Termination::GradientSmall);
     assert_eq!((zero_size.point, zero_size.evaluations), (problem.lower, 1));
 
-    let inverted = ask(&problem.upper, &problem.lower, &options);
+    let inverted = minimize(&problem.upper, &problem.lower, &options);
     assert_eq!(inverted.point, problem.lower);
 
     let mut short = NewtonOptions::new(1.0, 1e-3);
     short.max_evaluations = 5;
     let above = SVector::repeat(f64::INFINITY);
     let below = -above;
-    let cut_off = ask(&below, &above, &short);
+    let cut_off = minimize(&below, &above, &short);
     assert_eq!(
         (cut_off.ended, cut_off.evaluations),
         (Termination::EvaluationLimit, 5)
     );
 
     for length in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-        let found = ask(&below, &above, &NewtonOptions::new(1.0, length));
+        let found = minimize(&below, &above, &NewtonOptions::new(1.0, length));
         assert!(found.point.iter().all(|x| x.is_finite()), "length {length}");
     }
     let uphill = |point: &SVector<f64, 3>| Evaluation {
@@ -518,10 +518,10 @@ fn rosenbrock(point: &[f64], gradient: &mut [f64]) -> f64 {
     gradient.fill(0.0);
     let mut sum = 0.0;
     for i in 0..point.len() - 1 {
-        let (bend, rest) = (point[i + 1] - point[i] * point[i], 1.0 - point[i]);
-        sum += 100.0 * bend * bend + rest * rest;
-        gradient[i] -= 400.0 * bend * point[i] + 2.0 * rest;
-        gradient[i + 1] += 200.0 * bend;
+        let (deviation, rest) = (point[i + 1] - point[i] * point[i], 1.0 - point[i]);
+        sum += 100.0 * deviation * deviation + rest * rest;
+        gradient[i] -= 400.0 * deviation * point[i] + 2.0 * rest;
+        gradient[i + 1] += 200.0 * deviation;
     }
     sum
 }
@@ -781,12 +781,12 @@ fn lbfgsb_ends_where_it_cannot_go_on() {
 
 #[test]
 fn lbfgsb_names_what_is_wrong_with_a_question() {
-    let ask = |start: &[f64], lower: &[f64], upper: &[f64], options: &LbfgsbOptions| {
+    let refusal = |start: &[f64], lower: &[f64], upper: &[f64], options: &LbfgsbOptions| {
         lbfgsb(rosenbrock, start, lower, upper, options, never).unwrap_err()
     };
     let good = LbfgsbOptions::default();
     assert!(matches!(
-        ask(&[0.0; 2], &[0.0; 3], &[1.0; 2], &good),
+        refusal(&[0.0; 2], &[0.0; 3], &[1.0; 2], &good),
         LbfgsbError::Length {
             expected: 2,
             found: 3,
@@ -794,16 +794,16 @@ fn lbfgsb_names_what_is_wrong_with_a_question() {
         }
     ));
     assert!(matches!(
-        ask(&[0.0; 2], &[0.0, 2.0], &[1.0; 2], &good),
+        refusal(&[0.0; 2], &[0.0, 2.0], &[1.0; 2], &good),
         LbfgsbError::NoRoom { variable: 1, .. }
     ));
     assert!(matches!(
-        ask(&[0.0; 2], &[f64::NAN, 0.0], &[1.0; 2], &good),
+        refusal(&[0.0; 2], &[f64::NAN, 0.0], &[1.0; 2], &good),
         LbfgsbError::NoRoom { variable: 0, .. }
     ));
     let forgetful = LbfgsbOptions { memory: 0, ..good };
     assert!(matches!(
-        ask(&[0.0; 2], &[0.0; 2], &[1.0; 2], &forgetful),
+        refusal(&[0.0; 2], &[0.0; 2], &[1.0; 2], &forgetful),
         LbfgsbError::Option {
             option: "memory",
             ..

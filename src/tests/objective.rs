@@ -247,10 +247,10 @@ fn weighted(domain: Box<dyn Domain>) -> Box<dyn Domain> {
 
 /// The unit cube in tetrahedra, with a density that is linear on each and has kinks between them.
 fn tets(has_density: bool) -> Box<dyn Domain> {
-    let sound = validate_tets(&unit_cube_tets(2)).unwrap().0;
-    let values = sound.mesh().vertices.iter();
+    let valid = validate_tets(&unit_cube_tets(2)).unwrap().0;
+    let values = valid.mesh().vertices.iter();
     let values: Vec<f64> = values.map(|v| 1.0 + v.x + v.y * v.y + v.z.abs()).collect();
-    let solid = TetSolid::new(&sound).unwrap();
+    let solid = TetSolid::new(&valid).unwrap();
     match has_density {
         true => Box::new(solid.with_density(&values).unwrap()),
         false => Box::new(solid),

@@ -146,16 +146,19 @@ fn many_sites() -> Vec<(&'static str, Vec<Point2<f64>>)> {
         .map(|k| f64::from(k) / 40.0)
         .flat_map(|t| [[t, 0.0], [1.0, t], [1.0 - t, 1.0], [0.0, 1.0 - t]]);
     let apart = Vector2::new(1e-13, -1e-13);
-    let twins = Random(3).points(50);
-    let crowd = Random(4).points(200);
+    let firsts = Random(3).points(50);
+    let cluster = Random(4).points(200);
     vec![
         ("circle", circle.collect()),
         ("walls", walls.map(Point2::from).collect()),
         (
-            "twins",
-            twins.iter().flat_map(|p| [*p, p + apart]).collect(),
+            "close pairs",
+            firsts.iter().flat_map(|p| [*p, p + apart]).collect(),
         ),
-        ("all in a corner", crowd.iter().map(|p| p * 1e-6).collect()),
+        (
+            "all in a corner",
+            cluster.iter().map(|p| p * 1e-6).collect(),
+        ),
     ]
 }
 
@@ -203,7 +206,7 @@ fn diagram_error(domain: &PlaneDomain, sites: &[Point2<f64>], diagram: &PlaneDia
         }
         for edge in cell.polygon.edges().filter(|e| e.length() > 1e-6 * extent) {
             if let Some(other) = neighbor(edge.label) {
-                // Sites a few ulps apart are one to whoever is far from both.
+                // Sites a few ulps apart coincide within rounding for a distant site.
                 let near = |a: usize, b: usize| (sites[a] - sites[b]).norm() < 1e-12 * extent;
                 let mutual = (0..sites.len()).filter(|&n| near(n, other)).any(|n| {
                     let back = diagram.cells[n].polygon.edges();
@@ -298,12 +301,12 @@ fn a_square_lattice_has_square_cells_with_four_neighbors_or_walls() {
 #[test]
 fn sites_without_a_diagram_are_named() {
     let domain = unit_square();
-    let ask = |list: &[[f64; 2]]| {
+    let refusal = |list: &[[f64; 2]]| {
         let sites: Vec<Point2<f64>> = list.iter().map(|&s| s.into()).collect();
         PlaneDiagram::new(&domain, &sites).unwrap_err()
     };
-    assert_eq!(ask(&[]), PlaneDiagramError::NoSites);
-    let twice = ask(&[[0.1, 0.0], [0.5, 0.5], [0.1, -0.0], [0.9, 0.9]]);
+    assert_eq!(refusal(&[]), PlaneDiagramError::NoSites);
+    let twice = refusal(&[[0.1, 0.0], [0.5, 0.5], [0.1, -0.0], [0.9, 0.9]]);
     assert!(matches!(
         twice,
         PlaneDiagramError::Duplicate {
@@ -312,7 +315,7 @@ fn sites_without_a_diagram_are_named() {
             ..
         }
     ));
-    let outside = ask(&[[0.5, 0.5], [1.25, 0.5]]);
+    let outside = refusal(&[[0.5, 0.5], [1.25, 0.5]]);
     assert!(matches!(
         outside,
         PlaneDiagramError::Outside { site: 1, .. }
@@ -321,7 +324,7 @@ fn sites_without_a_diagram_are_named() {
         outside.to_string(),
         "site 1 lies outside the domain: (1.25, 0.5)"
     );
-    let lost = ask(&[[0.5, 0.5], [0.5, f64::NAN]]);
+    let lost = refusal(&[[0.5, 0.5], [0.5, f64::NAN]]);
     assert!(matches!(lost, PlaneDiagramError::NotFinite { site: 1, .. }));
 }
 
@@ -556,8 +559,8 @@ fn derivatives_agree_with_central_differences() {
                     let (up, down) = (at(center + shift), at(center - shift));
                     let slope = (up.value - down.value) / (2.0 * step);
                     assert!((slope - exact.gradient[axis]).abs() < 1e-6 * unit.max(slope.abs()));
-                    let bend = (up.gradient - down.gradient) / (2.0 * step);
-                    let difference = (bend - exact.hessian.column(axis)).norm();
+                    let quotient = (up.gradient - down.gradient) / (2.0 * step);
+                    let difference = (quotient - exact.hessian.column(axis)).norm();
                     assert!(
                         difference < 1e-6 * unit,
                         "seed {seed}, order {order}: {difference:e} of {unit:e}"
@@ -598,17 +601,21 @@ fn no_step_to_a_center_is_uphill_or_leaves_the_cell() {
             let plane = Plane {
                 domain: domain.clone(),
             };
-            let answers = plane.assess(&sites, question).unwrap();
-            for (cell, answer) in diagram.cells.iter().zip(&answers) {
-                let target = Point2::from(answer.target - cell.site);
+            let assessments = plane.assess(&sites, question).unwrap();
+            for (cell, assessment) in diagram.cells.iter().zip(&assessments) {
+                let target = Point2::from(assessment.target - cell.site);
                 let after = energy(&cell.polygon, &target, order);
-                assert!(after <= answer.energy * (1.0 + 1e-12), "{name}");
+                assert!(after <= assessment.energy * (1.0 + 1e-12), "{name}");
                 let slack = 1e-12 * domain.bounds().extent().amax();
                 for edge in cell.polygon.edges().filter(|e| e.length() > 1e-6) {
                     let side = HalfPlane::left_of(&edge.start, &edge.end);
                     assert!(side.height(&target) <= slack * side.normal.norm(), "{name}");
                 }
-                assert!(answer.evaluations < 40, "{name}: {}", answer.evaluations);
+                assert!(
+                    assessment.evaluations < 40,
+                    "{name}: {}",
+                    assessment.evaluations
+                );
             }
         }
     }
@@ -623,7 +630,7 @@ fn at_the_center_opposite_fragments_have_equal_area() {
         domain: unit_square(),
     };
     let figures = plane.metrics(&sites, LINF).unwrap();
-    let answers = plane.assess(&sites, LINF).unwrap();
+    let assessments = plane.assess(&sites, LINF).unwrap();
     for (cell, figures) in diagram.cells.iter().zip(&figures) {
         let center = Point2::from(figures.center - cell.site);
         let parts = fragments(&cell.polygon, &center, 0).map(|f| f.area());
@@ -631,8 +638,8 @@ fn at_the_center_opposite_fragments_have_equal_area() {
         assert!((parts[2] - parts[3]).abs() < 1e-9 * figures.volume);
         assert!(figures.center_energy <= figures.energy);
     }
-    for answer in &answers {
-        evaluations += f64::from(answer.evaluations) / 300.0;
+    for assessment in &assessments {
+        evaluations += f64::from(assessment.evaluations) / 300.0;
     }
     assert!(evaluations < 3.0, "{evaluations} evaluations per cell");
 }
@@ -700,13 +707,13 @@ fn lloyd(plane: &Plane, sites: &mut Vec<Point2<f64>>, norm: Norm, moves: usize) 
     let question = EnergySpec { norm, ..LINF };
     let mut percents = Vec::new();
     for left in (0..=moves).rev() {
-        let answers = plane.assess(sites, question).unwrap();
+        let assessments = plane.assess(sites, question).unwrap();
         let count = sites.len() as f64;
         let least = (plane.volume() / count).powf(1.5) / 3.0;
-        let mean = answers.iter().map(|a| a.chebyshev).sum::<f64>() / count;
+        let mean = assessments.iter().map(|a| a.chebyshev).sum::<f64>() / count;
         percents.push(100.0 * mean / least);
         if left > 0 {
-            *sites = answers.iter().map(|a| a.target).collect();
+            *sites = assessments.iter().map(|a| a.target).collect();
         }
     }
     percents
@@ -763,11 +770,11 @@ fn the_euclidean_control_lowers_its_own_energy() {
     let mut sites = Random(4).points(200);
     let mut last = f64::INFINITY;
     for _ in 0..20 {
-        let answers = plane.assess(&sites, question).unwrap();
-        let sum: f64 = answers.iter().map(|a| a.energy).sum();
+        let assessments = plane.assess(&sites, question).unwrap();
+        let sum: f64 = assessments.iter().map(|a| a.energy).sum();
         assert!(sum < last);
         last = sum;
-        sites = answers.iter().map(|a| a.target).collect();
+        sites = assessments.iter().map(|a| a.target).collect();
     }
     let linf = lloyd(&plane, &mut Random(4).points(200), Norm::Linf, 20)[20];
     let l2 = lloyd(&plane, &mut Random(4).points(200), Norm::L2, 20)[20];

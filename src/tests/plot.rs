@@ -1,4 +1,4 @@
-//! What pictures must hold: well-formed files that show everything, whatever the data.
+//! Pictures: well-formed files that contain every element, for any data.
 
 use crate::geometry::bounds::Bounds;
 use crate::geometry::brep::Piece;
@@ -124,7 +124,7 @@ fn odd_logs_still_give_a_figure() {
         };
         40
     ];
-    let long = "a-folder-with-a-name-that-nobody-wants-to-read/".repeat(20);
+    let long = "a-folder-with-a-name-that-no-one-wants-to-read/".repeat(20);
     for runs in [
         vec![],
         vec![Run {

@@ -187,13 +187,13 @@ fn no_energy_is_below_that_of_cubes_in_any_domain_or_order() {
 fn newton_and_lbfgsb_find_the_same_centers() {
     let sites = random_sites(300, 6);
     for (order, most) in [(1, 2.95), (2, 5.15), (4, 5.6)] {
-        let asked = |minimizer| EnergySpec {
+        let question = |minimizer| EnergySpec {
             minimizer,
             order,
             ..LINF
         };
-        let newton = unit().assess(&sites, asked(Minimizer::Newton)).unwrap();
-        let lbfgsb = unit().assess(&sites, asked(Minimizer::Lbfgsb)).unwrap();
+        let newton = unit().assess(&sites, question(Minimizer::Newton)).unwrap();
+        let lbfgsb = unit().assess(&sites, question(Minimizer::Lbfgsb)).unwrap();
         for (one, other) in newton.iter().zip(&lbfgsb) {
             let apart = (one.target - other.target).norm() / (1.0f64 / 300.0).cbrt();
             assert!(apart < 1e-8, "p = {order}: {apart:e}");

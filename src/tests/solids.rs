@@ -90,7 +90,7 @@ fn solid(mesh: &SurfaceMesh) -> SurfaceSolid {
 }
 
 fn tets(mesh: &TetMesh) -> TetSolid {
-    TetSolid::new(&validate_tets(mesh).expect("the mesh is sound").0).expect("it bounds a solid")
+    TetSolid::new(&validate_tets(mesh).expect("the mesh is valid").0).expect("it bounds a solid")
 }
 
 /// The same solid, of which every cell is cut tetrahedron by tetrahedron.
@@ -101,7 +101,7 @@ fn with_density_one(tets: TetSolid) -> WeightedDomain {
 
 /// A model of the shared folder in the unit cube.
 fn model(name: &str) -> Solid {
-    let mut solid = load(&shared_model(name)).expect("the model is sound");
+    let mut solid = load(&shared_model(name)).expect("the model is valid");
     let bounds = match &solid {
         Solid::Surface(surface, _) => surface.mesh().bounds(),
         Solid::Tets(tets, _) => tets.mesh().bounds(),
@@ -233,7 +233,7 @@ fn a_cell_is_worth_the_same_by_its_boundary_and_by_signed_prisms() {
             let diagram = Diagram::new(&domain, &sites).expect("a diagram");
             let worst = diagram
                 .map(
-                    |(scratch, walk): &mut (PieceScratch, EnergyScratch), cell| {
+                    |(scratch, energy_scratch): &mut (PieceScratch, EnergyScratch), cell| {
                         let mut whole = Vec::new();
                         domain.pieces(
                             &cell.position,
@@ -254,8 +254,8 @@ fn a_cell_is_worth_the_same_by_its_boundary_and_by_signed_prisms() {
                             [([0.0; 3], 1), ([0.1, 0.2, -0.3], 1), ([0.3, -0.4, 0.2], 3)]
                         {
                             let center = Vector3::from(center) * size;
-                            let [one, other] =
-                                [&whole, &parts].map(|pieces| energy(pieces, &center, order, walk));
+                            let [one, other] = [&whole, &parts]
+                                .map(|pieces| energy(pieces, &center, order, energy_scratch));
                             let Evaluation {
                                 value,
                                 gradient,
@@ -473,7 +473,7 @@ fn is_watertight(shell: &Shell) -> bool {
 }
 
 #[test]
-#[ignore = "needs ../shared/models, whose licenses are not told"]
+#[ignore = "needs ../shared/models, whose licenses are not stated"]
 fn cells_fill_the_closed_models() {
     for name in MODELS {
         let domain = surface_model(name);
@@ -491,7 +491,7 @@ fn a_tet_mesh_and_its_boundary_are_one_solid() {
 }
 
 #[test]
-#[ignore = "needs ../shared/models, whose licenses are not told"]
+#[ignore = "needs ../shared/models, whose licenses are not stated"]
 fn the_tetrahedral_bunny_and_its_boundary_are_one_solid() {
     let Solid::Tets(mesh, _) = model("bunny.mesh") else {
         panic!("the bunny is made of tetrahedra");
@@ -518,7 +518,7 @@ fn assert_one_with_its_boundary(filled: TetSolid) {
 }
 
 #[test]
-#[ignore = "needs ../shared/models, whose licenses are not told, and minutes"]
+#[ignore = "needs ../shared/models, whose licenses are not stated, and minutes"]
 fn ten_thousand_cells_fill_every_closed_model() {
     for name in MODELS {
         let domain = surface_model(name);
@@ -548,7 +548,7 @@ fn chebyshev_runs_in_solids_end_below_euclidean_ones() {
 }
 
 #[test]
-#[ignore = "needs ../shared/models, whose licenses are not told"]
+#[ignore = "needs ../shared/models, whose licenses are not stated"]
 fn chebyshev_runs_end_lower_in_every_closed_model() {
     assert_chebyshev_ends_lower("femur.off", surface_model("femur.off"), 200);
     for name in MODELS {

@@ -53,13 +53,13 @@ fn cells(
     sites: &[Point3<f64>],
     least: f64,
 ) -> Vec<(f64, BTreeSet<FacetKind>)> {
-    let ask = |(): &mut (), cell: crate::voronoi::cell::Cell<'_>| {
+    let figures = |(): &mut (), cell: crate::voronoi::cell::Cell<'_>| {
         let facets = cell.polyhedron().facets();
         let large = facets.filter(|facet| facet.area_vector().norm() > least);
         let neighbors = large.map(|facet| FacetKind::of(facet.label())).collect();
         (cell.polyhedron().moments().mass, neighbors)
     };
-    Diagram::new(domain, sites).unwrap().map(ask).unwrap()
+    Diagram::new(domain, sites).unwrap().map(figures).unwrap()
 }
 
 fn assert_fills(domain: &dyn Domain, sites: &[Point3<f64>], what: &str) {
@@ -225,13 +225,13 @@ fn cells_agree_with_brute_force() {
 }
 
 #[test]
-fn crowded_and_lopsided_cells_agree_with_brute_force() {
+fn clustered_and_lopsided_cells_agree_with_brute_force() {
     let mut random = Random::new(15);
     let mut of = |place: fn(Point3<f64>) -> Point3<f64>| -> Vec<Point3<f64>> {
         points(&mut random, 400).into_iter().map(place).collect()
     };
-    let crowd = of(|p| Point3::from((p.coords * 0.1).add_scalar(0.4)));
-    let with_others = [crowd.clone(), of(|p| p)[..20].to_vec()].concat();
+    let cluster = of(|p| Point3::from((p.coords * 0.1).add_scalar(0.4)));
+    let with_others = [cluster.clone(), of(|p| p)[..20].to_vec()].concat();
     let rod = of(|p| Point3::new(p.x, 0.5 + 1e-3 * p.y, 0.5 + 1e-3 * p.z));
     let layer = of(|p| Point3::new(p.x, p.y, 0.5 + 1e-4 * p.z));
     let graded = of(|p| Point3::from(p.coords.map(|x| x.powi(5))));
@@ -243,8 +243,8 @@ fn crowded_and_lopsided_cells_agree_with_brute_force() {
         .collect();
     sphere.push(Point3::new(0.5, 0.5, 0.5));
     for (what, sites) in [
-        ("crowd", crowd),
-        ("crowd among few", with_others),
+        ("cluster", cluster),
+        ("cluster among few", with_others),
         ("rod", rod),
         ("layer", layer),
         ("graded", graded),
@@ -368,11 +368,11 @@ fn sites_without_a_diagram_are_named() {
     // Opposite sides of a periodic box are the same place.
     let torus = periodic([true, false, false]);
     let sides = [Point3::new(0.0, 0.5, 0.5), Point3::new(1.0, 0.5, 0.5)];
-    let twins = Diagram::new(&torus, &sides)
+    let coincident = Diagram::new(&torus, &sides)
         .unwrap()
         .map(|(): &mut (), _| ());
     assert!(matches!(
-        twins,
+        coincident,
         Err(DiagramError::Duplicate {
             first: 0,
             second: 1,
@@ -382,19 +382,19 @@ fn sites_without_a_diagram_are_named() {
 }
 
 #[test]
-fn a_crowd_in_one_place_is_named() {
+fn a_cluster_in_one_place_is_named() {
     let domain = Cuboid::unit();
     let mut sites = points(&mut Random::new(4), 2000);
     for number in 1000..1600 {
         sites[number] = sites[7];
     }
     let diagram = Diagram::new(&domain, &sites).expect("sites in the cube");
-    let told = diagram.map(|(): &mut (), _| ());
+    let refused = diagram.map(|(): &mut (), _| ());
     let pair = |error: DiagramError| match error {
         DiagramError::Duplicate { first, second, .. } => (first, second),
         other => panic!("{other}"),
     };
-    assert_eq!(told.map_err(pair), Err((7, 1000)));
+    assert_eq!(refused.map_err(pair), Err((7, 1000)));
 }
 
 #[test]
@@ -441,12 +441,12 @@ fn answers_are_told_in_site_order_however_many_there_are() {
     let diagram = Diagram::new(&domain, &sites).expect("sites in the cube");
     let volume = |(): &mut (), cell: Cell<'_>| cell.polyhedron().moments().mass;
     let expected = diagram.map(volume).expect("distinct sites");
-    let mut told = Vec::new();
-    let tell = |site: usize, volume: f64| {
-        assert_eq!(site, told.len());
-        told.push(volume);
+    let mut volumes = Vec::new();
+    let push = |site: usize, volume: f64| {
+        assert_eq!(site, volumes.len());
+        volumes.push(volume);
         Ok::<(), DiagramError>(())
     };
-    diagram.stream(volume, tell).expect("distinct sites");
-    assert_eq!(told, expected);
+    diagram.stream(volume, push).expect("distinct sites");
+    assert_eq!(volumes, expected);
 }

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 /// A shared model.
 ///
 /// # Panics
-/// If it is absent: tests that need it are ignored unless asked for.
+/// If it is absent: tests that need it are ignored unless requested (`--ignored`).
 pub(crate) fn shared_model(name: &str) -> PathBuf {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let folders = ["../shared/models", "../../shared/models"].map(|folder| root.join(folder));

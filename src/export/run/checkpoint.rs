@@ -1,4 +1,4 @@
-//! The sites of one iteration, to the bit: where a resumed run starts.
+//! Checkpoints: the sites of one iteration, bit for bit, from which a resumed run starts.
 //!
 //! `checkpoint.bin` is a line of JSON (its layout and counts) followed by the coordinates, site by
 //! site, as little-endian f64, and then by the numbers of the method's own memory, if it has any.
@@ -42,7 +42,7 @@ struct Header {
 pub struct Checkpoint<const D: usize> {
     /// Moves made so far.
     pub iteration: u64,
-    /// Where the sites stand.
+    /// The sites' positions (L).
     pub sites: Vec<Point<f64, D>>,
     /// What the method remembers beside them.
     pub memory: Vec<f64>,

@@ -40,7 +40,7 @@ pub struct RunDirectory {
 /// A run found in its directory.
 #[derive(Debug)]
 pub struct Found<T> {
-    /// Where.
+    /// The directory.
     pub directory: RunDirectory,
     /// Its `run.json`.
     pub description: T,
@@ -205,7 +205,7 @@ impl RunDirectory {
     }
 }
 
-/// What `run.json` says. It is there from the first moment of a run, with `ended` empty.
+/// The content of `run.json`, written when a run starts, with `ended` empty.
 ///
 /// `S` is the scene and `M` the measures of a tessellation, as they read and write themselves.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -1,9 +1,9 @@
-//! Why a run's directory cannot be used.
+//! Errors of a run's directory.
 
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Why a run's directory cannot be used.
+/// The reason why a run's directory cannot be used.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum RunError {
@@ -48,7 +48,7 @@ pub enum RunError {
         /// The directory.
         path: PathBuf,
     },
-    /// What the directory holds does not fit together.
+    /// The files of the directory are damaged or contradict each other.
     #[error("{path} cannot be resumed: {message}; start anew with --force", path = path.display())]
     Damaged {
         /// The file at fault.

@@ -1,4 +1,4 @@
-//! A run's directory: what it holds while the run goes and how an interrupted run goes on.
+//! A run's directory: log, checkpoint and description, and the resumption of interrupted runs.
 //!
 //! [`directory`] takes the directory for one process at a time and refuses to overwrite a run.
 //! [`log`] appends a record per iteration. [`checkpoint`] keeps the sites of some iteration, from

@@ -1,4 +1,4 @@
-//! Numbers in binary files.
+//! Decoding of numbers in binary files.
 
 use crate::mesh::formats::error::{ErrorKind, ParseError};
 

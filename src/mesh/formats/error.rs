@@ -1,4 +1,4 @@
-//! Errors of mesh files: the place, what is wrong there, and the mend.
+//! Errors of mesh files: the place, the fault, and the remedy.
 
 use std::fmt;
 use std::path::PathBuf;
@@ -91,15 +91,15 @@ pub enum ErrorKind {
         "the file ends where {expected} should stand; it is truncated, copy or export it again"
     )]
     Truncated {
-        /// What should have followed.
+        /// The content expected next.
         expected: &'static str,
     },
-    /// Something else stands where a known thing should.
+    /// Something else than expected.
     #[error("expected {expected}, found `{found}`; correct the line or the counts before it")]
     Expected {
-        /// What should stand there.
+        /// The expected content.
         expected: &'static str,
-        /// What stands there, shortened.
+        /// The content found, shortened.
         found: String,
     },
     /// A NaN or infinite number.
@@ -118,7 +118,7 @@ pub enum ErrorKind {
         /// The number of the first vertex in this format.
         first: i64,
     },
-    /// A count that the rest of the file does not bear out.
+    /// An announced count that differs from the number of elements in the file.
     #[error(
         "{announced} {what} are announced, {found} are there; correct the count or export the file again"
     )]
@@ -157,7 +157,7 @@ pub enum ErrorKind {
 }
 
 impl ErrorKind {
-    /// [`ErrorKind::Expected`] with what stands there instead.
+    /// [`ErrorKind::Expected`] with what was found instead.
     pub(crate) fn expected(expected: &'static str, found: impl Into<String>) -> Self {
         let found = found.into();
         Self::Expected { expected, found }

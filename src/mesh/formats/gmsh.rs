@@ -142,17 +142,22 @@ impl File<'_> {
         self.words.next_line();
         let mut found = 0;
         for _ in 0..blocks {
-            self.words.count("an entity's dimension")?;
-            self.words.integer("an entity's number")?;
-            let kind = self.words.count("an element's type")?;
-            let count = self.words.count("the number of elements in the block")?;
-            for _ in 0..count {
-                self.words.count("an element's number")?;
-                self.read_element(kind)?;
-            }
-            found += count;
+            found += self.read_element_block()?;
         }
         self.words.check_count("elements", announced, found)
+    }
+
+    /// Reads a block of elements of one type; returns their number.
+    fn read_element_block(&mut self) -> Result<usize, ParseError> {
+        self.words.count("an entity's dimension")?;
+        self.words.integer("an entity's number")?;
+        let kind = self.words.count("an element's type")?;
+        let count = self.words.count("the number of elements in the block")?;
+        for _ in 0..count {
+            self.words.count("an element's number")?;
+            self.read_element(kind)?;
+        }
+        Ok(count)
     }
 
     /// Reads an element's nodes: type 2 is a triangle, 3 a quadrangle, 4 a tetrahedron.
@@ -170,10 +175,9 @@ impl File<'_> {
                 let tet = self.read_corners()?;
                 self.mesh.tets.push(tet);
             }
-            // Points and lines of any order.
-            1 | 8 | 15 | 26 | 27 | 28 => {}
-            // Curved triangles and quadrangles: the boundary of curved volumes, refused there.
-            9 | 10 | 16 | 20..=25 => {}
+            // Points, lines of any order, and curved triangles and quadrangles: these bound curved
+            // volumes, which are refused.
+            1 | 8 | 9 | 10 | 15 | 16 | 20..=28 => {}
             _ => return Err(self.words.error(no_tetrahedron(kind))),
         }
         self.words.next_line();
@@ -204,18 +208,7 @@ impl File<'_> {
 
     /// Reads a scalar field; vectors and tensors are passed over.
     fn read_node_data(&mut self) -> Result<(), ParseError> {
-        let mut name = String::new();
-        for at in 0..self.words.count("the number of string tags")? {
-            self.words.next_line();
-            let text = self.words.rest_of_line();
-            if at == 0 {
-                name = shown(
-                    text.strip_prefix(b"\"")
-                        .and_then(|t| t.strip_suffix(b"\""))
-                        .unwrap_or(text),
-                );
-            }
-        }
+        let name = self.read_name()?;
         for _ in 0..self.words.count("the number of real tags")? {
             self.words.number("a real tag")?;
         }
@@ -232,6 +225,21 @@ impl File<'_> {
             return Ok(());
         }
         self.read_values(name, count)
+    }
+
+    /// Reads the string tags; returns the first, the field's name, without quotes.
+    fn read_name(&mut self) -> Result<String, ParseError> {
+        let mut name = String::new();
+        for at in 0..self.words.count("the number of string tags")? {
+            self.words.next_line();
+            let text = self.words.rest_of_line();
+            if at == 0 {
+                let inside = text.strip_prefix(b"\"");
+                let inside = inside.and_then(|text| text.strip_suffix(b"\""));
+                name = shown(inside.unwrap_or(text));
+            }
+        }
+        Ok(name)
     }
 
     fn read_values(&mut self, name: String, count: usize) -> Result<(), ParseError> {

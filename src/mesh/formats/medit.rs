@@ -27,17 +27,11 @@ pub fn parse(bytes: &[u8]) -> Result<Mesh, ParseError> {
             b"Dimension" => read_dimension(&mut words)?,
             b"Vertices" => read_vertices(&mut words, &mut mesh)?,
             b"Tetrahedra" => read_elements(&mut words, &mut mesh, |mesh, tet| mesh.tets.push(tet))?,
-            b"Triangles" => {
-                read_elements(&mut words, &mut mesh, |mesh, triangle| {
-                    mesh.triangles.push(triangle)
-                })?;
-            }
+            b"Triangles" => read_elements(&mut words, &mut mesh, |m, face| m.triangles.push(face))?,
             b"Quadrilaterals" => read_elements(&mut words, &mut mesh, |mesh, quad: [u32; 4]| {
                 triangulate(&mesh.vertices, &quad, &mut mesh.triangles);
             })?,
-            b"Hexahedra" | b"Hexaedra" | b"Prisms" | b"Pyramids" => {
-                refuse_if_any(&mut words, word)?
-            }
+            b"Hexahedra" | b"Hexaedra" | b"Prisms" | b"Pyramids" => refuse(&mut words, word)?,
             b"End" => break,
             _ if word[0].is_ascii_alphabetic() => skip(&mut words),
             _ => return Err(words.unexpected("a keyword", word)),
@@ -75,7 +69,7 @@ fn read_dimension(words: &mut Words<'_>) -> Result<(), ParseError> {
 
 fn read_vertices(words: &mut Words<'_>, mesh: &mut MeshParts) -> Result<(), ParseError> {
     let count = words.size("the number of vertices", "vertices")?;
-    mesh.vertices.reserve(words.room_for(count, 6));
+    mesh.vertices.reserve(words.capacity_for(count, 6));
     for _ in 0..count {
         mesh.vertices.push(words.point()?);
         words.number("a reference")?;
@@ -100,7 +94,8 @@ fn read_elements<const N: usize>(
     Ok(())
 }
 
-fn refuse_if_any(words: &mut Words<'_>, keyword: &[u8]) -> Result<(), ParseError> {
+/// Refuses elements other than tetrahedra, if there are any.
+fn refuse(words: &mut Words<'_>, keyword: &[u8]) -> Result<(), ParseError> {
     if words.count("the number of elements")? == 0 {
         return Ok(());
     }

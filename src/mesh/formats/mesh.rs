@@ -15,7 +15,7 @@ pub enum Mesh {
     Tets(TetMesh),
 }
 
-/// What a file holds that may hold both kinds.
+/// The parts of a file of a format for both kinds.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct MeshParts {
     pub(crate) vertices: Vec<Point3<f64>>,
@@ -49,6 +49,18 @@ impl MeshParts {
             triangles: self.triangles,
         }))
     }
+}
+
+/// The surface, unless it has no triangles: then the error that `what` is missing.
+pub(crate) fn not_empty(
+    mesh: SurfaceMesh,
+    what: &'static str,
+    mend: &'static str,
+) -> Result<SurfaceMesh, ParseError> {
+    if mesh.triangles.is_empty() {
+        return Err(ParseError::missing(what, mend));
+    }
+    Ok(mesh)
 }
 
 /// The error of volume elements that are not plain tetrahedra: leaving them out would leave

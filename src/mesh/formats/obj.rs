@@ -2,13 +2,14 @@
 //!
 //! Lines `v` and `f` are read, in all forms of `f` (v, v/vt, v//vn, v/vt/vn, negative indices
 //! that count from the last vertex so far); all groups and objects make one surface. A face's
-//! vertices stand before it. Lines that end in a backslash continue. Other lines are passed
+//! vertices precede it. Lines that end in a backslash continue. Other lines are passed
 //! over. Vertices are not split by normals or texture coordinates, which would open the
 //! surface.
 
 use nalgebra::Point3;
 
 use crate::mesh::formats::error::{ErrorKind, ParseError};
+use crate::mesh::formats::mesh::not_empty;
 use crate::mesh::formats::words::{Words, integer};
 use crate::mesh::polygon::triangulate;
 use crate::mesh::surface::SurfaceMesh;
@@ -35,13 +36,7 @@ pub fn parse(bytes: &[u8]) -> Result<SurfaceMesh, ParseError> {
         while same_line(&mut words).is_some() {}
         words.next_line();
     }
-    if mesh.triangles.is_empty() {
-        return Err(ParseError::missing(
-            "faces",
-            "export the mesh with its faces",
-        ));
-    }
-    Ok(mesh)
+    not_empty(mesh, "faces", "export the mesh with its faces")
 }
 
 fn vertex(words: &mut Words<'_>) -> Result<Point3<f64>, ParseError> {
@@ -57,23 +52,16 @@ fn vertex(words: &mut Words<'_>) -> Result<Point3<f64>, ParseError> {
 fn face(words: &mut Words<'_>, vertices: usize, polygon: &mut Vec<u32>) -> Result<(), ParseError> {
     polygon.clear();
     while let Some(word) = same_line(words) {
-        let end = word
-            .iter()
-            .position(|&byte| byte == b'/')
-            .unwrap_or(word.len());
-        let index = integer(&word[..end]);
+        let number = word.split(|&byte| byte == b'/').next();
+        let index = number.and_then(integer);
         let index = index.ok_or_else(|| words.unexpected("a vertex index", word))?;
-        let absolute = if index < 0 {
-            index + vertices as i64 + 1
-        } else {
-            index
-        };
+        let offset = if index < 0 { vertices as i64 + 1 } else { 0 };
         let out_of_range = ErrorKind::OutOfRange {
             index,
             vertices,
             first: 1,
         };
-        let vertex = ErrorKind::check_vertex(absolute, vertices, 1);
+        let vertex = ErrorKind::check_vertex(index + offset, vertices, 1);
         polygon.push(vertex.map_err(|_| words.error(out_of_range))?);
     }
     if polygon.len() < 3 {

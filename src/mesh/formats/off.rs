@@ -75,7 +75,7 @@ fn read_vertices(
     count: usize,
     mesh: &mut SurfaceMesh,
 ) -> Result<(), ParseError> {
-    mesh.vertices.reserve(words.room_for(count, 6));
+    mesh.vertices.reserve(words.capacity_for(count, 6));
     for _ in 0..count {
         mesh.vertices.push(words.point_on_line()?);
         words.next_line();
@@ -88,7 +88,7 @@ fn read_faces(
     count: usize,
     mesh: &mut SurfaceMesh,
 ) -> Result<(), ParseError> {
-    mesh.triangles.reserve(words.room_for(count, 8));
+    mesh.triangles.reserve(words.capacity_for(count, 8));
     let mut polygon = Vec::new();
     for _ in 0..count {
         let corners = words.count("a face's number of vertices")?;

@@ -1,13 +1,14 @@
 //! PLY, the Stanford polygon format, text and binary of either byte order.
 //!
 //! Of the element `vertex` the properties x, y, z are read, of `face` the list `vertex_indices`
-//! (or `vertex_index`), whatever else stands before, between or after them; other elements are
+//! (or `vertex_index`), with any other properties before, between or after them; other elements are
 //! passed over. Triangle strips are not read.
 
 use nalgebra::Point3;
 
 use crate::mesh::formats::binary::{Bytes, Scalar};
 use crate::mesh::formats::error::{ELEMENT_LIMIT, ErrorKind, ParseError};
+use crate::mesh::formats::mesh::not_empty;
 use crate::mesh::formats::words::{Words, shown};
 use crate::mesh::polygon::triangulate;
 use crate::mesh::surface::SurfaceMesh;
@@ -27,13 +28,8 @@ pub fn parse(bytes: &[u8]) -> Result<SurfaceMesh, ParseError> {
     };
     let mesh = read_body(&header, &mut source)?;
     source.check_end()?;
-    if mesh.triangles.is_empty() {
-        return Err(ParseError::missing(
-            "faces",
-            "export the mesh with its faces, not as a point cloud or strips",
-        ));
-    }
-    Ok(mesh)
+    let mend = "export the mesh with its faces, not as a point cloud or strips";
+    not_empty(mesh, "faces", mend)
 }
 
 /// How the numbers are written.
@@ -44,7 +40,7 @@ enum Encoding {
     Big,
 }
 
-/// All that stands before the data.
+/// The header: everything before the data.
 #[derive(Clone, Debug)]
 struct Header {
     encoding: Encoding,
@@ -121,20 +117,13 @@ fn read_element(words: &mut Words<'_>) -> Result<Element, ParseError> {
 
 fn read_property(words: &mut Words<'_>, elements: &mut [Element]) -> Result<(), ParseError> {
     let is_list = words.clone().word_on_line() == Some(b"list");
-    let list = if is_list {
+    let (list, expected) = if is_list {
         words.word_on_line();
-        Some(read_kind(words, "a number type")?)
+        (Some(read_kind(words, "a number type")?), "a list's type")
     } else {
-        None
+        (None, "a property's type")
     };
-    let kind = read_kind(
-        words,
-        if is_list {
-            "a list's type"
-        } else {
-            "a property's type"
-        },
-    )?;
+    let kind = read_kind(words, expected)?;
     let name = shown(words.some_word_on_line("a property's name")?);
     let Some(element) = elements.last_mut() else {
         return Err(words.unexpected("a line `element` before", b"property"));
@@ -150,10 +139,8 @@ fn read_kind(words: &mut Words<'_>, expected: &'static str) -> Result<Scalar, Pa
 
 fn read_body(header: &Header, source: &mut Source<'_>) -> Result<SurfaceMesh, ParseError> {
     let mut mesh = SurfaceMesh::default();
-    let vertices = header
-        .elements
-        .iter()
-        .find(|element| element.name == "vertex");
+    let is_vertex = |element: &&Element| element.name == "vertex";
+    let vertices = header.elements.iter().find(is_vertex);
     let mut polygons = Polygons {
         vertices: vertices.map_or(0, |element| element.count),
         ..Polygons::default()
@@ -165,7 +152,7 @@ fn read_body(header: &Header, source: &mut Source<'_>) -> Result<SurfaceMesh, Pa
             _ => skip_element(element, source)?,
         }
     }
-    // Faces may stand before the vertices: they are cut up once both are known.
+    // Faces may precede the vertices: they are triangulated once both are read.
     for polygon in polygons.iter() {
         triangulate(&mesh.vertices, polygon, &mut mesh.triangles);
     }
@@ -190,25 +177,28 @@ impl Polygons {
     }
 }
 
+/// The axis of every property of the vertices: 0, 1, 2 for x, y, z, which must all be there.
+fn axes(vertices: &Element) -> Result<Vec<Option<usize>>, ParseError> {
+    let axis = |property: &Property| {
+        ["x", "y", "z"]
+            .iter()
+            .position(|axis| *axis == property.name)
+    };
+    let axes: Vec<Option<usize>> = vertices.properties.iter().map(axis).collect();
+    if (0..3).any(|axis| !axes.contains(&Some(axis))) {
+        let what = "vertex properties x, y, z";
+        return Err(ParseError::missing(what, "export vertex positions"));
+    }
+    Ok(axes)
+}
+
 fn read_vertices(
     element: &Element,
     source: &mut Source<'_>,
     vertices: &mut Vec<Point3<f64>>,
 ) -> Result<(), ParseError> {
-    let axes: Vec<Option<usize>> = (element.properties.iter())
-        .map(|property| {
-            ["x", "y", "z"]
-                .iter()
-                .position(|axis| *axis == property.name)
-        })
-        .collect();
-    if (0..3).any(|axis| !axes.contains(&Some(axis))) {
-        return Err(ParseError::missing(
-            "vertex properties x, y, z",
-            "export vertex positions",
-        ));
-    }
-    vertices.reserve(source.room_for(element.count));
+    let axes = axes(element)?;
+    vertices.reserve(source.capacity_for(element.count));
     for _ in 0..element.count {
         let mut point = Point3::origin();
         for (property, axis) in element.properties.iter().zip(&axes) {
@@ -229,7 +219,7 @@ fn read_faces(
     source: &mut Source<'_>,
     polygons: &mut Polygons,
 ) -> Result<(), ParseError> {
-    polygons.ends.reserve(source.room_for(element.count));
+    polygons.ends.reserve(source.capacity_for(element.count));
     for _ in 0..element.count {
         for property in &element.properties {
             let is_corners = property.name == "vertex_indices" || property.name == "vertex_index";
@@ -252,15 +242,12 @@ fn read_corners(
 ) -> Result<(), ParseError> {
     let corners = source.length(length)?;
     if corners < 3 {
-        return Err(source.error(ErrorKind::expected(
-            "a face of at least 3 vertices",
-            corners.to_string(),
-        )));
+        let found = corners.to_string();
+        return Err(source.error(ErrorKind::expected("a face of at least 3 vertices", found)));
     }
     for _ in 0..corners {
-        polygons
-            .indices
-            .push(source.index(kind, polygons.vertices)?);
+        let vertex = source.index(kind, polygons.vertices)?;
+        polygons.indices.push(vertex);
     }
     polygons.ends.push(polygons.indices.len());
     if polygons.indices.len() > ELEMENT_LIMIT * 3 {
@@ -292,7 +279,7 @@ fn skip_property(property: &Property, source: &mut Source<'_>) -> Result<(), Par
     Ok(())
 }
 
-/// Where the numbers come from.
+/// The source of the numbers.
 enum Source<'a> {
     Text(Words<'a>),
     Binary(Bytes<'a>),
@@ -335,9 +322,9 @@ impl Source<'_> {
     }
 
     /// A bound on the elements that the rest can hold.
-    fn room_for(&self, announced: usize) -> usize {
+    fn capacity_for(&self, announced: usize) -> usize {
         match self {
-            Self::Text(words) => words.room_for(announced, 4),
+            Self::Text(words) => words.capacity_for(announced, 4),
             Self::Binary(bytes) => announced.min(bytes.left()),
         }
     }

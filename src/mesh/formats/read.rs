@@ -1,7 +1,7 @@
 //! Mesh files of every format: recognized, read, and checked.
 //!
-//! The first bytes tell the format where they leave no doubt, even against the extension; then
-//! the extension does; then weaker marks. [`read`] takes either kind of mesh, [`read_surface`]
+//! An unambiguous signature in the first bytes decides the format, even against the extension;
+//! else the extension; else weaker signs in the content. [`read`] takes either kind of mesh, [`read_surface`]
 //! and [`read_tets`] one; [`load`] also validates and names the file in every message.
 
 use std::fs;
@@ -121,14 +121,14 @@ enum Format {
 
 impl Format {
     fn of(bytes: &[u8], extension: &str) -> Option<Self> {
-        Self::by_mark(bytes, extension)
+        Self::by_signature(bytes, extension)
             .or_else(|| Self::by_extension(extension))
             .or_else(|| Self::by_guess(bytes))
     }
 
-    /// The format whose mark the file starts with. A binary STL's first 80 bytes may hold any
+    /// The format whose signature the file starts with. A binary STL's first 80 bytes may hold any
     /// remark, so its length counts more.
-    fn by_mark(bytes: &[u8], extension: &str) -> Option<Self> {
+    fn by_signature(bytes: &[u8], extension: &str) -> Option<Self> {
         if extension == "stl" && stl::is_binary(bytes) {
             return Some(Self::Stl);
         }
@@ -188,7 +188,7 @@ impl Format {
     }
 }
 
-/// Reads TetGen's two files, whichever was named.
+/// Reads TetGen's two files, given either.
 fn read_pair(path: &Path) -> Result<TetMesh, ReadError> {
     let (nodes, elements) = (path.with_extension("node"), path.with_extension("ele"));
     let parsed = tetgen::parse_nodes(&read_bytes(&nodes)?);

@@ -9,6 +9,7 @@ use nalgebra::Point3;
 
 use crate::mesh::formats::binary::{Bytes, Scalar};
 use crate::mesh::formats::error::{ErrorKind, ParseError};
+use crate::mesh::formats::mesh::not_empty;
 use crate::mesh::formats::words::Words;
 use crate::mesh::repair::Welder;
 use crate::mesh::surface::SurfaceMesh;
@@ -30,10 +31,7 @@ pub fn parse(bytes: &[u8]) -> Result<SurfaceMesh, ParseError> {
     } else {
         parse_binary(bytes)?
     };
-    if mesh.triangles.is_empty() {
-        return Err(ParseError::missing("triangles", "export the mesh again"));
-    }
-    Ok(mesh)
+    not_empty(mesh, "triangles", "export the mesh again")
 }
 
 /// Whether the length is that of a binary file with the count in its header.
@@ -52,7 +50,8 @@ fn announced(bytes: &[u8]) -> Option<usize> {
     Some(Scalar::UInt32.decode(count, false) as usize)
 }
 
-fn parse_binary(bytes: &[u8]) -> Result<SurfaceMesh, ParseError> {
+/// The number of triangles in the header, unless it contradicts the file's length.
+fn checked_count(bytes: &[u8]) -> Result<usize, ParseError> {
     let Some(announced) = announced(bytes) else {
         let expected = "a header of 84 bytes";
         return Err(ParseError::at_byte(
@@ -69,10 +68,14 @@ fn parse_binary(bytes: &[u8]) -> Result<SurfaceMesh, ParseError> {
         return Err(ParseError::at_byte(HEADER - 4, kind));
     }
     ErrorKind::check_limit("triangles", announced)
-        .map_err(|kind| ParseError::at_byte(HEADER - 4, kind))?;
-    let mut soup = Soup::with_capacity(announced);
+        .map_err(|kind| ParseError::at_byte(HEADER - 4, kind))
+}
+
+fn parse_binary(bytes: &[u8]) -> Result<SurfaceMesh, ParseError> {
+    let count = checked_count(bytes)?;
+    let mut soup = Soup::with_capacity(count);
     let mut cursor = Bytes::new(bytes, HEADER, false);
-    for _ in 0..announced {
+    for _ in 0..count {
         cursor.skip(12, "a normal")?;
         for _ in 0..3 {
             let mut coordinate = || cursor.finite(Scalar::Float32, "a coordinate");
@@ -85,7 +88,7 @@ fn parse_binary(bytes: &[u8]) -> Result<SurfaceMesh, ParseError> {
 
 fn parse_text(bytes: &[u8]) -> Result<SurfaceMesh, ParseError> {
     let mut words = Words::new(bytes, None);
-    let mut soup = Soup::with_capacity(words.room_for(usize::MAX, 200));
+    let mut soup = Soup::with_capacity(words.capacity_for(usize::MAX, 200));
     while let Some(word) = words.word() {
         match word {
             b"solid" => read_solid(&mut words, &mut soup)?,
@@ -112,7 +115,7 @@ fn read_solid(words: &mut Words<'_>, soup: &mut Soup) -> Result<(), ParseError> 
 }
 
 /// Reads a facet after its first word; exporters write NaN into the normals of slivers, so
-/// these are not looked at.
+/// these are passed over.
 fn read_facet(words: &mut Words<'_>, soup: &mut Soup) -> Result<(), ParseError> {
     words.next_line();
     keyword(words, "outer")?;

@@ -31,29 +31,35 @@ pub fn parse_nodes(bytes: &[u8]) -> Result<Nodes, ParseError> {
     let count = words.size("the number of vertices", "vertices")?;
     let mut nodes = Nodes {
         first: 0,
-        vertices: Vec::with_capacity(words.room_for(count, 8)),
+        vertices: Vec::with_capacity(words.capacity_for(count, 8)),
         vertex_data: read_layout(&mut words)?,
     };
     for number in 0..count as i64 {
         words.next_line();
-        let written = words.integer("a vertex number")?;
-        if number == 0 && written == 1 {
-            nodes.first = 1;
-        }
-        if written != number + nodes.first {
-            let expected = "vertices numbered without gaps from 0 or 1";
-            return Err(words.unexpected(expected, written.to_string().as_bytes()));
-        }
-        let mut value = || words.number_on_line("a coordinate");
-        let point = Point3::new(value()?, value()?, value()?);
-        nodes.vertices.push(point);
-        for field in &mut nodes.vertex_data {
-            field.values.push(words.number_on_line("an attribute")?);
-        }
+        read_node(&mut words, number, &mut nodes)?;
     }
     words.next_line();
     check_end(&mut words, "vertices", count)?;
     Ok(nodes)
+}
+
+/// Reads the line of the vertex with zero-based index `number`.
+fn read_node(words: &mut Words<'_>, number: i64, nodes: &mut Nodes) -> Result<(), ParseError> {
+    let written = words.integer("a vertex number")?;
+    if number == 0 && written == 1 {
+        nodes.first = 1;
+    }
+    if written != number + nodes.first {
+        let expected = "vertices numbered without gaps from 0 or 1";
+        return Err(words.unexpected(expected, written.to_string().as_bytes()));
+    }
+    let mut value = || words.number_on_line("a coordinate");
+    let point = Point3::new(value()?, value()?, value()?);
+    nodes.vertices.push(point);
+    for field in &mut nodes.vertex_data {
+        field.values.push(words.number_on_line("an attribute")?);
+    }
+    Ok(())
 }
 
 /// Reads the `.ele` file that belongs to `nodes`.
@@ -68,7 +74,7 @@ pub fn parse_elements(bytes: &[u8], nodes: Nodes) -> Result<TetMesh, ParseError>
     if corners != 4 {
         return Err(words.error(no_tetrahedron(format!("{corners}-node tetrahedron"))));
     }
-    let mut tets = Vec::with_capacity(words.room_for(count, 10));
+    let mut tets = Vec::with_capacity(words.capacity_for(count, 10));
     for _ in 0..count {
         words.next_line();
         words.integer("a tetrahedron's number")?;
@@ -98,7 +104,7 @@ fn read_layout(words: &mut Words<'_>) -> Result<Vec<VertexData>, ParseError> {
         None => 0,
         Some(word) => words.parse_count(word, "the number of attributes")?,
     };
-    let attributes = words.room_for(attributes, 2);
+    let attributes = words.capacity_for(attributes, 2);
     let field = |number| VertexData {
         name: format!("attribute{number}"),
         values: Vec::new(),

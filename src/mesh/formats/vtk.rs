@@ -42,7 +42,7 @@ pub fn parse(bytes: &[u8]) -> Result<Mesh, ParseError> {
     file.into_mesh()
 }
 
-/// Which data follow, and for how many elements.
+/// The owner of the data that follow, points or cells, and the number of tuples.
 #[derive(Clone, Copy, Debug)]
 struct Tuples {
     of_points: bool,
@@ -60,28 +60,22 @@ struct File<'a> {
 impl File<'_> {
     fn read_section(&mut self, keyword: &[u8]) -> Result<(), ParseError> {
         match keyword {
-            b"DATASET" => self.read_dataset(),
-            b"POINTS" => self.read_points(),
-            b"CELLS" => {
-                self.cells = self.read_cells()?;
-                Ok(())
-            }
+            b"DATASET" => self.read_dataset()?,
+            b"POINTS" => self.read_points()?,
+            b"CELLS" => self.cells = self.read_cells()?,
             b"POLYGONS" => {
                 self.cells = self.read_cells()?;
                 self.kinds = vec![POLYGON; self.cells.len()];
-                Ok(())
             }
-            b"VERTICES" | b"LINES" => self.read_cells().map(|_| ()),
-            b"CELL_TYPES" => self.read_kinds(),
-            b"POINT_DATA" => self.start_data(true),
-            b"CELL_DATA" => self.start_data(false),
-            b"METADATA" => {
-                self.skip_metadata();
-                Ok(())
-            }
-            b"FIELD" => self.read_field(),
-            _ => self.read_attribute(keyword),
+            b"VERTICES" | b"LINES" => drop(self.read_cells()?),
+            b"CELL_TYPES" => self.read_kinds()?,
+            b"POINT_DATA" => self.start_data(true)?,
+            b"CELL_DATA" => self.start_data(false)?,
+            b"METADATA" => self.skip_metadata(),
+            b"FIELD" => self.read_field()?,
+            _ => self.read_attribute(keyword)?,
         }
+        Ok(())
     }
 
     fn read_dataset(&mut self) -> Result<(), ParseError> {
@@ -97,7 +91,9 @@ impl File<'_> {
     fn read_points(&mut self) -> Result<(), ParseError> {
         let count = self.words.size("the number of points", "points")?;
         self.words.some_word_on_line("a number type")?;
-        self.mesh.vertices.reserve(self.words.room_for(count, 6));
+        self.mesh
+            .vertices
+            .reserve(self.words.capacity_for(count, 6));
         for _ in 0..count {
             self.mesh.vertices.push(self.words.point()?);
         }
@@ -110,7 +106,7 @@ impl File<'_> {
         if self.words.peek() == Some(b"OFFSETS") {
             return self.read_offset_cells(first, second);
         }
-        let mut cells = Vec::with_capacity(self.words.room_for(first, 4));
+        let mut cells = Vec::with_capacity(self.words.capacity_for(first, 4));
         let mut found = 0;
         for _ in 0..first {
             let corners = self.words.count("a cell's number of vertices")?;
@@ -147,10 +143,8 @@ impl File<'_> {
         let connectivity = self.read_cell(size)?;
         let ranges = cell_ranges(&offsets, size);
         let ranges = ranges.ok_or_else(|| self.words.unexpected("ascending offsets", b"others"))?;
-        Ok(ranges
-            .into_iter()
-            .map(|[start, end]| connectivity[start..end].to_vec())
-            .collect())
+        let cell = |[start, end]: [usize; 2]| connectivity[start..end].to_vec();
+        Ok(ranges.into_iter().map(cell).collect())
     }
 
     fn read_kinds(&mut self) -> Result<(), ParseError> {
@@ -206,7 +200,7 @@ impl File<'_> {
         self.read_array(name, components, count)
     }
 
-    /// Reads the arrays of a FIELD, wherever it stands.
+    /// Reads the arrays of a FIELD, in or outside POINT_DATA and CELL_DATA.
     fn read_field(&mut self) -> Result<(), ParseError> {
         self.words.some_word("a field's name")?;
         let arrays = self.words.count("the number of arrays")?;

@@ -1,6 +1,6 @@
 //! VTK's XML unstructured grids, `.vtu`: tetrahedra (or surface cells) and point scalars.
 //!
-//! Data may stand as text, as base64 in place, or appended (raw or base64), of either byte
+//! Data may be text, base64 in place, or appended (raw or base64), of either byte
 //! order, uncompressed or compressed with zlib. Several pieces make one mesh; their common
 //! vertices are not merged. Format: "VTK File Formats", Kitware.
 //!
@@ -19,7 +19,7 @@ use crate::mesh::formats::error::{ErrorKind, ParseError};
 use crate::mesh::formats::mesh::{Mesh, MeshParts};
 use crate::mesh::formats::vtk::{add_cell, cell_ranges};
 use crate::mesh::formats::words::{Words, shown};
-use crate::mesh::formats::xml::{Tag, line_of, next_tag, text_at};
+use crate::mesh::formats::xml::{Tag, line_of, next_tag};
 use crate::mesh::tets::VertexData;
 
 /// Reads tetrahedra, or the surface of a file without any.
@@ -36,11 +36,7 @@ pub fn parse(bytes: &[u8]) -> Result<Mesh, ParseError> {
     let mut piece = Piece::default();
     let mut section: &[u8] = b"";
     loop {
-        let missing = || {
-            let expected = "</UnstructuredGrid>";
-            file.error(bytes.len(), ErrorKind::Truncated { expected })
-        };
-        let tag = next_tag(bytes, position).ok_or_else(missing)?;
+        let tag = file.next_tag(position, "</UnstructuredGrid>")?;
         position = tag.end;
         match tag.name {
             b"Piece" => piece = Piece::default(),
@@ -70,10 +66,11 @@ struct File<'a> {
 }
 
 impl<'a> File<'a> {
-    /// The encoding told by the tag `VTKFile`, and where it ends.
+    /// The encoding that the tag `VTKFile` gives, and the byte offset of its end.
     fn read_header(&self) -> Result<(Encoding<'a>, usize), ParseError> {
         let mut position = 0;
-        while let Some(tag) = next_tag(self.bytes, position) {
+        loop {
+            let tag = self.next_tag(position, "the element VTKFile")?;
             if tag.name == b"VTKFile" {
                 let kind = tag.attribute("type").unwrap_or_default();
                 if kind != b"UnstructuredGrid" {
@@ -85,8 +82,12 @@ impl<'a> File<'a> {
             }
             position = tag.end;
         }
-        let expected = "the element VTKFile";
-        Err(self.error(self.bytes.len(), ErrorKind::Truncated { expected }))
+    }
+
+    /// The first tag at or after `position`; `expected` describes the missing one in the error.
+    fn next_tag(&self, position: usize, expected: &'static str) -> Result<Tag<'a>, ParseError> {
+        let missing = || self.error(self.bytes.len(), ErrorKind::Truncated { expected });
+        next_tag(self.bytes, position).ok_or_else(missing)
     }
 
     fn read_array(
@@ -121,9 +122,10 @@ impl<'a> File<'a> {
         let at_piece = |kind| ParseError::on_line(line_of(self.bytes, end), kind);
         let (points, rest) = piece.points.as_chunks::<3>();
         if !rest.is_empty() {
+            let found = piece.points.len().to_string();
             return Err(at_piece(ErrorKind::expected(
                 "three coordinates a point",
-                piece.points.len().to_string(),
+                found,
             )));
         }
         let finite = |number: &&f64| !number.is_finite();
@@ -188,18 +190,21 @@ fn add_cells(mesh: &mut MeshParts, piece: &Piece, base: usize) -> Result<(), Err
     for ([start, end], &kind) in ranges.into_iter().zip(&piece.types) {
         cell.clear();
         for &vertex in &piece.connectivity[start..end] {
-            // Casts saturate: what is out of range stays out, what is not a number goes out.
-            let index = vertex as i64;
-            let index = if vertex >= 0.0 { index } else { index.min(-1) };
-            let vertex = ErrorKind::check_vertex(index, vertices, 0)?;
-            cell.push(base as u32 + vertex);
+            cell.push(base as u32 + vertex_index(vertex, vertices)?);
         }
         add_cell(mesh, kind as u32, &cell)?;
     }
     Ok(())
 }
 
-/// What the tag `VTKFile` and the appended data tell about all arrays.
+fn vertex_index(number: f64, vertices: usize) -> Result<u32, ErrorKind> {
+    // Casts saturate: a number out of range stays out of range; NaN, cast to 0, becomes −1.
+    let index = number as i64;
+    let index = if number >= 0.0 { index } else { index.min(-1) };
+    ErrorKind::check_vertex(index, vertices, 0)
+}
+
+/// The encoding common to all arrays: attributes of the tag `VTKFile`, and the appended data.
 #[derive(Clone, Debug)]
 struct Encoding<'a> {
     big_endian: bool,
@@ -211,7 +216,7 @@ struct Encoding<'a> {
 }
 
 impl<'a> Encoding<'a> {
-    /// Reads the attributes of the tag `VTKFile` and looks for appended data.
+    /// Reads the attributes of the tag `VTKFile` and finds the appended data.
     fn of(file: &Tag<'a>, bytes: &'a [u8]) -> Self {
         let appended = find_appended(bytes, file.end);
         let is_wide = file.attribute("header_type") == Some(b"UInt64");
@@ -237,11 +242,7 @@ fn decode(bytes: &[u8], tag: &Tag<'_>, encoding: &Encoding<'_>) -> Result<Vec<f6
     let kind = Scalar::named(&name.to_ascii_lowercase());
     let kind = kind.ok_or_else(|| at_tag(unknown("array of type", name)))?;
     let format = tag.attribute("format").unwrap_or(b"ascii");
-    let content = if tag.is_empty() {
-        &b""[..]
-    } else {
-        text_at(bytes, tag.end)
-    };
+    let content = tag.content(bytes);
     let data = match format {
         b"ascii" => return read_text(content, line),
         b"binary" => from_base64(content, encoding),
@@ -290,7 +291,7 @@ fn appended(tag: &Tag<'_>, encoding: &Encoding<'_>) -> Result<Vec<u8>, ErrorKind
     from_base64(&data[..end], encoding)
 }
 
-/// Decodes no more base64 than the header asks for: appended arrays follow one another.
+/// Decodes only as much base64 as the header announces: appended arrays follow one another.
 fn from_base64(text: &[u8], encoding: &Encoding<'_>) -> Result<Vec<u8>, ErrorKind> {
     let text = text.trim_ascii();
     let width = encoding.header.width();
@@ -331,7 +332,7 @@ fn inflate(data: &[u8], blocks: usize, encoding: &Encoding<'_>) -> Result<Vec<u8
     let mut start = blocks
         .saturating_add(3)
         .saturating_mul(encoding.header.width());
-    // A damaged block must not blow up beyond the size of a whole one.
+    // No block inflates beyond the size of a whole one: damaged data must not fill memory.
     let whole = header_value(data, 1, encoding)? as u64;
     let mut inflated = Vec::new();
     for block in 0..blocks {
@@ -362,7 +363,7 @@ fn too_short() -> ErrorKind {
     ErrorKind::Truncated { expected }
 }
 
-/// The first `limit` bytes encoded in `text`, fewer if it is shorter. Padding may stand inside,
+/// The first `limit` bytes encoded in `text`, fewer if it is shorter. Padding may occur inside,
 /// where encoded parts follow one another.
 fn base64(text: &[u8], limit: usize) -> Result<Vec<u8>, ErrorKind> {
     let mut bytes = Vec::with_capacity(limit.min(text.len()));

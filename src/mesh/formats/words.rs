@@ -45,9 +45,9 @@ impl<'a> Words<'a> {
         self.position
     }
 
-    /// How many elements of at least `width` bytes the rest can hold: a bound for memory
-    /// reserved on the word of an announced count.
-    pub(crate) fn room_for(&self, announced: usize, width: usize) -> usize {
+    /// How many elements of at least `width` bytes the rest can hold: a bound for the
+    /// memory reserved for an announced count.
+    pub(crate) fn capacity_for(&self, announced: usize, width: usize) -> usize {
         announced.min((self.bytes.len() - self.position) / width + 1)
     }
 
@@ -117,7 +117,7 @@ impl<'a> Words<'a> {
         self.word_on_line().ok_or_else(|| self.line_ended(expected))
     }
 
-    /// The error of the line, or the text, ending where `expected` should stand.
+    /// The error of the line, or the text, ending before `expected`.
     pub(crate) fn line_ended(&self, expected: &'static str) -> ParseError {
         if self.position == self.bytes.len() {
             return self.truncated(expected);
@@ -240,12 +240,12 @@ impl<'a> Words<'a> {
         ParseError::on_line(self.line, kind)
     }
 
-    /// The error of `found` standing where `expected` should.
+    /// The error of `found` in place of `expected`.
     pub(crate) fn unexpected(&self, expected: &'static str, found: &[u8]) -> ParseError {
         self.error(ErrorKind::expected(expected, shown(found)))
     }
 
-    /// The error of the text ending where `expected` should stand.
+    /// The error of the text ending before `expected`.
     pub(crate) fn truncated(&self, expected: &'static str) -> ParseError {
         self.error(ErrorKind::Truncated { expected })
     }

@@ -1,7 +1,7 @@
-//! Just enough XML for VTK's files: tags with attributes, and the text after them.
+//! The part of XML that VTK's files need: tags with attributes, and the text after them.
 //!
 //! Entities are not decoded and nothing is validated: VTK writes neither entities nor CDATA
-//! where numbers stand. Comments and `<?…?>` are passed over.
+//! among numbers. Comments and `<?…?>` are passed over.
 
 /// An opening or closing tag.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -33,9 +33,13 @@ impl<'a> Tag<'a> {
         }
     }
 
-    /// Whether the element ends with its opening tag.
-    pub(crate) fn is_empty(&self) -> bool {
-        self.attributes.ends_with(b"/")
+    /// The text of the element up to the next tag, none if the element ends with its opening tag.
+    pub(crate) fn content(&self, bytes: &'a [u8]) -> &'a [u8] {
+        if self.attributes.ends_with(b"/") {
+            return b"";
+        }
+        let rest = &bytes[self.end..];
+        &rest[..find(rest, b"<").unwrap_or(rest.len())]
     }
 }
 
@@ -63,12 +67,6 @@ pub(crate) fn next_tag(bytes: &[u8], mut position: usize) -> Option<Tag<'_>> {
             end: position,
         });
     }
-}
-
-/// The text from `position` to the next tag.
-pub(crate) fn text_at(bytes: &[u8], position: usize) -> &[u8] {
-    let rest = &bytes[position..];
-    &rest[..find(rest, b"<").unwrap_or(rest.len())]
 }
 
 /// The one-based line of a byte.
@@ -104,14 +102,15 @@ mod tests {
 
     #[test]
     fn attributes_and_comments() {
-        let text = b"<?xml version='1.0'?><!-- <no a='1'> --><yes a = \"x>y\" b='2'/>7<z>";
+        let text = b"<?xml version='1.0'?><!-- <no a='1'> --><yes a = \"x>y\" b='2'>7<z/>8";
         let tag = next_tag(text, 0).unwrap();
         assert_eq!(
             (tag.name, tag.attribute("a"), tag.attribute("b")),
             (&b"yes"[..], Some(&b"x>y"[..]), Some(&b"2"[..]))
         );
-        assert!(tag.is_empty() && tag.attribute("c").is_none());
-        assert_eq!(text_at(text, tag.end), b"7");
-        assert_eq!(next_tag(text, tag.end).unwrap().name, b"z");
+        assert!(tag.attribute("c").is_none());
+        assert_eq!(tag.content(text), b"7");
+        let next = next_tag(text, tag.end).unwrap();
+        assert_eq!((next.name, next.content(text)), (&b"z/"[..], &b"8"[..]));
     }
 }

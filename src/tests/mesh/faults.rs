@@ -19,7 +19,7 @@ fn message(name: &str, bytes: &[u8]) -> String {
     message[message.find(&folder).unwrap() + folder.len()..].to_string()
 }
 
-/// Asserts that the message starts and ends as told.
+/// Asserts that the message starts and ends as given.
 fn expect(name: &str, text: &str, start: &str, mend: &str) {
     let message = message(name, text.as_bytes());
     assert!(message.starts_with(start), "{message}");

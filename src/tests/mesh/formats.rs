@@ -76,7 +76,7 @@ fn every_surface_format_gives_the_same_triangles() {
             got.all_corners().eq(corners.iter().copied()),
             "{extension} {number}"
         );
-        // The first bytes tell all formats but OBJ, which a guess finds.
+        // The first bytes identify all formats but OBJ, which is guessed from its lines.
         let nameless = file(&directory, "nameless", bytes);
         assert_eq!(
             read_surface(&nameless).unwrap(),

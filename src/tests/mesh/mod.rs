@@ -64,7 +64,7 @@ fn generated_solids_have_their_volumes() {
 }
 
 #[test]
-#[ignore = "needs ../shared/models, whose licenses are not told"]
+#[ignore = "needs ../shared/models, whose licenses are not stated"]
 fn the_models_bound_solids_of_their_genus() {
     let models = [
         ("3torus.off", 19, 46, 3),
@@ -116,7 +116,7 @@ fn an_open_surface_is_refused_with_its_boundary_counted() {
 }
 
 #[test]
-#[ignore = "needs ../shared/models, whose licenses are not told"]
+#[ignore = "needs ../shared/models, whose licenses are not stated"]
 fn the_open_model_is_refused_with_its_boundary_counted() {
     assert_refused_with_boundary_counted(&shared_model("open-shark.off"));
 }
@@ -139,7 +139,7 @@ fn tetrahedra_and_their_boundary_hold_the_same_volume() {
 }
 
 #[test]
-#[ignore = "needs ../shared/models, whose licenses are not told"]
+#[ignore = "needs ../shared/models, whose licenses are not stated"]
 fn the_tetrahedral_bunny_and_its_boundary_hold_the_same_volume() {
     let tets = assert_boundary_holds_the_same(&shared_model("bunny.mesh"));
     assert_eq!((tets.vertices.len(), tets.tets.len()), (5433, 34055));

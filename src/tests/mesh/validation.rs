@@ -1,4 +1,4 @@
-//! What may bound or fill a solid, what is repaired and told, what is refused.
+//! Validation of meshes: accepted solids, reported repairs, refusals.
 
 use crate::geometry::bounds::Bounds;
 use crate::mesh::report::{EdgePlace, Refusal, Tally};
@@ -405,7 +405,7 @@ fn tetrahedra_are_turned_dropped_and_told() {
     mesh.tets.push([1, 2, 3, 4]);
     let [a, b, c, d] = mesh.tets[0];
     mesh.tets.push([b, a, c, d]);
-    let (sound, report) = validate_tets(&mesh).unwrap();
+    let (valid, report) = validate_tets(&mesh).unwrap();
     assert_eq!(
         report.inverted,
         Tally {
@@ -429,14 +429,14 @@ fn tetrahedra_are_turned_dropped_and_told() {
         }
     );
     assert_eq!(report.notes().len(), 4);
-    assert!(near(sound.mesh().data("density").unwrap()[26], 26.0));
+    assert!(near(valid.mesh().data("density").unwrap()[26], 26.0));
     assert!(
-        sound
+        valid
             .mesh()
             .all_corners()
             .all(|c| crate::mesh::tets::tet_volume(&c) > 0.0)
     );
-    assert!(near(sound.mesh().volume(), 1.0));
+    assert!(near(valid.mesh().volume(), 1.0));
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! A folder of its own for a test of the program, with what the program does there.
+//! A temporary directory with the program run in it.
 
 #![allow(dead_code, reason = "every test file uses a part of it")]
 
@@ -13,12 +13,12 @@ use tempfile::TempDir;
 /// A run that takes seconds, so that it can be interrupted.
 pub(crate) const LONG: [&str; 6] = ["--count", "1500", "--seed", "3", "--iterations", "40"];
 
-/// The folder.
-pub(crate) struct Desk {
+/// A temporary directory, the working directory of the commands run in it.
+pub(crate) struct TestDir {
     pub(crate) folder: TempDir,
 }
 
-impl Desk {
+impl TestDir {
     pub(crate) fn new() -> Self {
         let folder = tempfile::tempdir().expect("a folder for the test");
         Self { folder }
@@ -70,7 +70,7 @@ impl Desk {
         assert_eq!(output.status.code(), Some(2), "{arguments:?}: {stderr}");
         assert!(output.stdout.is_empty(), "{arguments:?}");
         assert!(stderr.starts_with("error: "), "{stderr}");
-        assert_eq!(stderr.matches("error:").count(), 1, "told once: {stderr}");
+        assert_eq!(stderr.matches("error:").count(), 1, "one error: {stderr}");
         assert_eq!(before, listing(self.folder.path()), "nothing was touched");
         stderr
     }
