@@ -6,14 +6,14 @@
 //! [`facet_kind`] gives facet labels their meaning.
 
 pub(crate) mod candidates;
-pub mod convex;
-pub mod cuboid;
-pub mod density;
+pub(crate) mod convex;
+pub(crate) mod cuboid;
+pub(crate) mod density;
 #[allow(clippy::module_inception, reason = "it names the folder")]
-pub mod domain;
-pub mod error;
-pub mod facet_kind;
-pub mod planar;
-pub mod shape;
-pub mod tet_mesh;
-pub mod tri_surface;
+pub(crate) mod domain;
+pub(crate) mod error;
+pub(crate) mod facet_kind;
+pub(crate) mod planar;
+pub(crate) mod shape;
+pub(crate) mod tet_mesh;
+pub(crate) mod tri_surface;

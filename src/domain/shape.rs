@@ -118,7 +118,7 @@ pub struct PieceScratch {
 
 /// The displacement from `from` to `to`, the shortest one along periodic axes.
 #[must_use]
-pub fn displacement(
+pub(crate) fn displacement(
     periods: &[Option<f64>; 3],
     from: &Point3<f64>,
     to: &Point3<f64>,

@@ -29,7 +29,7 @@ const LBFGSB_TOLERANCE: f64 = 1e-11;
 /// A center may lie outside a slanted, slender cell, for the Chebyshev distance to a point can
 /// shrink as the point leaves a convex set. The energy is convex, so it falls all along the line;
 /// and a site that stays inside its own cell can neither leave the domain nor meet another.
-pub const BOUNDARY_FRACTION: f64 = 1023.0 / 1024.0;
+pub(crate) const BOUNDARY_FRACTION: f64 = 1023.0 / 1024.0;
 
 /// Which algorithm finds a cell's center.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -48,7 +48,7 @@ pub enum Minimizer {
 
 /// The algorithm, the scales and the bounds of the search for a center.
 #[derive(Clone, Copy, Debug)]
-pub struct Search<const D: usize> {
+pub(crate) struct Search<const D: usize> {
     /// The algorithm.
     pub minimizer: Minimizer,
     /// The order p ≥ 1 of the energy.
@@ -63,7 +63,7 @@ pub struct Search<const D: usize> {
 
 /// A center, and the energy at both ends of the search.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Center<const D: usize> {
+pub(crate) struct Center<const D: usize> {
     /// The center's displacement from the site.
     pub point: SVector<f64, D>,
     /// The energy about the center (L^(D+p)).
@@ -82,7 +82,7 @@ impl<const D: usize> Search<D> {
     /// Newton ends with a projected gradient of at most 1e-12 of that of a step of the cell's
     /// size, L-BFGS-B of 1e-11.
     #[must_use]
-    pub fn center<J: Into<Jet<D>>>(
+    pub(crate) fn center<J: Into<Jet<D>>>(
         &self,
         evaluate: impl FnMut(&SVector<f64, D>) -> J,
     ) -> Center<D> {
@@ -242,7 +242,7 @@ impl Objective<3> for EnergyOf<'_> {
 /// The center of signed pieces in coordinates about their site, where their energy is `first`, just
 /// evaluated by [`energy_jet`] with the same `scratch`.
 #[must_use]
-pub fn center(
+pub(crate) fn center(
     pieces: &[SignedPiece],
     search: &Search<3>,
     first: &Jet<3>,

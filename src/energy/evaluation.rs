@@ -16,7 +16,7 @@ use crate::minimize::problem::{Evaluation, Jet};
 
 /// A convex piece and the sign with which it counts.
 #[derive(Clone, Debug)]
-pub struct SignedPiece {
+pub(crate) struct SignedPiece {
     /// +1 or −1.
     pub sign: f64,
     /// The piece, prepared.
@@ -38,7 +38,7 @@ impl SignedPiece {
 
 /// The memory of evaluations, to be reused from one center to the next.
 #[derive(Clone, Debug, Default)]
-pub struct EnergyScratch {
+pub(crate) struct EnergyScratch {
     pub(crate) surface: SurfaceScratch,
     /// For pieces with a density.
     terms: Option<PolynomialTerms>,
@@ -59,7 +59,7 @@ impl EnergyScratch {
 /// Energy (L^(3+p)), gradient (L^(2+p)) and Hessian (L^(1+p)) of `pieces` about `center`, which is
 /// in the pieces' coordinates and may lie anywhere. `order` is p ≥ 1.
 #[must_use]
-pub fn energy<'a>(
+pub(crate) fn energy<'a>(
     pieces: impl IntoIterator<Item = &'a SignedPiece>,
     center: &Vector3<f64>,
     order: u32,
@@ -72,7 +72,7 @@ pub fn energy<'a>(
 ///
 /// It is not finite where the center lies in the plane of a facet.
 #[must_use]
-pub fn energy_jet<'a>(
+pub(crate) fn energy_jet<'a>(
     pieces: impl IntoIterator<Item = &'a SignedPiece>,
     center: &Vector3<f64>,
     order: u32,

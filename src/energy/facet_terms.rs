@@ -23,7 +23,7 @@ use crate::geometry::label::Label;
 
 /// What one facet adds to the gradients of the sites on its two sides.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct FacetGradient {
+pub(crate) struct FacetGradient {
     /// The facet's label.
     pub label: Label,
     /// ∂E/∂x_i by the facet's motion (L^(2+p)).
@@ -34,7 +34,7 @@ pub struct FacetGradient {
 
 /// A cell's energy about its site and the part of its gradient that comes from distances.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct CellTerm {
+pub(crate) struct CellTerm {
     /// ∫ d∞^p (L^(3+p)).
     pub value: f64,
     /// ∂E/∂x_i with the cell held fixed (L^(2+p)).
@@ -43,7 +43,7 @@ pub struct CellTerm {
 
 /// The memory of [`facet_terms`], to be reused from one cell to the next.
 #[derive(Clone, Debug, Default)]
-pub struct FacetTermScratch {
+pub(crate) struct FacetTermScratch {
     facets: Vec<FacetIntegrals>,
     /// For pieces with a density.
     terms: Option<PolynomialTerms>,
@@ -51,7 +51,7 @@ pub struct FacetTermScratch {
 
 /// Computes the energy of order `order` of `pieces` about their site, the origin, and passes to `visit`
 /// the terms in the gradients of every facet whose label `is_bisector`.
-pub fn facet_terms<'a>(
+pub(crate) fn facet_terms<'a>(
     pieces: impl IntoIterator<Item = &'a SignedPiece>,
     order: u32,
     (energy, scratch): (&mut EnergyScratch, &mut FacetTermScratch),

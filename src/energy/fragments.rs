@@ -13,13 +13,13 @@ use crate::geometry::polyhedron::Polyhedron;
 /// Cuts `piece` into its fragments about `center`, in the order of [`Sector::ALL`]; a fragment may
 /// be empty. The facets on interfaces carry the label `interface`.
 #[must_use]
-pub fn fragments(piece: &Polyhedron, center: &Point3<f64>, interface: Label) -> [Polyhedron; 6] {
+pub(crate) fn fragments(piece: &Polyhedron, center: &Point3<f64>, interface: Label) -> [Polyhedron; 6] {
     fragments_in_frame(piece, center, &Rotation3::identity(), interface)
 }
 
 /// As [`fragments`], for distances along the axes of space turned by `frame`.
 #[must_use]
-pub fn fragments_in_frame(
+pub(crate) fn fragments_in_frame(
     piece: &Polyhedron,
     center: &Point3<f64>,
     frame: &Rotation3<f64>,
@@ -51,7 +51,7 @@ fn fragment(
 
 /// The tetrahedra of a fragment: `center` with the fan triangles of every facet (\[BL\] section
 /// 3.5). Those on facets through the center are flat.
-pub fn tetrahedra<'a>(
+pub(crate) fn tetrahedra<'a>(
     fragment: &'a Polyhedron,
     center: &'a Point3<f64>,
 ) -> impl Iterator<Item = [Point3<f64>; 4]> + 'a {

@@ -27,14 +27,14 @@
 //!
 //! \[BL\] Bukenberger & Lensch, *Tetrahedra of Varying Density and their Applications*.
 
-pub mod center;
-pub mod evaluation;
-pub mod facet_terms;
-pub mod fragments;
-pub mod moments;
-pub mod planar;
-pub mod prepared;
-pub mod sector;
+pub(crate) mod center;
+pub(crate) mod evaluation;
+pub(crate) mod facet_terms;
+pub(crate) mod fragments;
+pub(crate) mod moments;
+pub(crate) mod planar;
+pub(crate) mod prepared;
+pub(crate) mod sector;
 
 mod edge_crossings;
 mod edge_crossings_simd;

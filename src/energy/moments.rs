@@ -11,7 +11,7 @@ use crate::geometry::simd::sum;
 impl PreparedPiece {
     /// The volume (L³).
     #[must_use]
-    pub fn volume(&self) -> f64 {
+    pub(crate) fn volume(&self) -> f64 {
         let (piece, center) = (self, &Vector3::zeros());
         let view = CenteredPiece { piece, center };
         let volumes = self.edges.blocks().iter().map(|edges| {
@@ -24,7 +24,7 @@ impl PreparedPiece {
 
     /// Volume and moments about the origin, by the tetrahedra (origin, q, a, b) of all edges.
     #[must_use]
-    pub fn moments(&self) -> Moments {
+    pub(crate) fn moments(&self) -> Moments {
         let (piece, center) = (self, &Vector3::zeros());
         let view = CenteredPiece { piece, center };
         let mut moments = Moments::default();

@@ -29,11 +29,11 @@ use crate::integrals::simplex::linear_power;
 use crate::minimize::problem::Evaluation;
 
 /// The axis and sign of the four fragments, in the order in which they are listed everywhere.
-pub const FRAGMENTS: [(usize, f64); 4] = [(0, -1.0), (0, 1.0), (1, -1.0), (1, 1.0)];
+pub(crate) const FRAGMENTS: [(usize, f64); 4] = [(0, -1.0), (0, 1.0), (1, -1.0), (1, 1.0)];
 
 /// A triangle between the center and a part of an edge, wholly in one fragment.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct FragmentTriangle {
+pub(crate) struct FragmentTriangle {
     /// The fragment's axis k: 0 or 1.
     pub axis: usize,
     /// The fragment's sign s: −1 or 1.
@@ -47,13 +47,13 @@ pub struct FragmentTriangle {
 impl FragmentTriangle {
     /// The area (L²), negative if the triangle counts from outside the polygon.
     #[must_use]
-    pub fn signed_area(&self) -> f64 {
+    pub(crate) fn signed_area(&self) -> f64 {
         0.5 * self.start.perp(&self.end)
     }
 
     /// The Chebyshev distances of the two outer corners from the center (L).
     #[must_use]
-    pub fn distances(&self) -> (f64, f64) {
+    pub(crate) fn distances(&self) -> (f64, f64) {
         (
             self.sign * self.start[self.axis],
             self.sign * self.end[self.axis],
@@ -63,7 +63,7 @@ impl FragmentTriangle {
 
 /// ∫ d∞(center, y)^p dy over `polygon` (L^(2+p)), for p = `order` ≥ 1.
 #[must_use]
-pub fn energy(polygon: &ConvexPolygon, center: &Point2<f64>, order: u32) -> f64 {
+pub(crate) fn energy(polygon: &ConvexPolygon, center: &Point2<f64>, order: u32) -> f64 {
     let mut value = 0.0;
     visit(polygon, center, |triangle| {
         value += power_integral(&triangle, order);
@@ -73,7 +73,7 @@ pub fn energy(polygon: &ConvexPolygon, center: &Point2<f64>, order: u32) -> f64 
 
 /// The energy of order p = `order` ≥ 1 with gradient and Hessian, in one loop over the edges.
 #[must_use]
-pub fn energy_with_derivatives(
+pub(crate) fn energy_with_derivatives(
     polygon: &ConvexPolygon,
     center: &Point2<f64>,
     order: u32,
@@ -98,7 +98,7 @@ pub fn energy_with_derivatives(
 
 /// The triangles of all fragments about `center`, in the order of the edges.
 #[must_use]
-pub fn triangles(polygon: &ConvexPolygon, center: &Point2<f64>) -> Vec<FragmentTriangle> {
+pub(crate) fn triangles(polygon: &ConvexPolygon, center: &Point2<f64>) -> Vec<FragmentTriangle> {
     let mut all = Vec::new();
     visit(polygon, center, |triangle| all.push(triangle));
     all
@@ -107,7 +107,7 @@ pub fn triangles(polygon: &ConvexPolygon, center: &Point2<f64>) -> Vec<FragmentT
 /// The four fragments about `center` as polygons, in the order of [`FRAGMENTS`]; the edges where
 /// two of them meet carry the label `interface`.
 #[must_use]
-pub fn fragments(
+pub(crate) fn fragments(
     polygon: &ConvexPolygon,
     center: &Point2<f64>,
     interface: Label,

@@ -17,14 +17,14 @@ const VERTICES: usize = CHUNK / 3;
 impl PreparedPiece {
     /// Prepares `piece`.
     #[must_use]
-    pub fn new(piece: &Polyhedron) -> Self {
+    pub(crate) fn new(piece: &Polyhedron) -> Self {
         let mut prepared = Self::default();
         prepared.assign(Piece::Convex(piece));
         prepared
     }
 
     /// Prepares `piece` of density 1, keeping the memory of the piece before.
-    pub fn assign(&mut self, piece: Piece<'_>) {
+    pub(crate) fn assign(&mut self, piece: Piece<'_>) {
         self.density = None;
         match piece {
             Piece::Convex(piece) => self.assign_convex(piece),
@@ -34,7 +34,7 @@ impl PreparedPiece {
 
     /// Prepares a convex piece of density 1 straight from the fixed slots in which it was cut, keeping
     /// the memory of the piece before. The result is, to the bit, the same as that for a polyhedron.
-    pub fn assign_compact(&mut self, piece: &SmallPolyhedron) {
+    pub(crate) fn assign_compact(&mut self, piece: &SmallPolyhedron) {
         self.density = None;
         if piece.is_dense() {
             self.assign_dense(piece);
@@ -44,18 +44,18 @@ impl PreparedPiece {
     }
 
     /// Gives the piece a density, a polynomial in its coordinates; none is density 1.
-    pub fn set_density(&mut self, density: Option<&Polynomial>) {
+    pub(crate) fn set_density(&mut self, density: Option<&Polynomial>) {
         self.density = density.cloned();
     }
 
     /// Turns the piece about the origin. A density would have to be turned too, and is not.
-    pub fn rotate(&mut self, rotation: &Rotation3<f64>) {
+    pub(crate) fn rotate(&mut self, rotation: &Rotation3<f64>) {
         self.vertices.rotate(rotation);
         self.facets.rotate(rotation);
     }
 
     /// The positions of the vertices.
-    pub fn vertices(&self) -> impl Iterator<Item = Point3<f64>> + '_ {
+    pub(crate) fn vertices(&self) -> impl Iterator<Item = Point3<f64>> + '_ {
         let rows = self.vertices.iter();
         rows.map(|&[x, y, z, _]| Vector3::new(x, y, z).into())
     }

@@ -26,7 +26,7 @@ pub(crate) const NO_EDGE: Edge = Edge {
 
 /// A piece prepared for integrals about any center, in the piece's coordinates.
 #[derive(Clone, Debug, Default)]
-pub struct PreparedPiece {
+pub(crate) struct PreparedPiece {
     /// Coordinates; the fourth number is meaningless.
     pub(crate) vertices: Rows,
     /// Unit normals and offsets.

@@ -17,11 +17,11 @@ use wide::f64x4;
 /// One of the six cones in which a coordinate difference of one sign is the largest: the axis, plus
 /// four for the negative side.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Sector(u8);
+pub(crate) struct Sector(u8);
 
 impl Sector {
     /// All six: +x, −x, +y, −y, +z, −z.
-    pub const ALL: [Self; 6] = [Self(0), Self(4), Self(1), Self(5), Self(2), Self(6)];
+    pub(crate) const ALL: [Self; 6] = [Self(0), Self(4), Self(1), Self(5), Self(2), Self(6)];
 
     /// The length of tables by number, which need no check of bounds then.
     pub(crate) const SLOTS: usize = 8;
@@ -32,7 +32,7 @@ impl Sector {
     /// The sector in which `displacement` from the center lies; on ties the first of its kind.
     #[must_use]
     #[inline]
-    pub fn of(displacement: &Vector3<f64>) -> Self {
+    pub(crate) fn of(displacement: &Vector3<f64>) -> Self {
         // Numbers without sign are ordered as their bits are, and those are compared faster.
         const SIGN: u64 = 1 << 63;
         let [x, y, z] = [displacement.x, displacement.y, displacement.z].map(f64::to_bits);
@@ -56,14 +56,14 @@ impl Sector {
     /// The axis, plus four for the negative side.
     #[must_use]
     #[inline]
-    pub fn number(self) -> usize {
+    pub(crate) fn number(self) -> usize {
         usize::from(self.0) % Self::SLOTS
     }
 
     /// The four sectors of the other axes, which have an interface with this one.
     #[must_use]
     #[inline]
-    pub fn adjacent(self) -> [Self; 4] {
+    pub(crate) fn adjacent(self) -> [Self; 4] {
         const ADJACENT: [[Sector; 4]; 3] = [
             [Sector(1), Sector(5), Sector(2), Sector(6)],
             [Sector(0), Sector(4), Sector(2), Sector(6)],
@@ -75,21 +75,21 @@ impl Sector {
     /// 0, 1, 2 for x, y, z.
     #[must_use]
     #[inline]
-    pub fn axis(self) -> usize {
+    pub(crate) fn axis(self) -> usize {
         usize::from(self.0) % Self::OPPOSITE
     }
 
     /// +1 or −1.
     #[must_use]
     #[inline]
-    pub fn sign(self) -> f64 {
+    pub(crate) fn sign(self) -> f64 {
         if self.is_negative() { -1.0 } else { 1.0 }
     }
 
     /// The linear function that is the Chebyshev distance within the sector (L).
     #[must_use]
     #[inline]
-    pub fn distance(self, displacement: &Vector3<f64>) -> f64 {
+    pub(crate) fn distance(self, displacement: &Vector3<f64>) -> f64 {
         let coordinate = match self.axis() {
             0 => displacement.x,
             1 => displacement.y,

@@ -11,7 +11,7 @@ const LEAF: usize = 4;
 
 /// Boxes, numbered in the order in which they were given.
 #[derive(Clone, Debug, Default)]
-pub struct Bvh {
+pub(crate) struct Bvh {
     nodes: Vec<Node>,
     items: Vec<Item>,
 }
@@ -31,7 +31,7 @@ struct Node {
 impl Bvh {
     /// The tree over `boxes`.
     #[must_use]
-    pub fn new(boxes: impl IntoIterator<Item = Bounds<3>>) -> Self {
+    pub(crate) fn new(boxes: impl IntoIterator<Item = Bounds<3>>) -> Self {
         let mut items: Vec<_> = boxes.into_iter().zip(0..).collect();
         let mut nodes = Vec::with_capacity(2 * items.len() / LEAF + 1);
         if !items.is_empty() {
@@ -42,7 +42,7 @@ impl Bvh {
 
     /// The number of every box that `meets` and all of whose ancestors do, in an order that
     /// depends on the boxes only.
-    pub fn visit(&self, meets: impl Fn(&Bounds<3>) -> bool, mut found: impl FnMut(u32)) {
+    pub(crate) fn visit(&self, meets: impl Fn(&Bounds<3>) -> bool, mut found: impl FnMut(u32)) {
         let mut place = 0;
         while let Some(node) = self.nodes.get(place) {
             if !meets(&node.bounds) {

@@ -62,7 +62,7 @@ struct Crossing {
 const NONE: u32 = u32::MAX;
 
 /// Clips `polyhedron` by `half_space`; the new facet carries `label`.
-pub fn clip(
+pub(crate) fn clip(
     polyhedron: &mut Polyhedron,
     half_space: &HalfSpace,
     label: Label,

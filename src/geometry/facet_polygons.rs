@@ -10,7 +10,7 @@ use nalgebra::{Point2, Vector3};
 /// The polygons, loops of vertex numbers counter-clockwise about `normal`, that make up the facet
 /// with these directed `edges`.
 #[must_use]
-pub fn polygons(
+pub(crate) fn polygons(
     edges: &[[u32; 2]],
     vertices: &[Vector3<f64>],
     normal: &Vector3<f64>,

@@ -2,4 +2,4 @@
 
 /// An opaque facet mark: geometry keeps it through every clip and never reads it.
 /// [`FacetKind`](crate::domain::facet_kind::FacetKind) gives its meaning: wall or neighbor.
-pub type Label = u64;
+pub(crate) type Label = u64;

@@ -5,20 +5,20 @@
 //! any size ([`clip`]). Solids of any shape have two more: [`brep`], which integrals take, and
 //! [`shell`], welded loops of corners, the form in which cells leave the program.
 
-pub mod bounds;
-pub mod brep;
-pub mod bvh;
-pub mod clip;
-pub mod facet_polygons;
-pub mod half_plane;
-pub mod half_space;
-pub mod label;
-pub mod moments;
-pub mod polygon;
-pub mod polyhedron;
-pub mod random;
-pub mod section;
-pub mod shell;
+pub(crate) mod bounds;
+pub(crate) mod brep;
+pub(crate) mod bvh;
+pub(crate) mod clip;
+pub(crate) mod facet_polygons;
+pub(crate) mod half_plane;
+pub(crate) mod half_space;
+pub(crate) mod label;
+pub(crate) mod moments;
+pub(crate) mod polygon;
+pub(crate) mod polyhedron;
+pub(crate) mod random;
+pub(crate) mod section;
+pub(crate) mod shell;
 pub(crate) mod simd;
-pub mod small_polyhedron;
-pub mod small_polyhedron_clip;
+pub(crate) mod small_polyhedron;
+pub(crate) mod small_polyhedron_clip;

@@ -14,38 +14,38 @@ use crate::geometry::bounds::Bounds;
 
 /// A stream of numbers fixed by its seed.
 #[derive(Clone, Debug)]
-pub struct Random(ChaCha8Rng);
+pub(crate) struct Random(ChaCha8Rng);
 
 impl Random {
     /// The stream of `seed`.
     #[must_use]
-    pub fn new(seed: u64) -> Self {
+    pub(crate) fn new(seed: u64) -> Self {
         Self(ChaCha8Rng::seed_from_u64(seed))
     }
 
     /// One of the seed's many streams, of which none needs those before it; the one of number 0 is
     /// [`Random::new`]'s.
     #[must_use]
-    pub fn stream(seed: u64, number: u64) -> Self {
+    pub(crate) fn stream(seed: u64, number: u64) -> Self {
         let mut random = Self::new(seed);
         random.0.set_stream(number);
         random
     }
 
     /// Uniform in [0, 1): a multiple of 2⁻⁵³.
-    pub fn uniform(&mut self) -> f64 {
+    pub(crate) fn uniform(&mut self) -> f64 {
         const STEP: f64 = 1.0 / (1_u64 << 53) as f64;
         (self.0.next_u64() >> 11) as f64 * STEP
     }
 
     /// Normal with mean 0 and deviation 1 (Box & Muller).
-    pub fn gaussian(&mut self) -> f64 {
+    pub(crate) fn gaussian(&mut self) -> f64 {
         let (radius, turn) = (1.0 - self.uniform(), self.uniform());
         (-2.0 * radius.ln()).sqrt() * (TAU * turn).cos()
     }
 
     /// Uniform in a box, axis by axis.
-    pub fn point<const D: usize>(&mut self, bounds: &Bounds<D>) -> Point<f64, D> {
+    pub(crate) fn point<const D: usize>(&mut self, bounds: &Bounds<D>) -> Point<f64, D> {
         let extent = bounds.extent();
         let mut point = bounds.min;
         for axis in 0..D {

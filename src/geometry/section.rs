@@ -21,7 +21,7 @@ const SAME_POINT: f64 = 1e-13;
 /// The polygons in which the border of `plane` cuts `shell`, counter-clockwise as seen from the
 /// side to which the plane's normal points; holes run clockwise. Empty if they do not meet.
 #[must_use]
-pub fn section(shell: &Shell, plane: &HalfSpace) -> Vec<Vec<Point3<f64>>> {
+pub(crate) fn section(shell: &Shell, plane: &HalfSpace) -> Vec<Vec<Point3<f64>>> {
     let plane = plane.normalized();
     let largest = shell
         .vertices()

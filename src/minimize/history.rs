@@ -13,7 +13,7 @@ const LEAST_CURVATURE: f64 = f64::EPSILON;
 
 /// The last pairs `(s, y)`, oldest first.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct History {
+pub(crate) struct History {
     steps: Vec<Vec<f64>>,
     changes: Vec<Vec<f64>>,
     products: Products,
@@ -33,7 +33,7 @@ pub(crate) struct Products {
 impl History {
     /// A history of given pairs, oldest first; surplus steps or changes are dropped.
     #[must_use]
-    pub fn from_parts(steps: Vec<Vec<f64>>, changes: Vec<Vec<f64>>) -> Self {
+    pub(crate) fn from_parts(steps: Vec<Vec<f64>>, changes: Vec<Vec<f64>>) -> Self {
         let mut history = Self::default();
         for (step, change) in steps.into_iter().zip(changes) {
             history.append(step, change);
@@ -62,25 +62,25 @@ impl History {
 
     /// The steps `s`, oldest first.
     #[must_use]
-    pub fn steps(&self) -> &[Vec<f64>] {
+    pub(crate) fn steps(&self) -> &[Vec<f64>] {
         &self.steps
     }
 
     /// The changes of the gradient `y`, oldest first.
     #[must_use]
-    pub fn changes(&self) -> &[Vec<f64>] {
+    pub(crate) fn changes(&self) -> &[Vec<f64>] {
         &self.changes
     }
 
     /// How many pairs there are.
     #[must_use]
-    pub fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.steps.len()
     }
 
     /// Whether there is none.
     #[must_use]
-    pub fn is_empty(&self) -> bool {
+    pub(crate) fn is_empty(&self) -> bool {
         self.steps.is_empty()
     }
 

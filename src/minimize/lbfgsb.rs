@@ -45,7 +45,7 @@ const VALUE_ROUNDING: f64 = 32.0 * f64::EPSILON;
 
 /// An accepted step, as the observer sees it.
 #[derive(Clone, Copy, Debug)]
-pub struct LbfgsbStep<'a> {
+pub(crate) struct LbfgsbStep<'a> {
     /// Where the run stands after the step.
     pub state: &'a LbfgsbState,
     /// The largest component of the gradient, without those that push against a bound.
@@ -56,7 +56,7 @@ pub struct LbfgsbStep<'a> {
 
 /// Where a run ended and why; `state` also takes it up again.
 #[derive(Clone, Debug, PartialEq)]
-pub struct LbfgsbEnd {
+pub(crate) struct LbfgsbEnd {
     /// The best point found, with all that is needed to go on.
     pub state: LbfgsbState,
     /// Why it ended.
@@ -72,7 +72,7 @@ pub struct LbfgsbEnd {
 ///
 /// [`LbfgsbError`] if lengths differ, a bound is NaN, a lower bound exceeds its upper one, or an
 /// option makes no sense.
-pub fn lbfgsb(
+pub(crate) fn lbfgsb(
     objective: impl FnMut(&[f64], &mut [f64]) -> f64,
     start: &[f64],
     lower: &[f64],
@@ -89,7 +89,7 @@ pub fn lbfgsb(
 /// # Errors
 ///
 /// As [`lbfgsb`].
-pub fn resume(
+pub(crate) fn resume(
     objective: impl FnMut(&[f64], &mut [f64]) -> f64,
     state: LbfgsbState,
     lower: &[f64],

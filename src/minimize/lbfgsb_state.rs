@@ -5,7 +5,7 @@ use crate::minimize::history::History;
 /// All that decides how a run goes on: plain numbers, to be written and read by whoever needs
 /// to.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct LbfgsbState {
+pub(crate) struct LbfgsbState {
     pub(crate) point: Vec<f64>,
     pub(crate) value: f64,
     pub(crate) gradient: Vec<f64>,
@@ -17,7 +17,7 @@ pub struct LbfgsbState {
 impl LbfgsbState {
     /// A run that has evaluated nothing yet.
     #[must_use]
-    pub fn unevaluated(start: &[f64]) -> Self {
+    pub(crate) fn unevaluated(start: &[f64]) -> Self {
         Self {
             point: start.to_vec(),
             value: f64::NAN,
@@ -28,7 +28,7 @@ impl LbfgsbState {
 
     /// A state put together again from what the accessors gave.
     #[must_use]
-    pub fn from_parts(
+    pub(crate) fn from_parts(
         point: Vec<f64>,
         value: f64,
         gradient: Vec<f64>,
@@ -48,43 +48,43 @@ impl LbfgsbState {
 
     /// The variables `x`.
     #[must_use]
-    pub fn point(&self) -> &[f64] {
+    pub(crate) fn point(&self) -> &[f64] {
         &self.point
     }
 
     /// `f(x)`; NaN before the first evaluation.
     #[must_use]
-    pub fn value(&self) -> f64 {
+    pub(crate) fn value(&self) -> f64 {
         self.value
     }
 
     /// `∇f(x)`, not projected.
     #[must_use]
-    pub fn gradient(&self) -> &[f64] {
+    pub(crate) fn gradient(&self) -> &[f64] {
         &self.gradient
     }
 
     /// The pairs of the last steps.
     #[must_use]
-    pub fn history(&self) -> &History {
+    pub(crate) fn history(&self) -> &History {
         &self.history
     }
 
     /// Accepted steps so far.
     #[must_use]
-    pub fn iterations(&self) -> u64 {
+    pub(crate) fn iterations(&self) -> u64 {
         self.iterations
     }
 
     /// Evaluations so far; zero means that value and gradient are not known yet.
     #[must_use]
-    pub fn evaluations(&self) -> u64 {
+    pub(crate) fn evaluations(&self) -> u64 {
         self.evaluations
     }
 
     /// The largest component of the gradient, without those that push against a bound.
     #[must_use]
-    pub fn projected_gradient(&self, lower: &[f64], upper: &[f64]) -> f64 {
+    pub(crate) fn projected_gradient(&self, lower: &[f64], upper: &[f64]) -> f64 {
         let bounds = lower.iter().zip(upper);
         let variables = self.point.iter().zip(&self.gradient);
         let pushed = |x: f64, slope: f64, lower: f64, upper: f64| {
@@ -99,7 +99,7 @@ impl LbfgsbState {
 
 /// How L-BFGS-B steps and when it ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LbfgsbOptions {
+pub(crate) struct LbfgsbOptions {
     /// How many pairs are remembered; 3 to 20 (\[B\] section 6).
     pub memory: usize,
     /// What gradients are measured by.

@@ -15,12 +15,12 @@
 //! [`problem`] holds evaluations, minima and why a run ended; an `objective` is a function that may
 //! know its higher derivatives. `blas1` has the sums over long vectors.
 
-pub mod history;
-pub mod lbfgsb;
-pub mod lbfgsb_state;
-pub mod newton;
+pub(crate) mod history;
+pub(crate) mod lbfgsb;
+pub(crate) mod lbfgsb_state;
+pub(crate) mod newton;
 pub(crate) mod objective;
-pub mod problem;
+pub(crate) mod problem;
 
 mod blas1;
 mod box_qp;

@@ -38,7 +38,7 @@ const MAX_CUTS: usize = 60;
 
 /// The options of [`newton`].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct NewtonOptions {
+pub(crate) struct NewtonOptions {
     /// What the gradient is measured by (for a cell of energy order 1: its volume).
     pub scale: f64,
     /// The longest step along any axis, finite (for a cell: the cube root of its volume).
@@ -55,7 +55,7 @@ pub struct NewtonOptions {
 impl NewtonOptions {
     /// Tolerances 1e-12 for the gradient and 1e-11 for an unchecked step, 100 evaluations.
     #[must_use]
-    pub fn new(scale: f64, length: f64) -> Self {
+    pub(crate) fn new(scale: f64, length: f64) -> Self {
         Self {
             scale,
             length,
@@ -70,7 +70,7 @@ impl NewtonOptions {
 ///
 /// The start is moved into the box first. The function may be only piecewise twice
 /// differentiable. Where `lower > upper` the upper bound counts.
-pub fn newton<const D: usize, J: Into<Jet<D>>>(
+pub(crate) fn newton<const D: usize, J: Into<Jet<D>>>(
     objective: impl FnMut(&SVector<f64, D>) -> J,
     start: &SVector<f64, D>,
     lower: &SVector<f64, D>,

@@ -10,7 +10,7 @@ use nalgebra::{SMatrix, SVector};
 
 /// A function's value and derivatives at one point.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Evaluation<const D: usize> {
+pub(crate) struct Evaluation<const D: usize> {
     /// `f(x)`.
     pub value: f64,
     /// `∂f/∂x_k`.
@@ -21,7 +21,7 @@ pub struct Evaluation<const D: usize> {
 
 /// A function's value and derivatives up to the third, where that is known, at one point.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Jet<const D: usize> {
+pub(crate) struct Jet<const D: usize> {
     /// Value, gradient and Hessian.
     pub evaluation: Evaluation<D>,
     /// The derivative of the Hessian by each variable.
@@ -39,7 +39,7 @@ impl<const D: usize> From<Evaluation<D>> for Jet<D> {
 
 /// Where a minimization in `D` variables ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Minimum<const D: usize> {
+pub(crate) struct Minimum<const D: usize> {
     /// The best point found, inside the box.
     pub point: SVector<f64, D>,
     /// `f(point)`; by the last quadratic model if it ended with [`Termination::StepNegligible`].
@@ -54,7 +54,7 @@ pub struct Minimum<const D: usize> {
 
 /// Why a minimization ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Termination {
+pub(crate) enum Termination {
     /// The projected gradient is below the tolerance.
     GradientSmall,
     /// The last step was so short, and shorter than the one before by so much, that the point
@@ -77,7 +77,7 @@ pub enum Termination {
 impl Termination {
     /// Whether the point is a minimum to the accuracy asked for or to what `f64` can tell.
     #[must_use]
-    pub fn converged(self) -> bool {
+    pub(crate) fn converged(self) -> bool {
         matches!(
             self,
             Self::GradientSmall | Self::StepNegligible | Self::ValueSettled | Self::AtRounding
@@ -86,7 +86,7 @@ impl Termination {
 
     /// The reason as a sentence.
     #[must_use]
-    pub fn sentence(self) -> &'static str {
+    pub(crate) fn sentence(self) -> &'static str {
         match self {
             Self::GradientSmall => "the projected gradient is below the tolerance",
             Self::StepNegligible => "the last step was too short to be worth checking",

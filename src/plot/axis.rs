@@ -2,7 +2,7 @@
 
 /// A labelled tick.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Tick {
+pub(crate) struct Tick {
     /// Its value on the axis.
     pub value: f64,
     /// The text beside it.
@@ -11,7 +11,7 @@ pub struct Tick {
 
 /// A range of values with its ticks.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Axis {
+pub(crate) struct Axis {
     /// The value at the beginning; positive on a logarithmic axis.
     pub min: f64,
     /// The value at the end, above `min`.
@@ -43,7 +43,7 @@ const SUPERSCRIPTS: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', 
 impl Axis {
     /// An axis of equal differences around `[low, high]` with ticks on round numbers.
     #[must_use]
-    pub fn linear(low: f64, high: f64) -> Self {
+    pub(crate) fn linear(low: f64, high: f64) -> Self {
         let middle = 0.5 * (low + high);
         let half = (0.5 * (high - low))
             .max(LEAST_RANGE * middle.abs())
@@ -55,7 +55,7 @@ impl Axis {
 
     /// An axis for counts from `low` to `high`; ticks on whole numbers.
     #[must_use]
-    pub fn counts(low: f64, high: f64) -> Self {
+    pub(crate) fn counts(low: f64, high: f64) -> Self {
         let high = high.max(low + 1.0);
         let margin = 0.5 * MARGIN * (high - low);
         let step = round_step((high - low) / TICKS).max(1.0);
@@ -64,13 +64,13 @@ impl Axis {
 
     /// An axis from exactly `min` to exactly `max` with ticks on round numbers.
     #[must_use]
-    pub fn within(min: f64, max: f64) -> Self {
+    pub(crate) fn within(min: f64, max: f64) -> Self {
         Self::stepped(min, max, round_step((max - min) / TICKS))
     }
 
     /// An axis of equal ratios around `[low, high]`, both positive, with ticks on decades.
     #[must_use]
-    pub fn logarithmic(low: f64, high: f64) -> Self {
+    pub(crate) fn logarithmic(low: f64, high: f64) -> Self {
         let decades = (high / low).log10().max(0.1);
         let margin = 10_f64.powf(MARGIN * decades);
         let (min, max) = (low / margin, high.max(low * 10_f64.powf(0.1)) * margin);
@@ -112,7 +112,7 @@ impl Axis {
 
     /// How far along the axis `value` lies: 0 at `min`, 1 at `max`.
     #[must_use]
-    pub fn share(&self, value: f64) -> f64 {
+    pub(crate) fn share(&self, value: f64) -> f64 {
         if self.logarithmic {
             (value / self.min).ln() / (self.max / self.min).ln()
         } else {

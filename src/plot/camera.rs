@@ -6,11 +6,11 @@ use crate::geometry::bounds::Bounds;
 
 /// From the picture's middle toward the viewer: a little from the right, more from the front (−y)
 /// and from above, so that three walls of a box are visible and differ in shape.
-pub const TOWARD: Vector3<f64> = Vector3::new(0.50, -0.72, 0.48);
+pub(crate) const TOWARD: Vector3<f64> = Vector3::new(0.50, -0.72, 0.48);
 
 /// A viewer at infinity.
 #[derive(Clone, Copy, Debug)]
-pub struct Camera {
+pub(crate) struct Camera {
     right: Vector3<f64>,
     up: Vector3<f64>,
     toward: Vector3<f64>,
@@ -25,7 +25,7 @@ impl Camera {
     /// The camera whose view direction is −[`TOWARD`], +z upward, and shows all `points` as large as
     /// possible in the middle of `frame`, given by its upper left and lower right corner in pixels.
     #[must_use]
-    pub fn fitting(points: impl IntoIterator<Item = Point3<f64>>, frame: [Point2<f64>; 2]) -> Self {
+    pub(crate) fn fitting(points: impl IntoIterator<Item = Point3<f64>>, frame: [Point2<f64>; 2]) -> Self {
         let toward = TOWARD.normalize();
         let right = Vector3::z().cross(&toward).normalize();
         let mut camera = Self {
@@ -53,7 +53,7 @@ impl Camera {
     /// The image of a point: pixels to the right and downward from the upper left corner, and the
     /// distance toward the viewer (L).
     #[must_use]
-    pub fn project(&self, point: &Point3<f64>) -> Point3<f64> {
+    pub(crate) fn project(&self, point: &Point3<f64>) -> Point3<f64> {
         let arm = point - self.origin;
         Point3::new(
             self.middle.x + self.factor * arm.dot(&self.right),
@@ -64,7 +64,7 @@ impl Camera {
 
     /// The inverse of [`Camera::project`].
     #[must_use]
-    pub fn unproject(&self, image: &Point3<f64>) -> Point3<f64> {
+    pub(crate) fn unproject(&self, image: &Point3<f64>) -> Point3<f64> {
         let x = (image.x - self.middle.x) / self.factor;
         let y = (self.middle.y - image.y) / self.factor;
         self.origin + x * self.right + y * self.up + image.z * self.toward
@@ -73,7 +73,7 @@ impl Camera {
     /// How the depth of a facet with this unit normal grows per pixel to the right and downward;
     /// `None` for a facet that shows its back or its edge.
     #[must_use]
-    pub fn slopes(&self, normal: &Vector3<f64>) -> Option<[f64; 2]> {
+    pub(crate) fn slopes(&self, normal: &Vector3<f64>) -> Option<[f64; 2]> {
         let facing = normal.dot(&self.toward);
         let slope = |direction: &Vector3<f64>| normal.dot(direction) / (facing * self.factor);
         (facing > EDGE_ON).then(|| [-slope(&self.right), slope(&self.up)])

@@ -2,24 +2,24 @@
 
 /// An opaque sRGB color.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Color {
+pub(crate) struct Color {
     /// Red, green, blue.
     pub rgb: [u8; 3],
 }
 
 impl Color {
     /// The background.
-    pub const WHITE: Self = Self::hex(0xff_ff_ff);
+    pub(crate) const WHITE: Self = Self::hex(0xff_ff_ff);
     /// Text and frames.
-    pub const INK: Self = Self::hex(0x22_22_22);
+    pub(crate) const INK: Self = Self::hex(0x22_22_22);
     /// Grid lines.
-    pub const GRID: Self = Self::hex(0xe3_e3_e3);
+    pub(crate) const GRID: Self = Self::hex(0xe3_e3_e3);
     /// Reference lines.
-    pub const GRAY: Self = Self::hex(0x88_88_88);
+    pub(crate) const GRAY: Self = Self::hex(0x88_88_88);
 
     /// The color written as `0xrrggbb`.
     #[must_use]
-    pub const fn hex(code: u32) -> Self {
+    pub(crate) const fn hex(code: u32) -> Self {
         Self {
             rgb: [(code >> 16) as u8, (code >> 8) as u8, code as u8],
         }
@@ -27,7 +27,7 @@ impl Color {
 
     /// The color a share `t` in 0…1 of the way to `other`, mixed in sRGB.
     #[must_use]
-    pub fn mix(self, other: Self, t: f64) -> Self {
+    pub(crate) fn mix(self, other: Self, t: f64) -> Self {
         let blend = |k: usize| {
             let (a, b) = (f64::from(self.rgb[k]), f64::from(other.rgb[k]));
             (a + t.clamp(0.0, 1.0) * (b - a)).round() as u8
@@ -39,14 +39,14 @@ impl Color {
 
     /// The perceived brightness, 0 to 255 (ITU-R BT.601).
     #[must_use]
-    pub fn luma(self) -> f64 {
+    pub(crate) fn luma(self) -> f64 {
         let [r, g, b] = self.rgb.map(f64::from);
         0.299 * r + 0.587 * g + 0.114 * b
     }
 
     /// The color with its brightness multiplied by `factor ≥ 0`.
     #[must_use]
-    pub fn lit(self, factor: f64) -> Self {
+    pub(crate) fn lit(self, factor: f64) -> Self {
         Self {
             rgb: self
                 .rgb
@@ -66,7 +66,7 @@ const VIRIDIS: [u32; 17] = [
 /// The viridis color at a share `t` of the way from its dark to its bright end; `t` is clamped to
 /// 0…1, and what is not a number is gray.
 #[must_use]
-pub fn viridis(t: f64) -> Color {
+pub(crate) fn viridis(t: f64) -> Color {
     if t.is_nan() {
         return Color::GRAY;
     }
@@ -78,7 +78,7 @@ pub fn viridis(t: f64) -> Color {
 /// The bright end of a scale. Most cells of a relaxed tessellation are near the best value,
 /// and only bright colors show outlines and shading.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Best {
+pub(crate) enum Best {
     /// Low values are good, as energies are.
     Low,
     /// High values are good, as cubeness is.
@@ -87,7 +87,7 @@ pub enum Best {
 
 /// Values of one quantity and the range over which colors spread.
 #[derive(Clone, Debug, PartialEq)]
-pub struct ColorScale {
+pub(crate) struct ColorScale {
     /// The quantity's name and unit, for the color bar.
     pub label: String,
     /// The end of the scale that is bright.
@@ -112,7 +112,7 @@ impl ColorScale {
     /// The scale that spreads its colors over `values` but for the outermost 2 % at either end.
     /// Values that are not finite do not count.
     #[must_use]
-    pub fn fitting(label: &str, best: Best, values: impl IntoIterator<Item = f64>) -> Self {
+    pub(crate) fn fitting(label: &str, best: Best, values: impl IntoIterator<Item = f64>) -> Self {
         let mut sorted: Vec<f64> = values.into_iter().filter(|v| v.is_finite()).collect();
         sorted.sort_by(f64::total_cmp);
         let last = sorted.len().saturating_sub(1);
@@ -130,7 +130,7 @@ impl ColorScale {
 
     /// The color of `value`.
     #[must_use]
-    pub fn color(&self, value: f64) -> Color {
+    pub(crate) fn color(&self, value: f64) -> Color {
         let share = ((value - self.min) / (self.max - self.min)).clamp(0.0, 1.0);
         let goodness = match self.best {
             Best::Low => 1.0 - share,

@@ -19,7 +19,7 @@ use crate::relax::record::Record;
 
 /// A run to draw.
 #[derive(Clone, Copy, Debug)]
-pub struct Run<'a> {
+pub(crate) struct Run<'a> {
     /// Its name in the legend; shortened where it is too long.
     pub name: &'a str,
     /// Its log.
@@ -67,7 +67,7 @@ const ENTRY_GAP: f64 = 24.0;
 /// The curves of all `runs`; what is not finite is left out, and runs without records only
 /// appear in the legend.
 #[must_use]
-pub fn convergence(runs: &[Run<'_>]) -> Figure {
+pub(crate) fn convergence(runs: &[Run<'_>]) -> Figure {
     let rows = legend_rows(runs);
     let height = LEGEND_TOP + LEGEND_ROW * rows.len().saturating_sub(1) as f64 + 18.0;
     let mut figure = Figure::new(WIDTH, height);

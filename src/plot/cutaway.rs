@@ -16,7 +16,7 @@ use crate::plot::z_buffer::ZBuffer;
 
 /// The part of the domain whose cells are not drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Removed {
+pub(crate) enum Removed {
     /// Nothing: only the walls of the domain show.
     Nothing,
     /// The eighth of the domain's box that is nearest to the viewer.
@@ -31,7 +31,7 @@ const ENOUGH: f64 = 0.05;
 impl Removed {
     /// The octant, or the half where the octant holds less than 5 % of the sites.
     #[must_use]
-    pub fn enough_of(bounds: &Bounds<3>, sites: &[Point3<f64>]) -> Self {
+    pub(crate) fn enough_of(bounds: &Bounds<3>, sites: &[Point3<f64>]) -> Self {
         let middle = bounds.center();
         let gone = |site: &&Point3<f64>| !Self::Octant.leaves(site, &middle);
         let count = sites.iter().filter(gone).count();
@@ -44,7 +44,7 @@ impl Removed {
 
     /// The words for it in a title.
     #[must_use]
-    pub fn title(self) -> &'static str {
+    pub(crate) fn title(self) -> &'static str {
         match self {
             Self::Nothing => "Cells",
             Self::Octant => "Cells, an octant taken away",
@@ -76,7 +76,7 @@ const BAR_SHARE: f64 = 0.7;
 
 /// A picture under construction.
 #[derive(Debug)]
-pub struct CutawayPicture {
+pub(crate) struct CutawayPicture {
     buffer: ZBuffer,
     middle: Point3<f64>,
     removed: Removed,
@@ -89,7 +89,7 @@ impl CutawayPicture {
     ///
     /// # Errors
     /// [`PngError`] as [`crate::plot::png::png`].
-    pub fn new(
+    pub(crate) fn new(
         bounds: &Bounds<3>,
         removed: Removed,
         scale: ColorScale,
@@ -112,12 +112,12 @@ impl CutawayPicture {
 
     /// Whether the cell of `site` is shown; the others need not be pushed.
     #[must_use]
-    pub fn shows(&self, site: &Point3<f64>) -> bool {
+    pub(crate) fn shows(&self, site: &Point3<f64>) -> bool {
         self.removed.leaves(site, &self.middle)
     }
 
     /// Draws the cell of `site`, colored by `value`, unless it is taken away.
-    pub fn push(&mut self, shell: &Shell, site: &Point3<f64>, value: f64) {
+    pub(crate) fn push(&mut self, shell: &Shell, site: &Point3<f64>, value: f64) {
         if self.shows(site) {
             let color = self.scale.color(value);
             self.buffer.draw(shell, |_| color);
@@ -128,7 +128,7 @@ impl CutawayPicture {
     ///
     /// # Errors
     /// [`PngError::Encode`].
-    pub fn finish(self) -> Result<Vec<u8>, PngError> {
+    pub(crate) fn finish(self) -> Result<Vec<u8>, PngError> {
         let size = [WIDTH, HEIGHT].map(|pixels| pixels as f64 / SCALE);
         let mut figure = Figure::new(
             size[0] + 2.0 * MARGIN + BAR_GAP + BAR_SPACE,

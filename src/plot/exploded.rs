@@ -15,7 +15,7 @@ use crate::plot::z_buffer::ZBuffer;
 
 /// One fragment of a cell.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Fragment {
+pub(crate) struct Fragment {
     /// The axis along which the distance grows: 0, 1, 2 for x, y, z.
     pub axis: usize,
     /// Whether it lies on the side of larger coordinates.
@@ -26,7 +26,7 @@ pub struct Fragment {
 
 /// A cell to take apart.
 #[derive(Clone, Debug, PartialEq)]
-pub struct FragmentedCell {
+pub(crate) struct FragmentedCell {
     /// What is written below it.
     pub caption: String,
     /// The point from which distances count.
@@ -60,7 +60,7 @@ const CAPTION_SPACE: f64 = 30.0;
 ///
 /// # Errors
 /// [`PngError`] as [`crate::plot::png::png`], also without cells.
-pub fn exploded(cells: &[FragmentedCell]) -> Result<Vec<u8>, PngError> {
+pub(crate) fn exploded(cells: &[FragmentedCell]) -> Result<Vec<u8>, PngError> {
     let side = SIDE as f64 / SCALE;
     let width = side * cells.len() as f64;
     let mut figure = Figure::new(width + 2.0 * MARGIN, side + 2.0 * MARGIN + CAPTION_SPACE);

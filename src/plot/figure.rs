@@ -11,7 +11,7 @@ use crate::plot::color::Color;
 
 /// The style of a line.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Stroke {
+pub(crate) struct Stroke {
     /// The line's color.
     pub color: Color,
     /// Its width in figure units.
@@ -23,7 +23,7 @@ pub struct Stroke {
 impl Stroke {
     /// A solid line.
     #[must_use]
-    pub const fn solid(color: Color, width: f64) -> Self {
+    pub(crate) const fn solid(color: Color, width: f64) -> Self {
         Self {
             color,
             width,
@@ -34,7 +34,7 @@ impl Stroke {
 
 /// The point of a text that lies at its position, along the direction of reading.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Anchor {
+pub(crate) enum Anchor {
     /// The text's beginning.
     Start,
     /// Its middle.
@@ -45,7 +45,7 @@ pub enum Anchor {
 
 /// A line of text whose baseline starts, is centered or ends at `position`.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Text {
+pub(crate) struct Text {
     /// The position of the anchor, on the baseline.
     pub position: Point2<f64>,
     /// What is written.
@@ -62,7 +62,7 @@ pub struct Text {
 
 /// One shape of a figure.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Shape {
+pub(crate) enum Shape {
     /// Contours, filled by the even-odd rule and drawn as lines.
     Path {
         /// The contours' corners in order.
@@ -89,7 +89,7 @@ pub enum Shape {
 
 /// A white sheet with shapes on it.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Figure {
+pub(crate) struct Figure {
     /// Width in figure units (SVG pixels).
     pub width: f64,
     /// Height in figure units.
@@ -101,7 +101,7 @@ pub struct Figure {
 impl Figure {
     /// An empty sheet.
     #[must_use]
-    pub fn new(width: f64, height: f64) -> Self {
+    pub(crate) fn new(width: f64, height: f64) -> Self {
         Self {
             width,
             height,
@@ -110,12 +110,12 @@ impl Figure {
     }
 
     /// Adds a straight line.
-    pub fn line(&mut self, from: Point2<f64>, to: Point2<f64>, stroke: Stroke) {
+    pub(crate) fn line(&mut self, from: Point2<f64>, to: Point2<f64>, stroke: Stroke) {
         self.polyline(vec![from, to], stroke);
     }
 
     /// Adds an open line through points.
-    pub fn polyline(&mut self, points: Vec<Point2<f64>>, stroke: Stroke) {
+    pub(crate) fn polyline(&mut self, points: Vec<Point2<f64>>, stroke: Stroke) {
         self.shapes.push(Shape::Path {
             contours: vec![points],
             closed: false,
@@ -125,7 +125,7 @@ impl Figure {
     }
 
     /// Adds a rectangle given by two opposite corners.
-    pub fn rectangle(
+    pub(crate) fn rectangle(
         &mut self,
         [min, max]: [Point2<f64>; 2],
         fill: Option<Color>,
@@ -146,7 +146,7 @@ impl Figure {
     }
 
     /// Adds a horizontal line of text.
-    pub fn text(&mut self, position: Point2<f64>, content: &str, size: f64, anchor: Anchor) {
+    pub(crate) fn text(&mut self, position: Point2<f64>, content: &str, size: f64, anchor: Anchor) {
         self.shapes.push(Shape::Text(Text {
             position,
             content: content.to_owned(),
@@ -158,7 +158,7 @@ impl Figure {
     }
 
     /// Adds a line of text that reads upward, centered at `position`.
-    pub fn upward_text(&mut self, position: Point2<f64>, content: &str, size: f64) {
+    pub(crate) fn upward_text(&mut self, position: Point2<f64>, content: &str, size: f64) {
         self.shapes.push(Shape::Text(Text {
             position,
             content: content.to_owned(),

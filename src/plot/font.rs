@@ -10,7 +10,7 @@ use nalgebra::Point2;
 use ttf_parser::{Face, GlyphId, OutlineBuilder};
 
 /// The font families named in SVG files; Verdana has DejaVu's widths.
-pub const FAMILY: &str = "DejaVu Sans, Verdana, sans-serif";
+pub(crate) const FAMILY: &str = "DejaVu Sans, Verdana, sans-serif";
 
 /// The typeface; never `None`, as a test checks (pictures would lack their texts).
 static FACE: LazyLock<Option<Face<'static>>> =
@@ -18,7 +18,7 @@ static FACE: LazyLock<Option<Face<'static>>> =
 
 /// The width of `text` set in `size`, both in figure units.
 #[must_use]
-pub fn width(text: &str, size: f64) -> f64 {
+pub(crate) fn width(text: &str, size: f64) -> f64 {
     let Some(face) = FACE.as_ref() else {
         return 0.0;
     };
@@ -30,7 +30,7 @@ pub fn width(text: &str, size: f64) -> f64 {
 }
 
 /// Draws `text` set in `size` from the origin along +x, its baseline on y = 0 and y downward.
-pub fn outline(text: &str, size: f64, pen: &mut impl Pen) {
+pub(crate) fn outline(text: &str, size: f64, pen: &mut impl Pen) {
     let Some(face) = FACE.as_ref() else { return };
     let scale = size / f64::from(face.units_per_em());
     let mut start = 0.0;
@@ -46,7 +46,7 @@ pub fn outline(text: &str, size: f64, pen: &mut impl Pen) {
 /// `text` shortened in its middle by "…" until it is no wider than `limit` in `size`: both the
 /// folder where a name begins and the variant where it ends stay readable.
 #[must_use]
-pub fn elided(text: &str, size: f64, limit: f64) -> String {
+pub(crate) fn elided(text: &str, size: f64, limit: f64) -> String {
     let letters: Vec<char> = text.chars().collect();
     if width(text, size) <= limit {
         return text.to_owned();
@@ -66,7 +66,7 @@ pub fn elided(text: &str, size: f64, limit: f64) -> String {
 }
 
 /// A receiver of the outlines of glyphs, in figure units.
-pub trait Pen {
+pub(crate) trait Pen {
     /// Begins a contour.
     fn move_to(&mut self, to: Point2<f64>);
     /// Continues it straight.

@@ -4,16 +4,16 @@
 //! [`png`] write in their formats; pictures in space are pixels from the start. Nothing here
 //! touches a file system: pictures are strings and bytes.
 
-pub mod axis;
-pub mod camera;
-pub mod color;
-pub mod convergence;
-pub mod cutaway;
-pub mod exploded;
-pub mod figure;
-pub mod font;
-pub mod panel;
-pub mod patches;
-pub mod png;
-pub mod svg;
-pub mod z_buffer;
+pub(crate) mod axis;
+pub(crate) mod camera;
+pub(crate) mod color;
+pub(crate) mod convergence;
+pub(crate) mod cutaway;
+pub(crate) mod exploded;
+pub(crate) mod figure;
+pub(crate) mod font;
+pub(crate) mod panel;
+pub(crate) mod patches;
+pub(crate) mod png;
+pub(crate) mod svg;
+pub(crate) mod z_buffer;

@@ -9,7 +9,7 @@ use crate::plot::font;
 
 /// A framed area with a horizontal and a vertical axis.
 #[derive(Clone, Debug)]
-pub struct Panel {
+pub(crate) struct Panel {
     /// The frame's upper left and lower right corner.
     pub frame: [Point2<f64>; 2],
     /// The horizontal axis.
@@ -19,11 +19,11 @@ pub struct Panel {
 }
 
 /// The font size of tick labels; other texts are larger.
-pub const TICK_SIZE: f64 = 11.0;
+pub(crate) const TICK_SIZE: f64 = 11.0;
 /// The font size of axis labels.
-pub const LABEL_SIZE: f64 = 12.0;
+pub(crate) const LABEL_SIZE: f64 = 12.0;
 /// The font size of titles.
-pub const TITLE_SIZE: f64 = 14.0;
+pub(crate) const TITLE_SIZE: f64 = 14.0;
 /// The distance of tick labels from the frame.
 const STANDOFF: f64 = 7.0;
 /// How long ticks are.
@@ -35,7 +35,7 @@ const TICK_LINE: Stroke = Stroke::solid(Color::INK, 0.8);
 impl Panel {
     /// The position of the data point `(x, y)` in the figure.
     #[must_use]
-    pub fn place(&self, x: f64, y: f64) -> Point2<f64> {
+    pub(crate) fn place(&self, x: f64, y: f64) -> Point2<f64> {
         let [min, max] = self.frame;
         Point2::new(
             min.x + self.x.share(x) * (max.x - min.x),
@@ -44,7 +44,7 @@ impl Panel {
     }
 
     /// Draws grid, ticks and tick labels.
-    pub fn draw_grid(&self, figure: &mut Figure) {
+    pub(crate) fn draw_grid(&self, figure: &mut Figure) {
         self.draw_x_ticks(figure);
         self.draw_y_ticks(figure);
     }
@@ -79,7 +79,7 @@ impl Panel {
     }
 
     /// Draws the frame, the title above it and the axes' names.
-    pub fn draw_frame(&self, figure: &mut Figure, title: &str, x_name: &str, y_name: &str) {
+    pub(crate) fn draw_frame(&self, figure: &mut Figure, title: &str, x_name: &str, y_name: &str) {
         let [min, max] = self.frame;
         let middle = nalgebra::center(&min, &max);
         figure.rectangle(self.frame, None, Some(Stroke::solid(Color::INK, 1.0)));
@@ -101,13 +101,13 @@ impl Panel {
 const BAR_WIDTH: f64 = 14.0;
 
 /// The space that a bar takes to the right of its left edge.
-pub const BAR_SPACE: f64 = 92.0;
+pub(crate) const BAR_SPACE: f64 = 92.0;
 
 /// Steps of color along the bar: finer than visible steps.
 const BAR_STEPS: usize = 128;
 
 /// Draws the bar of `scale` downward from its upper left corner.
-pub fn draw_color_bar(figure: &mut Figure, corner: Point2<f64>, height: f64, scale: &ColorScale) {
+pub(crate) fn draw_color_bar(figure: &mut Figure, corner: Point2<f64>, height: f64, scale: &ColorScale) {
     let end = Point2::new(corner.x + BAR_WIDTH, corner.y + height);
     for step in 0..BAR_STEPS {
         // Every step reaches up to the top, so that no seam shows between two.

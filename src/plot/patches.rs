@@ -15,7 +15,7 @@ use crate::plot::panel::{BAR_SPACE, TITLE_SIZE, draw_color_bar};
 
 /// The part of one cell in a flat picture.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Patch {
+pub(crate) struct Patch {
     /// The contours of its area, filled by the even-odd rule (L).
     pub contours: Vec<Vec<Point2<f64>>>,
     /// The value that colors it.
@@ -42,7 +42,7 @@ const BRIGHT: f64 = 110.0;
 
 /// The picture of all `patches`.
 #[must_use]
-pub fn picture(patches: &[Patch], scale: &ColorScale, title: &str) -> Figure {
+pub(crate) fn picture(patches: &[Patch], scale: &ColorScale, title: &str) -> Figure {
     let frame = Frame::around(patches);
     let mut figure = Figure::new(
         frame.size[0] + 2.0 * MARGIN + BAR_GAP + BAR_SPACE,
@@ -118,7 +118,7 @@ impl Frame {
 
 /// A plane with the right and the upward direction of its picture, viewed against its normal.
 #[derive(Clone, Copy, Debug)]
-pub struct Cut {
+pub(crate) struct Cut {
     plane: HalfSpace,
     right: Vector3<f64>,
     up: Vector3<f64>,
@@ -130,7 +130,7 @@ impl Cut {
     ///
     /// A plane without a normal cuts nothing.
     #[must_use]
-    pub fn new(plane: HalfSpace) -> Self {
+    pub(crate) fn new(plane: HalfSpace) -> Self {
         let plane = plane.normalized();
         let normal = plane.normal;
         let horizontal = normal.x.hypot(normal.y) < 1e-9 * normal.z.abs();
@@ -150,7 +150,7 @@ impl Cut {
 
     /// The horizontal cut at height `z`, viewed from above.
     #[must_use]
-    pub fn horizontal(z: f64) -> Self {
+    pub(crate) fn horizontal(z: f64) -> Self {
         Self::new(HalfSpace {
             normal: Vector3::z(),
             offset: z,
@@ -159,7 +159,7 @@ impl Cut {
 
     /// The section of a cell by the plane; `None` where they do not meet.
     #[must_use]
-    pub fn patch(&self, shell: &Shell, value: f64) -> Option<Patch> {
+    pub(crate) fn patch(&self, shell: &Shell, value: f64) -> Option<Patch> {
         let flat = |point: &Point3<f64>| {
             Point2::new(self.right.dot(&point.coords), self.up.dot(&point.coords))
         };

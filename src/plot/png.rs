@@ -9,7 +9,7 @@ use crate::plot::font::{self, Pen};
 
 /// The reason why no PNG is made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum PngError {
+pub(crate) enum PngError {
     /// The picture has no pixels or more than fit in memory.
     #[error("a picture of {width} × {height} pixels cannot be made")]
     Size {
@@ -30,7 +30,7 @@ const LONGEST_SIDE: f64 = 16_384.0;
 ///
 /// # Errors
 /// [`PngError::Size`] if a side has no pixels or more than 16 384.
-pub fn png(figure: &Figure, scale: f64) -> Result<Vec<u8>, PngError> {
+pub(crate) fn png(figure: &Figure, scale: f64) -> Result<Vec<u8>, PngError> {
     let mut sheet = blank(figure.width * scale, figure.height * scale)?;
     draw(figure, scale, &mut sheet);
     encode(&sheet)

@@ -10,7 +10,7 @@ use crate::plot::font::FAMILY;
 
 /// The figure as an SVG 1.1 document.
 #[must_use]
-pub fn svg(figure: &Figure) -> String {
+pub(crate) fn svg(figure: &Figure) -> String {
     let (width, height) = (Number(figure.width), Number(figure.height));
     let mut out = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" \

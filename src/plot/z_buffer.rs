@@ -40,7 +40,7 @@ const LINE: f64 = 1.7;
 
 /// A picture under construction, with the depth of every pixel.
 #[derive(Debug)]
-pub struct ZBuffer {
+pub(crate) struct ZBuffer {
     camera: Camera,
     width: usize,
     height: usize,
@@ -71,7 +71,7 @@ impl ZBuffer {
     ///
     /// # Errors
     /// [`PngError::Size`] as [`png::png`].
-    pub fn new(width: usize, height: usize) -> Result<Self, PngError> {
+    pub(crate) fn new(width: usize, height: usize) -> Result<Self, PngError> {
         png::check_size(width as f64, height as f64)?;
         let (width, height) = (width * FINENESS, height * FINENESS);
         Ok(Self {
@@ -88,7 +88,7 @@ impl ZBuffer {
 
     /// Chooses the camera that shows all `points` in the picture's columns from `left` on, `width`
     /// of them.
-    pub fn aim(
+    pub(crate) fn aim(
         &mut self,
         points: impl IntoIterator<Item = Point3<f64>>,
         left: usize,
@@ -103,7 +103,7 @@ impl ZBuffer {
     }
 
     /// Draws the facets of a shell that face the viewer, `paint` giving the color at a point.
-    pub fn draw(&mut self, shell: &Shell, paint: impl Fn(&Point3<f64>) -> Color) {
+    pub(crate) fn draw(&mut self, shell: &Shell, paint: impl Fn(&Point3<f64>) -> Color) {
         let mut corners: Vec<Point3<f64>> = Vec::new();
         let creases = creases(shell);
         let mut first = 0;
@@ -121,7 +121,7 @@ impl ZBuffer {
     ///
     /// # Errors
     /// [`PngError`] as [`png::png`].
-    pub fn to_png(
+    pub(crate) fn to_png(
         &self,
         figure: &Figure,
         corner: Point2<f64>,

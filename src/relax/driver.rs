@@ -41,7 +41,7 @@ pub enum RunEnd {
 
 /// Is shown a record, the sites that it describes and the state from which the run would go on, and
 /// says whether to go on.
-pub type Observer<'a, const D: usize> =
+pub(crate) type Observer<'a, const D: usize> =
     dyn FnMut(&Record, &[Point<f64, D>], &RunState<D>) -> ControlFlow<()> + 'a;
 
 /// Relaxes `sites` by `plan` from the start, or from where `last` was recorded with `state`.
@@ -51,7 +51,7 @@ pub type Observer<'a, const D: usize> =
 ///
 /// # Errors
 /// [`RelaxationError`]; sites and state are then of no further use.
-pub fn drive<const D: usize, S: RelaxationSpace<D>>(
+pub(crate) fn drive<const D: usize, S: RelaxationSpace<D>>(
     space: &S,
     plan: &Plan,
     sites: &mut Vec<Point<f64, D>>,

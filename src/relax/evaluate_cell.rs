@@ -23,7 +23,7 @@ use crate::voronoi::cell::Cell;
 
 /// A cell's signed pieces, prepared, and the memory to work on them.
 #[derive(Debug, Default)]
-pub struct CellMemory {
+pub(crate) struct CellMemory {
     pieces: Vec<SignedPiece>,
     used: usize,
     /// The cell's volume (L³), and its mass, which is the volume where there is no density; none for a
@@ -39,12 +39,12 @@ pub struct CellMemory {
 
 impl CellMemory {
     /// Prepares the pieces of `cell`.
-    pub fn load(&mut self, domain: &dyn Domain, cell: &Cell<'_>) {
+    pub(crate) fn load(&mut self, domain: &dyn Domain, cell: &Cell<'_>) {
         self.load_in_frame(domain, cell, None);
     }
 
     /// Prepares the pieces of `cell`, whose distances are measured in `frame`.
-    pub fn load_in_frame(
+    pub(crate) fn load_in_frame(
         &mut self,
         domain: &dyn Domain,
         cell: &Cell<'_>,
@@ -106,7 +106,7 @@ impl CellMemory {
 
     /// The volume of the loaded cell (L³).
     #[must_use]
-    pub fn volume(&self) -> f64 {
+    pub(crate) fn volume(&self) -> f64 {
         self.measured().0
     }
 
@@ -122,7 +122,7 @@ impl CellMemory {
     /// Mass and its moments of the loaded cell about its site; volume and its moments where there
     /// is no density.
     #[must_use]
-    pub fn masses(&self) -> Moments {
+    pub(crate) fn masses(&self) -> Moments {
         let mut masses = self.weighted;
         for SignedPiece { sign, piece } in &self.pieces[..self.used] {
             if piece.density.is_none() {
@@ -139,7 +139,7 @@ impl CellMemory {
     /// The order-p Chebyshev energy of the loaded cell about a displacement from its site, with
     /// gradient and Hessian.
     #[must_use]
-    pub fn evaluate(&mut self, center: &Vector3<f64>, order: u32) -> Evaluation<3> {
+    pub(crate) fn evaluate(&mut self, center: &Vector3<f64>, order: u32) -> Evaluation<3> {
         let pieces = &self.pieces[..self.used];
         let Some(frame) = &self.frame else {
             return energy(pieces, center, order, &mut self.walk);

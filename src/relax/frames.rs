@@ -88,7 +88,7 @@ struct CellFacets {
 ///
 /// # Errors
 /// When the sites have no diagram.
-pub fn boundary_frames(
+pub(crate) fn boundary_frames(
     domain: &dyn Domain,
     sites: &[Point3<f64>],
 ) -> Result<Vec<Rotation3<f64>>, DiagramError> {

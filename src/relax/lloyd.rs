@@ -18,7 +18,7 @@ use crate::relax::relaxation_space::{CellResult, EnergySpec, RelaxationSpace};
 /// How many times as far as Lloyd's a lengthened move goes. Measured over 50 and 150 moves from 1000
 /// random sites, 3, 3.5 and 4 gain alike and 1.5 to 2.5 less, as do lengths that alternate; of these
 /// 3 is rejected least often, one time in five.
-pub const OVERRELAXATION: f64 = 3.0;
+pub(crate) const OVERRELAXATION: f64 = 3.0;
 
 /// Sites with the results of their cells.
 #[derive(Clone, Debug)]

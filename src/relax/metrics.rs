@@ -20,10 +20,10 @@ use crate::geometry::polyhedron::Polyhedron;
 use crate::relax::record::optimal_energy;
 
 /// Facets larger than this share of V^{(D−1)/D} count.
-pub const FACET_SHARE: f64 = 0.05;
+pub(crate) const FACET_SHARE: f64 = 0.05;
 
 /// A facet is axis-aligned if a component of its unit normal is at least this: within ten degrees.
-pub const ALIGNED: f64 = 0.985;
+pub(crate) const ALIGNED: f64 = 0.985;
 
 /// The figures of one cell.
 #[derive(Clone, Debug, PartialEq)]

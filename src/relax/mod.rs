@@ -9,20 +9,20 @@
 //! [`evaluate_cell`] computes a cell's energy and minimizer in its own [`frames`]; [`metrics`] are
 //! the figures of cells for `measure`.
 
-pub mod descent;
-pub mod driver;
-pub mod evaluate_cell;
-pub mod frames;
-pub mod lloyd;
-pub mod metrics;
-pub mod multilevel;
-pub mod objective;
-pub mod plan;
-pub mod planar;
-pub mod record;
-pub mod relaxation;
-pub mod relaxation_space;
-pub mod space;
-pub mod state;
+pub(crate) mod descent;
+pub(crate) mod driver;
+pub(crate) mod evaluate_cell;
+pub(crate) mod frames;
+pub(crate) mod lloyd;
+pub(crate) mod metrics;
+pub(crate) mod multilevel;
+pub(crate) mod objective;
+pub(crate) mod plan;
+pub(crate) mod planar;
+pub(crate) mod record;
+pub(crate) mod relaxation;
+pub(crate) mod relaxation_space;
+pub(crate) mod space;
+pub(crate) mod state;
 
 mod perturb;

@@ -11,7 +11,7 @@ use crate::relax::relaxation_space::RelaxationSpace;
 
 /// How many sites a level works on: `count` / 2^(D·level), rounded, at least one.
 #[must_use]
-pub fn sites_of_level<const D: usize>(count: usize, level: u32) -> usize {
+pub(crate) fn sites_of_level<const D: usize>(count: usize, level: u32) -> usize {
     let coarse = count as f64 / 2.0_f64.powi((D as u32 * level) as i32);
     (coarse.round() as usize).max(1)
 }
@@ -26,7 +26,7 @@ const MANY: usize = 4000;
 /// How many levels lie below `count` sites that are to become cubes: as long as eight divides
 /// them, and a grid that fits stays one when it is split.
 #[must_use]
-pub fn levels_for_cubes(count: usize) -> u32 {
+pub(crate) fn levels_for_cubes(count: usize) -> u32 {
     let mut level = 0;
     while sites_of_level::<3>(count, level + 1) >= FEWEST
         && (count.is_multiple_of(8_usize.pow(level + 1))
@@ -40,7 +40,7 @@ pub fn levels_for_cubes(count: usize) -> u32 {
 /// `count` of the sites, spread as they are: the sites are cut in halves across their longest
 /// extent until as many groups are left, and each is represented by the member nearest its mean.
 #[must_use]
-pub fn coarsened<const D: usize>(sites: &[Point<f64, D>], count: usize) -> Vec<Point<f64, D>> {
+pub(crate) fn coarsened<const D: usize>(sites: &[Point<f64, D>], count: usize) -> Vec<Point<f64, D>> {
     let mut members = sites.to_vec();
     let mut chosen = Vec::with_capacity(count);
     divide(&mut members, count.min(sites.len()), &mut chosen);
@@ -94,7 +94,7 @@ fn representative<const D: usize>(members: &[Point<f64, D>]) -> Option<Point<f64
 /// side. Where these are too many, some are left out, evenly; where they are too few, some of
 /// the coarse sites stay among theirs.
 #[must_use]
-pub fn refined<const D: usize>(
+pub(crate) fn refined<const D: usize>(
     space: &impl RelaxationSpace<D>,
     coarse: &[Point<f64, D>],
     count: usize,

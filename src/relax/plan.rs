@@ -6,10 +6,10 @@ use crate::relax::multilevel::levels_for_cubes;
 use crate::relax::relaxation_space::{EnergySpec, Minimizer, Norm};
 
 /// Steps after which a first descent has become so slow that perturbations gain more.
-pub const FIRST_DESCENT: u64 = 150;
+pub(crate) const FIRST_DESCENT: u64 = 150;
 
 /// More moves than any run makes, and still exact as `f64`.
-pub const NO_LIMIT: u64 = 1 << 40;
+pub(crate) const NO_LIMIT: u64 = 1 << 40;
 
 /// A run: levels from coarse to fine, on each a descent and perhaps perturbations, each followed
 /// by a descent of its own.

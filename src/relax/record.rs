@@ -171,14 +171,14 @@ impl Record {
 
 /// The side of a cube (a square, for D = 2) of the mean cell's volume (L).
 #[must_use]
-pub fn optimal_side<const D: usize>(volume: f64, count: usize) -> f64 {
+pub(crate) fn optimal_side<const D: usize>(volume: f64, count: usize) -> f64 {
     (volume / count as f64).powf(1.0 / D as f64)
 }
 
 /// The order-p Chebyshev energy of that cube about its center, the least that a mean cell can
 /// have (L^(D+p)): D/(D+p) · s^(D+p)/2^p, for p = 1 and D = 3 the (3/8) s⁴ of section 3.5.
 #[must_use]
-pub fn optimal_energy<const D: usize>(volume: f64, count: usize, order: u32) -> f64 {
+pub(crate) fn optimal_energy<const D: usize>(volume: f64, count: usize, order: u32) -> f64 {
     let (d, p) = (D as f64, f64::from(order));
     let side = optimal_side::<D>(volume, count);
     d / (d + p) * side.powf(d + p) / 2.0_f64.powf(p)

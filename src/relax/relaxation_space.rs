@@ -4,7 +4,7 @@ use nalgebra::{Point, SVector};
 use thiserror::Error;
 
 /// Part of an [`EnergySpec`]; re-exported for the floors above.
-pub use crate::energy::center::Minimizer;
+pub(crate) use crate::energy::center::Minimizer;
 use crate::geometry::bounds::Bounds;
 use crate::minimize::lbfgsb_state::LbfgsbError;
 

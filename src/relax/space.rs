@@ -185,7 +185,7 @@ impl RelaxationSpace<3> for Space {
 }
 
 /// The surface of `cell` within the domain, in the domain's coordinates, for files and pictures.
-pub fn shell(domain: &dyn Domain, cell: &Cell<'_>, scratch: &mut PieceScratch) -> Shell {
+pub(crate) fn shell(domain: &dyn Domain, cell: &Cell<'_>, scratch: &mut PieceScratch) -> Shell {
     let mut shell = Shell::default();
     domain.outline(&cell.position, cell.polyhedron(), scratch, &mut |piece| {
         shell = Shell::from(piece).translated(&cell.position.coords);

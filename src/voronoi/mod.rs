@@ -5,10 +5,10 @@
 //! beyond the first radius only where a vertex can still be cut (`search::VertexBalls`). [`check`]
 //! tests whether cells form a tessellation. [`planar`] is the counterpart in the plane.
 
-pub mod cell;
-pub mod check;
-pub mod diagram;
-pub mod planar;
+pub(crate) mod cell;
+pub(crate) mod check;
+pub(crate) mod diagram;
+pub(crate) mod planar;
 
 mod kd_tree;
 mod search;

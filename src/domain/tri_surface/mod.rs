@@ -8,12 +8,12 @@
 //! convex pieces that needs no case analysis, and `outline` undoes the coincidence for files and
 //! pictures. [`winding`] computes exactly whether a point is inside, and where a ray leaves.
 
-pub mod clip_cell;
+pub(crate) mod clip_cell;
 pub(crate) mod distance;
 pub(crate) mod edges;
-pub mod indexed;
+pub(crate) mod indexed;
 pub(crate) mod outline;
-pub mod signed_prisms;
-pub mod solid;
-pub mod triangle;
-pub mod winding;
+pub(crate) mod signed_prisms;
+pub(crate) mod solid;
+pub(crate) mod triangle;
+pub(crate) mod winding;

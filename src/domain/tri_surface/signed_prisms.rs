@@ -29,7 +29,7 @@ const RAY: [f64; 3] = [
 ];
 
 /// Visits the signed parts of the triangles' prisms in `cell`, in coordinates relative to `site`.
-pub fn signed_prisms(
+pub(crate) fn signed_prisms(
     surface: &IndexedSurface,
     site: &Point3<f64>,
     cell: &Polyhedron,

@@ -15,7 +15,7 @@ use crate::mesh::surface::SurfaceMesh;
 /// The winding number of the surface about `point`, or `None` for a point on the surface. `tree`
 /// holds the triangles' bounds.
 #[must_use]
-pub fn winding(surface: &SurfaceMesh, tree: &Bvh, point: &Point3<f64>) -> Option<i32> {
+pub(crate) fn winding(surface: &SurfaceMesh, tree: &Bvh, point: &Point3<f64>) -> Option<i32> {
     let ahead = |bounds: &Bounds<3>| {
         let beside =
             |axis: usize| bounds.min[axis] <= point[axis] && point[axis] <= bounds.max[axis];
@@ -38,7 +38,7 @@ pub fn winding(surface: &SurfaceMesh, tree: &Bvh, point: &Point3<f64>) -> Option
 /// surface outward; infinity where it does not. Touching an edge counts as crossing. `tree` holds
 /// the triangles' bounds.
 #[must_use]
-pub fn ray_exit(surface: &SurfaceMesh, tree: &Bvh, from: &Point3<f64>, step: &Vector3<f64>) -> f64 {
+pub(crate) fn ray_exit(surface: &SurfaceMesh, tree: &Bvh, from: &Point3<f64>, step: &Vector3<f64>) -> f64 {
     let to = from + step;
     let around = Bounds::of([from, &to]);
     let mut first = f64::INFINITY;

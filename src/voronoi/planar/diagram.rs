@@ -72,7 +72,7 @@ pub enum PlaneDiagramError {
 
 /// One cell of a diagram.
 #[derive(Clone, Debug, PartialEq)]
-pub struct PlaneCell {
+pub(crate) struct PlaneCell {
     /// The site.
     pub site: Point2<f64>,
     /// The cell with the site as origin. [`FacetKind`] reads the labels of its edges.
@@ -81,7 +81,7 @@ pub struct PlaneCell {
 
 impl PlaneCell {
     /// The cell's vertices in the domain's coordinates, counter-clockwise.
-    pub fn outline(&self) -> impl Iterator<Item = Point2<f64>> + '_ {
+    pub(crate) fn outline(&self) -> impl Iterator<Item = Point2<f64>> + '_ {
         let origin = self.site.coords;
         self.polygon.vertices().iter().map(move |v| v + origin)
     }
@@ -89,7 +89,7 @@ impl PlaneCell {
 
 /// The Voronoi diagram of sites in a domain of the plane.
 #[derive(Clone, Debug, PartialEq)]
-pub struct PlaneDiagram {
+pub(crate) struct PlaneDiagram {
     /// The cells, in site order.
     pub cells: Vec<PlaneCell>,
 }
@@ -99,7 +99,7 @@ impl PlaneDiagram {
     ///
     /// # Errors
     /// If there are no sites, or one is not finite, outside the domain or the same as another.
-    pub fn new(domain: &PlaneDomain, sites: &[Point2<f64>]) -> Result<Self, PlaneDiagramError> {
+    pub(crate) fn new(domain: &PlaneDomain, sites: &[Point2<f64>]) -> Result<Self, PlaneDiagramError> {
         check(domain, sites)?;
         let through_voronator = delaunay_neighbors(domain, sites)
             .map(|neighbors| cut_by_neighbors(domain, sites, &neighbors))
@@ -111,7 +111,7 @@ impl PlaneDiagram {
     ///
     /// # Errors
     /// As [`PlaneDiagram::new`].
-    pub fn by_bisectors(
+    pub(crate) fn by_bisectors(
         domain: &PlaneDomain,
         sites: &[Point2<f64>],
     ) -> Result<Self, PlaneDiagramError> {
@@ -121,7 +121,7 @@ impl PlaneDiagram {
 
     /// The sum of the cells' areas (L²), which is the domain's up to rounding.
     #[must_use]
-    pub fn area(&self) -> f64 {
+    pub(crate) fn area(&self) -> f64 {
         compensated_sum(self.cells.iter().map(|cell| cell.polygon.area()))
     }
 

@@ -1,5 +1,5 @@
 //! Voronoi cells of the plane, by the crate `voronator` with a fallback by bisectors.
 
-pub mod diagram;
+pub(crate) mod diagram;
 
 mod grid;
