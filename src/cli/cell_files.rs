@@ -11,7 +11,7 @@ use crate::export::run::directory::RunDirectory;
 use crate::export::vtu::{CellGeometry, VtuWriter};
 use crate::geometry::bounds::Bounds;
 use crate::geometry::shell::Shell;
-use crate::plot::color::{Best, ColorScale};
+use crate::plot::color::ColorScale;
 use crate::plot::cutaway::{CutawayPicture, Removed};
 use crate::plot::figure::Figure;
 use crate::plot::patches::Cut;
@@ -127,7 +127,7 @@ impl Colors {
             "energy (% of a cube of the cell’s volume)"
         };
         let values = cells.iter().map(Self::value);
-        Self(ColorScale::fitting(label, Best::Low, values))
+        Self(ColorScale::fitting(label, values))
     }
 
     fn scale(&self) -> &ColorScale {

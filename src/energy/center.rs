@@ -14,7 +14,7 @@ use crate::energy::evaluation::{EnergyScratch, SignedPiece, energy_jet};
 use crate::energy::prediction::predict;
 use crate::geometry::bounds::Bounds;
 use crate::minimize::lbfgsb::lbfgsb;
-use crate::minimize::lbfgsb_state::LbfgsbOptions;
+use crate::minimize::lbfgsb_state::{LbfgsbOptions, LbfgsbState};
 use crate::minimize::newton::{NewtonOptions, minimize};
 use crate::minimize::objective::{Objective, Plain, Prediction};
 use crate::minimize::problem::{Evaluation, Jet};
@@ -163,11 +163,11 @@ impl<const D: usize> Search<D> {
         let [lower, upper] = [self.bounds.min, self.bounds.max].map(|end| end.coords / length);
         let found = lbfgsb(
             &mut objective,
-            &[0.0; D],
+            LbfgsbState::unevaluated(&[0.0; D]),
             lower.as_slice(),
             upper.as_slice(),
             &options,
-            |_| ControlFlow::Continue(()),
+            |_, _| ControlFlow::Continue(()),
         );
         match found {
             Ok(end) => {

@@ -10,14 +10,9 @@ use crate::geometry::half_space::HalfSpace;
 use crate::geometry::label::Label;
 use crate::geometry::polyhedron::Polyhedron;
 
-/// Cuts `piece` into its fragments about `center`, in the order of [`Sector::ALL`]; a fragment may
-/// be empty. The facets on interfaces carry the label `interface`.
-#[must_use]
-pub(crate) fn fragments(piece: &Polyhedron, center: &Point3<f64>, interface: Label) -> [Polyhedron; 6] {
-    fragments_in_frame(piece, center, &Rotation3::identity(), interface)
-}
-
-/// As [`fragments`], for distances along the axes of space turned by `frame`.
+/// Cuts `piece` into its fragments about `center`, for distances along the axes of space turned by
+/// `frame`, in the order of [`Sector::ALL`]; a fragment may be empty. The facets on interfaces carry the
+/// label `interface`.
 #[must_use]
 pub(crate) fn fragments_in_frame(
     piece: &Polyhedron,
@@ -47,24 +42,4 @@ fn fragment(
         clip(&mut fragment, &border, interface, &mut scratch);
     }
     fragment
-}
-
-/// The tetrahedra of a fragment: `center` with the fan triangles of every facet (\[BL\] section
-/// 3.5). Those on facets through the center are flat.
-pub(crate) fn tetrahedra<'a>(
-    fragment: &'a Polyhedron,
-    center: &'a Point3<f64>,
-) -> impl Iterator<Item = [Point3<f64>; 4]> + 'a {
-    fragment.facets().flat_map(move |facet| {
-        let mut corners = facet.corners();
-        let anchor = corners.next();
-        let rest: Vec<_> = corners.collect();
-        let fan = move |(a, b): (Point3<f64>, Point3<f64>)| anchor.map(|q| [*center, q, a, b]);
-        let pairs: Vec<_> = rest
-            .iter()
-            .copied()
-            .zip(rest.iter().copied().skip(1))
-            .collect();
-        pairs.into_iter().filter_map(fan)
-    })
 }

@@ -22,14 +22,9 @@
 
 use nalgebra::{Matrix2, Point2, Vector2};
 
-use crate::geometry::half_plane::HalfPlane;
-use crate::geometry::label::Label;
 use crate::geometry::polygon::ConvexPolygon;
 use crate::integrals::simplex::linear_power;
 use crate::minimize::problem::Evaluation;
-
-/// The axis and sign of the four fragments, in the order in which they are listed everywhere.
-pub(crate) const FRAGMENTS: [(usize, f64); 4] = [(0, -1.0), (0, 1.0), (1, -1.0), (1, 1.0)];
 
 /// A triangle between the center and a part of an edge, wholly in one fragment.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -96,36 +91,12 @@ pub(crate) fn energy_with_derivatives(
     energy
 }
 
-/// The triangles of all fragments about `center`, in the order of the edges.
-#[must_use]
-pub(crate) fn triangles(polygon: &ConvexPolygon, center: &Point2<f64>) -> Vec<FragmentTriangle> {
-    let mut all = Vec::new();
-    visit(polygon, center, |triangle| all.push(triangle));
-    all
-}
-
-/// The four fragments about `center` as polygons, in the order of [`FRAGMENTS`]; the edges where
-/// two of them meet carry the label `interface`.
-#[must_use]
-pub(crate) fn fragments(
+/// Visits the triangles between the parts of the edges and the center, in the order of the edges.
+pub(crate) fn visit(
     polygon: &ConvexPolygon,
     center: &Point2<f64>,
-    interface: Label,
-) -> [ConvexPolygon; 4] {
-    FRAGMENTS.map(|(axis, sign)| {
-        let mut fragment = polygon.clone();
-        for side in [-1.0, 1.0] {
-            let mut normal = Vector2::repeat(side);
-            normal[axis] = -sign;
-            let offset = normal.dot(&center.coords);
-            fragment.clip(&HalfPlane { normal, offset }, interface);
-        }
-        fragment
-    })
-}
-
-/// Visits the triangles between the parts of the edges and the center, in the order of the edges.
-fn visit(polygon: &ConvexPolygon, center: &Point2<f64>, mut take: impl FnMut(FragmentTriangle)) {
+    mut take: impl FnMut(FragmentTriangle),
+) {
     for edge in polygon.edges() {
         let (start, end) = (edge.start - center, edge.end - center);
         let mut from = start;

@@ -15,7 +15,8 @@ use crate::integrals::polynomial::Polynomial;
 const VERTICES: usize = CHUNK / 3;
 
 impl PreparedPiece {
-    /// Prepares `piece`.
+    /// Prepares `piece`, for tests.
+    #[cfg(test)]
     #[must_use]
     pub(crate) fn new(piece: &Polyhedron) -> Self {
         let mut prepared = Self::default();

@@ -78,12 +78,6 @@ impl History {
         self.steps.len()
     }
 
-    /// Whether there is none.
-    #[must_use]
-    pub(crate) fn is_empty(&self) -> bool {
-        self.steps.is_empty()
-    }
-
     /// Drops the oldest pairs until at most `memory` are left.
     pub(crate) fn shorten(&mut self, memory: usize) {
         let surplus = self.len().saturating_sub(memory);

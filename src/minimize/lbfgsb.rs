@@ -43,17 +43,6 @@ use crate::minimize::subspace::subspace_minimizer;
 /// about half an ulp per √term.
 const VALUE_ROUNDING: f64 = 32.0 * f64::EPSILON;
 
-/// An accepted step, as the observer sees it.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct LbfgsbStep<'a> {
-    /// Where the run stands after the step.
-    pub state: &'a LbfgsbState,
-    /// The largest component of the gradient, without those that push against a bound.
-    pub projected_gradient: f64,
-    /// The longest displacement of a group of variables.
-    pub displacement: f64,
-}
-
 /// Where a run ended and why; `state` also takes it up again.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct LbfgsbEnd {
@@ -63,53 +52,17 @@ pub(crate) struct LbfgsbEnd {
     pub ended: Termination,
 }
 
-/// Minimizes a function over the box `lower ≤ x ≤ upper`.
+/// Minimizes a function over the box `lower ≤ x ≤ upper`, from where `state` is.
 ///
-/// `objective(x, gradient)` fills the gradient and returns the value. `observer` is shown every
-/// accepted step and may stop the run. The start is moved into the box first.
+/// `objective(x, gradient)` fills the gradient and returns the value. `observer` is shown the state
+/// after every accepted step with the longest displacement of a group of variables, may take the
+/// state for the time of its call, and may stop the run. The start is moved into the box first.
 ///
 /// # Errors
 ///
 /// [`LbfgsbError`] if lengths differ, a bound is NaN, a lower bound exceeds its upper one, or an
 /// option makes no sense.
 pub(crate) fn lbfgsb(
-    objective: impl FnMut(&[f64], &mut [f64]) -> f64,
-    start: &[f64],
-    lower: &[f64],
-    upper: &[f64],
-    options: &LbfgsbOptions,
-    observer: impl FnMut(&LbfgsbStep) -> ControlFlow<()>,
-) -> Result<LbfgsbEnd, LbfgsbError> {
-    let state = LbfgsbState::unevaluated(start);
-    resume(objective, state, lower, upper, options, observer)
-}
-
-/// Takes up a run where `state` left it.
-///
-/// # Errors
-///
-/// As [`lbfgsb`].
-pub(crate) fn resume(
-    objective: impl FnMut(&[f64], &mut [f64]) -> f64,
-    state: LbfgsbState,
-    lower: &[f64],
-    upper: &[f64],
-    options: &LbfgsbOptions,
-    mut observer: impl FnMut(&LbfgsbStep) -> ControlFlow<()>,
-) -> Result<LbfgsbEnd, LbfgsbError> {
-    let observe = |state: &mut LbfgsbState, displacement| {
-        observer(&LbfgsbStep {
-            state,
-            projected_gradient: state.projected_gradient(lower, upper),
-            displacement,
-        })
-    };
-    run(objective, state, lower, upper, options, observe)
-}
-
-/// As [`resume`], for an observer of the state and the displacement that may take the state for the
-/// time of its call.
-pub(crate) fn run(
     mut objective: impl FnMut(&[f64], &mut [f64]) -> f64,
     state: LbfgsbState,
     lower: &[f64],

@@ -116,7 +116,7 @@ pub(crate) struct LbfgsbOptions {
     pub first_curvature: Option<f64>,
     /// The farthest a step may move a group.
     pub largest_step: f64,
-    /// The most evaluations in all, those before a [`resume`](crate::minimize::lbfgsb::resume)
+    /// The most evaluations in all, those before a run was taken up again
     /// included.
     pub max_evaluations: u64,
 }

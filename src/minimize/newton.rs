@@ -26,7 +26,7 @@ use nalgebra::{SMatrix, SVector};
 use crate::minimize::newton_step::{
     NewtonState, VALUE_ROUNDING, cut, is_accepted, is_finite, newton_step, predicted,
 };
-use crate::minimize::objective::{Objective, Plain};
+use crate::minimize::objective::Objective;
 use crate::minimize::problem::{Evaluation, Jet, Minimum, Termination};
 
 /// Up to this many times the rounding of values, a gain that does not come is put down to it.
@@ -66,21 +66,10 @@ impl NewtonOptions {
     }
 }
 
-/// Minimizes a convex function over the box `lower ≤ x ≤ upper`.
+/// Minimizes a convex function over the box `lower ≤ x ≤ upper`, which may predict itself.
 ///
 /// The start is moved into the box first. The function may be only piecewise twice
 /// differentiable. Where `lower > upper` the upper bound counts.
-pub(crate) fn newton<const D: usize, J: Into<Jet<D>>>(
-    objective: impl FnMut(&SVector<f64, D>) -> J,
-    start: &SVector<f64, D>,
-    lower: &SVector<f64, D>,
-    upper: &SVector<f64, D>,
-    options: &NewtonOptions,
-) -> Minimum<D> {
-    minimize(&mut Plain(objective), start, lower, upper, options)
-}
-
-/// As [`newton`], for functions that may predict themselves.
 pub(crate) fn minimize<const D: usize>(
     objective: &mut impl Objective<D>,
     start: &SVector<f64, D>,

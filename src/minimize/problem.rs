@@ -75,15 +75,6 @@ pub(crate) enum Termination {
 }
 
 impl Termination {
-    /// Whether the point is a minimum to the accuracy asked for or to what `f64` can tell.
-    #[must_use]
-    pub(crate) fn converged(self) -> bool {
-        matches!(
-            self,
-            Self::GradientSmall | Self::StepNegligible | Self::ValueSettled | Self::AtRounding
-        )
-    }
-
     /// The reason as a sentence.
     #[must_use]
     pub(crate) fn sentence(self) -> &'static str {

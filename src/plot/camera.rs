@@ -25,7 +25,10 @@ impl Camera {
     /// The camera whose view direction is −[`TOWARD`], +z upward, and shows all `points` as large as
     /// possible in the middle of `frame`, given by its upper left and lower right corner in pixels.
     #[must_use]
-    pub(crate) fn fitting(points: impl IntoIterator<Item = Point3<f64>>, frame: [Point2<f64>; 2]) -> Self {
+    pub(crate) fn fitting(
+        points: impl IntoIterator<Item = Point3<f64>>,
+        frame: [Point2<f64>; 2],
+    ) -> Self {
         let toward = TOWARD.normalize();
         let right = Vector3::z().cross(&toward).normalize();
         let mut camera = Self {

@@ -75,23 +75,13 @@ pub(crate) fn viridis(t: f64) -> Color {
     Color::hex(VIRIDIS[stop]).mix(Color::hex(VIRIDIS[stop + 1]), place - stop as f64)
 }
 
-/// The bright end of a scale. Most cells of a relaxed tessellation are near the best value,
-/// and only bright colors show outlines and shading.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Best {
-    /// Low values are good, as energies are.
-    Low,
-    /// High values are good, as cubeness is.
-    High,
-}
-
-/// Values of one quantity and the range over which colors spread.
+/// Values of one quantity, the lower the better, and the range over which colors spread. Low values are
+/// bright: most cells of a relaxed tessellation are near the best value, and only bright colors show
+/// outlines and shading.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct ColorScale {
     /// The quantity's name and unit, for the color bar.
     pub label: String,
-    /// The end of the scale that is bright.
-    pub best: Best,
     /// The value of one end; lower ones share its color.
     pub min: f64,
     /// The value of the other end; higher ones share its color.
@@ -112,7 +102,7 @@ impl ColorScale {
     /// The scale that spreads its colors over `values` but for the outermost 2 % at either end.
     /// Values that are not finite do not count.
     #[must_use]
-    pub(crate) fn fitting(label: &str, best: Best, values: impl IntoIterator<Item = f64>) -> Self {
+    pub(crate) fn fitting(label: &str, values: impl IntoIterator<Item = f64>) -> Self {
         let mut sorted: Vec<f64> = values.into_iter().filter(|v| v.is_finite()).collect();
         sorted.sort_by(f64::total_cmp);
         let last = sorted.len().saturating_sub(1);
@@ -122,7 +112,6 @@ impl ColorScale {
         let least = LEAST_RANGE * min.abs().max(max.abs()).max(f64::MIN_POSITIVE);
         Self {
             label: label.to_owned(),
-            best,
             min,
             max: max.max(min + least),
         }
@@ -132,11 +121,7 @@ impl ColorScale {
     #[must_use]
     pub(crate) fn color(&self, value: f64) -> Color {
         let share = ((value - self.min) / (self.max - self.min)).clamp(0.0, 1.0);
-        let goodness = match self.best {
-            Best::Low => 1.0 - share,
-            Best::High => share,
-        };
-        viridis(TOO_DARK + (1.0 - TOO_DARK) * goodness)
+        viridis(TOO_DARK + (1.0 - TOO_DARK) * (1.0 - share))
     }
 }
 
@@ -153,15 +138,11 @@ mod tests {
 
     #[test]
     fn a_scale_ignores_outliers_and_survives_constants() {
-        let scale = ColorScale::fitting(
-            "",
-            Best::Low,
-            (0..1000).map(f64::from).chain([1e9, f64::NAN]),
-        );
+        let scale = ColorScale::fitting("", (0..1000).map(f64::from).chain([1e9, f64::NAN]));
         assert!((scale.min - 20.0).abs() < 1e-12 && (scale.max - 980.0).abs() < 1e-12);
-        let constant = ColorScale::fitting("", Best::Low, [100.0; 5]);
+        let constant = ColorScale::fitting("", [100.0; 5]);
         assert!(constant.max > constant.min);
-        let empty = ColorScale::fitting("", Best::Low, []);
+        let empty = ColorScale::fitting("", []);
         assert_eq!(empty.color(empty.min), viridis(1.0));
     }
 }

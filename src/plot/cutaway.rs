@@ -17,8 +17,6 @@ use crate::plot::z_buffer::ZBuffer;
 /// The part of the domain whose cells are not drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Removed {
-    /// Nothing: only the walls of the domain show.
-    Nothing,
     /// The eighth of the domain's box that is nearest to the viewer.
     Octant,
     /// The front half.
@@ -46,7 +44,6 @@ impl Removed {
     #[must_use]
     pub(crate) fn title(self) -> &'static str {
         match self {
-            Self::Nothing => "Cells",
             Self::Octant => "Cells, an octant taken away",
             Self::Half => "Cells, the front half taken away",
         }
@@ -56,7 +53,6 @@ impl Removed {
         let arm = site - middle;
         let near = |axis: usize| arm[axis] * TOWARD[axis] > 0.0;
         match self {
-            Self::Nothing => true,
             Self::Octant => !(near(0) && near(1) && near(2)),
             Self::Half => !near(1),
         }

@@ -107,7 +107,12 @@ pub(crate) const BAR_SPACE: f64 = 92.0;
 const BAR_STEPS: usize = 128;
 
 /// Draws the bar of `scale` downward from its upper left corner.
-pub(crate) fn draw_color_bar(figure: &mut Figure, corner: Point2<f64>, height: f64, scale: &ColorScale) {
+pub(crate) fn draw_color_bar(
+    figure: &mut Figure,
+    corner: Point2<f64>,
+    height: f64,
+    scale: &ColorScale,
+) {
     let end = Point2::new(corner.x + BAR_WIDTH, corner.y + height);
     for step in 0..BAR_STEPS {
         // Every step reaches up to the top, so that no seam shows between two.

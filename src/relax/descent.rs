@@ -12,7 +12,7 @@ use std::ops::ControlFlow;
 use nalgebra::Point;
 
 use crate::minimize::history::History;
-use crate::minimize::lbfgsb::{LbfgsbEnd, run};
+use crate::minimize::lbfgsb::{LbfgsbEnd, lbfgsb};
 use crate::minimize::lbfgsb_state::{LbfgsbError, LbfgsbOptions, LbfgsbState};
 use crate::relax::record::{Totals, optimal_side};
 use crate::relax::relaxation_space::{ObjectiveValue, RelaxationSpace};
@@ -100,7 +100,7 @@ pub(crate) fn descend<const D: usize, S: RelaxationSpace<D>>(
     };
     let (lower, upper) = box_bounds(space, count);
     let solver = solver_options(space, options, count);
-    run(objective, state, &lower, &upper, &solver, |state, _| {
+    lbfgsb(objective, state, &lower, &upper, &solver, |state, _| {
         let trials = std::mem::take(&mut *trials.borrow_mut());
         let is_taken = |trial: &&Totals| trial.energy.to_bits() == state.value().to_bits();
         match trials.iter().rev().find(is_taken) {

@@ -40,7 +40,10 @@ pub(crate) fn levels_for_cubes(count: usize) -> u32 {
 /// `count` of the sites, spread as they are: the sites are cut in halves across their longest
 /// extent until as many groups are left, and each is represented by the member nearest its mean.
 #[must_use]
-pub(crate) fn coarsened<const D: usize>(sites: &[Point<f64, D>], count: usize) -> Vec<Point<f64, D>> {
+pub(crate) fn coarsened<const D: usize>(
+    sites: &[Point<f64, D>],
+    count: usize,
+) -> Vec<Point<f64, D>> {
     let mut members = sites.to_vec();
     let mut chosen = Vec::with_capacity(count);
     divide(&mut members, count.min(sites.len()), &mut chosen);

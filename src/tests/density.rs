@@ -11,7 +11,6 @@ use crate::domain::tri_surface::solid::SurfaceSolid;
 use crate::energy::center::Minimizer;
 use crate::energy::evaluation::EnergyScratch;
 use crate::energy::evaluation::{SignedPiece, energy};
-use crate::energy::fragments::{fragments, tetrahedra};
 use crate::energy::prepared::PreparedPiece;
 use crate::geometry::bounds::Bounds;
 use crate::geometry::brep::Piece;
@@ -27,6 +26,7 @@ use crate::relax::plan::Plan;
 use crate::relax::relaxation_space::{EnergySpec, Norm};
 use crate::relax::space::Space;
 use crate::relax::state::RunState;
+use crate::tests::fragments::{fragments, tetrahedra};
 use nalgebra::{Point3, Vector3};
 
 use crate::tests::quadrature::gauss;

@@ -2,7 +2,6 @@
 
 use crate::domain::cuboid::Cuboid;
 use crate::energy::evaluation::{EnergyScratch, SignedPiece, energy, energy_jet};
-use crate::energy::fragments::{fragments, tetrahedra};
 use crate::energy::prepared::PreparedPiece;
 use crate::geometry::bounds::Bounds;
 use crate::geometry::clip::{ClipScratch, clip};
@@ -10,6 +9,7 @@ use crate::geometry::half_space::HalfSpace;
 use crate::geometry::polyhedron::Polyhedron;
 use crate::geometry::random::Random;
 use crate::minimize::problem::Evaluation;
+use crate::tests::fragments::{fragments, tetrahedra};
 use crate::voronoi::diagram::Diagram;
 use nalgebra::{Matrix3, Point3, Vector3};
 

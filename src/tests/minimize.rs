@@ -5,11 +5,32 @@ use std::ops::ControlFlow;
 
 use crate::geometry::random;
 use crate::minimize::history::History;
-use crate::minimize::lbfgsb::{LbfgsbEnd, LbfgsbStep, lbfgsb, resume};
+use crate::minimize::lbfgsb::{self, LbfgsbEnd};
 use crate::minimize::lbfgsb_state::{LbfgsbError, LbfgsbOptions, LbfgsbState};
-use crate::minimize::newton::{NewtonOptions, newton};
-use crate::minimize::problem::{Evaluation, Minimum, Termination};
+use crate::minimize::newton::{NewtonOptions, minimize};
+use crate::minimize::objective::Plain;
+use crate::minimize::problem::{Evaluation, Jet, Minimum, Termination};
 use nalgebra::{DMatrix, DVector, SMatrix, SVector};
+
+/// Whether a point is a minimum to the accuracy asked for or to what `f64` can tell.
+fn converged(ended: Termination) -> bool {
+    use Termination::{AtRounding, GradientSmall, StepNegligible, ValueSettled};
+    matches!(
+        ended,
+        GradientSmall | StepNegligible | ValueSettled | AtRounding
+    )
+}
+
+/// Newton's method for a function given by its values and derivatives.
+fn newton<const D: usize, J: Into<Jet<D>>>(
+    objective: impl FnMut(&SVector<f64, D>) -> J,
+    start: &SVector<f64, D>,
+    lower: &SVector<f64, D>,
+    upper: &SVector<f64, D>,
+    options: &NewtonOptions,
+) -> Minimum<D> {
+    minimize(&mut Plain(objective), start, lower, upper, options)
+}
 
 // ───────────────────────────── a source of problems ─────────────────────────────
 
@@ -134,7 +155,7 @@ fn newton_agrees_with_brute_force<const D: usize>(seed: u64) {
         let problem = BoxQuadratic::<D>::random(&mut random);
         let found = problem.minimum(&options);
         let (point, value) = problem.brute_force();
-        assert!(found.ended.converged(), "case {case}: {}", found.ended);
+        assert!(converged(found.ended), "case {case}: {}", found.ended);
         assert!(
             (found.point - point).amax() < 1e-8 && (found.value - value).abs() < 1e-13,
             "case {case}: {found:?} is not {point:?}"
@@ -184,7 +205,7 @@ fn newton_needs_few_evaluations_on_smooth_convex_functions() {
             &SVector::repeat(3.0),
             &NewtonOptions::new(1.0, 1.0),
         );
-        assert!(found.ended.converged());
+        assert!(converged(found.ended));
         let exact = rounded_distances(&normals, &offsets, &found.point);
         let free = (0..3).filter(|&axis| found.point[axis].abs() < 3.0 - 1e-9);
         let slope = free.fold(0.0_f64, |size, axis| size.max(exact.gradient[axis].abs()));
@@ -214,7 +235,7 @@ fn newton_ends_on_the_flat_bottom_of_a_function_without_hessian() {
         &SVector::repeat(10.0),
         &NewtonOptions::new(1.0, 1.0),
     );
-    assert!(found.ended.converged(), "{found:?}");
+    assert!(converged(found.ended), "{found:?}");
     assert!(found.value < 1e-9 && found.point.amax() < 1.01, "{found:?}");
 }
 
@@ -277,7 +298,7 @@ fn newton_backs_off_from_trials_that_are_not_finite() {
         &SVector::repeat(100.0),
         &NewtonOptions::new(1.0, 50.0),
     );
-    assert!(found.ended.converged(), "{found:?}");
+    assert!(converged(found.ended), "{found:?}");
     assert!((found.point - SVector::<f64, 2>::repeat(10.0)).amax() < 1e-8);
 }
 
@@ -365,7 +386,7 @@ fn newton_ends_at_rounding_when_the_gradient_cannot_become_small() {
             &(far + SVector::repeat(9.0)),
             &options,
         );
-        assert!(found.ended.converged(), "{found:?}");
+        assert!(converged(found.ended), "{found:?}");
         assert!(found.evaluations <= 12, "{found:?}");
         assert!((found.point - far - problem.middle).amax() < 1e-5);
     }
@@ -373,8 +394,21 @@ fn newton_ends_at_rounding_when_the_gradient_cannot_become_small() {
 
 // ────────────────────────────────── L-BFGS-B ──────────────────────────────────
 
-fn never(_: &LbfgsbStep) -> ControlFlow<()> {
+fn never(_: &mut LbfgsbState, _: f64) -> ControlFlow<()> {
     ControlFlow::Continue(())
+}
+
+/// A run from a point whose value is not known.
+fn lbfgsb(
+    objective: impl FnMut(&[f64], &mut [f64]) -> f64,
+    start: &[f64],
+    lower: &[f64],
+    upper: &[f64],
+    options: &LbfgsbOptions,
+    observer: impl FnMut(&mut LbfgsbState, f64) -> ControlFlow<()>,
+) -> Result<LbfgsbEnd, LbfgsbError> {
+    let state = LbfgsbState::unevaluated(start);
+    lbfgsb::lbfgsb(objective, state, lower, upper, options, observer)
 }
 
 fn options(gradient_tolerance: f64) -> LbfgsbOptions {
@@ -461,7 +495,7 @@ fn lbfgsb_agrees_with_brute_force_on_small_box_quadratics() {
         .unwrap();
         let (point, _) = problem.brute_force();
         let distance = (SVector::<f64, 3>::from_column_slice(found.state.point()) - point).amax();
-        assert!(found.ended.converged(), "case {case}: {}", found.ended);
+        assert!(converged(found.ended), "case {case}: {}", found.ended);
         assert!(
             distance < 1e-8,
             "case {case}: off by {distance:e}: {found:?}"
@@ -482,7 +516,7 @@ fn lbfgsb_meets_the_optimality_conditions_and_a_second_implementation() {
             let problem = LargeQuadratic::random(&mut random, size, width);
             let found = problem.minimum(&options(1e-9));
             let violation = problem.violation(found.state.point());
-            assert!(found.ended.converged(), "{size} {case}: {}", found.ended);
+            assert!(converged(found.ended), "{size} {case}: {}", found.ended);
             assert!(violation < 1e-8, "{size} {case}: {violation:e}");
             let peer = by_rcompat(&problem);
             assert!(
@@ -542,7 +576,7 @@ fn lbfgsb_walks_the_valley_of_rosenbrock() {
             never,
         )
         .unwrap();
-        assert!(found.ended.converged(), "{}", found.ended);
+        assert!(converged(found.ended), "{}", found.ended);
         let point = &found.state.point()[..2];
         let near = (point[0] - expected[0]).abs() + (point[1] - expected[1]).abs() < 1e-8;
         // The long chain has a second minimum near (−1, 1, …): what counts is the gradient.
@@ -585,7 +619,7 @@ fn lbfgsb_and_newton_find_the_same_center() {
         )
         .unwrap();
         let distance = (SVector::from_column_slice(found.state.point()) - exact.point).amax();
-        assert!(found.ended.converged(), "case {case}: {}", found.ended);
+        assert!(converged(found.ended), "case {case}: {}", found.ended);
         assert!(distance < 1e-8, "case {case}: {distance:e} apart");
     }
 }
@@ -636,20 +670,20 @@ fn lbfgsb_never_moves_a_site_farther_than_allowed() {
             largest_step: 0.05,
             ..options(1e-9)
         },
-        |step| {
-            let point = step.state.point();
+        |state, displacement| {
+            let point = state.point();
             let moved: Vec<f64> = point.iter().zip(&last).map(|(a, b)| a - b).collect();
             let farthest = moved
                 .chunks(3)
                 .map(|d| DVector::from_column_slice(d).norm());
             let farthest = farthest.fold(0.0, f64::max);
-            assert!((farthest - step.displacement).abs() < 1e-12 && farthest < 0.05 + 1e-12);
+            assert!((farthest - displacement).abs() < 1e-12 && farthest < 0.05 + 1e-12);
             last = point.to_vec();
             ControlFlow::Continue(())
         },
     )
     .unwrap();
-    assert!(found.ended.converged());
+    assert!(converged(found.ended));
     let inside = LargeQuadratic {
         lower: wide.0,
         upper: wide.1,
@@ -670,13 +704,13 @@ fn lbfgsb_taken_up_again_goes_on_bit_for_bit() {
         assert_eq!(whole, problem.minimum(&options));
         let mut state = LbfgsbState::unevaluated(&problem.start);
         let ended = loop {
-            let next = resume(
+            let next = lbfgsb::lbfgsb(
                 |point, gradient| problem.evaluate(point, gradient),
                 state,
                 &problem.lower,
                 &problem.upper,
                 &options,
-                |_| ControlFlow::Break(()),
+                |_, _| ControlFlow::Break(()),
             )
             .unwrap();
             state = through_text(&next.state);
@@ -726,7 +760,7 @@ fn lbfgsb_backs_off_from_trials_that_are_not_finite() {
         never,
     )
     .unwrap();
-    assert!(found.ended.converged(), "{}", found.ended);
+    assert!(converged(found.ended), "{}", found.ended);
     assert!(found.state.point().iter().all(|x| (x - 10.0).abs() < 1e-7));
 }
 
@@ -811,6 +845,7 @@ fn lbfgsb_names_what_is_wrong_with_a_question() {
     ));
     let outside =
         LbfgsbState::from_parts(vec![7.0; 2], 1.0, vec![1.0; 2], History::default(), 1, 1);
-    let error = resume(rosenbrock, outside, &[0.0; 2], &[1.0; 2], &good, never).unwrap_err();
+    let error =
+        lbfgsb::lbfgsb(rosenbrock, outside, &[0.0; 2], &[1.0; 2], &good, never).unwrap_err();
     assert!(error.to_string().contains("variable 0"));
 }

@@ -5,6 +5,7 @@ mod cubes;
 mod density;
 mod energy;
 mod export;
+mod fragments;
 mod frames;
 mod geometry;
 mod integrals;

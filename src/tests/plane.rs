@@ -2,7 +2,7 @@
 
 use crate::domain::facet_kind::FacetKind;
 use crate::domain::planar::{PlaneDomain, PlaneDomainError};
-use crate::energy::planar::{FRAGMENTS, energy, energy_with_derivatives, fragments, triangles};
+use crate::energy::planar::{FragmentTriangle, energy, energy_with_derivatives, visit};
 use crate::geometry::bounds::Bounds;
 use crate::geometry::half_plane::HalfPlane;
 use crate::geometry::label::Label;
@@ -19,6 +19,37 @@ const LINF: EnergySpec = EnergySpec {
     order: 1,
     minimizer: Minimizer::Newton,
 };
+
+/// The axis and sign of the four fragments, in the order in which they are listed everywhere.
+const FRAGMENTS: [(usize, f64); 4] = [(0, -1.0), (0, 1.0), (1, -1.0), (1, 1.0)];
+
+/// The triangles of all fragments about `center`, in the order of the edges.
+#[must_use]
+fn triangles(polygon: &ConvexPolygon, center: &Point2<f64>) -> Vec<FragmentTriangle> {
+    let mut all = Vec::new();
+    visit(polygon, center, |triangle| all.push(triangle));
+    all
+}
+
+/// The four fragments about `center` as polygons, in the order of [`FRAGMENTS`]; the edges where
+/// two of them meet carry the label `interface`.
+#[must_use]
+fn fragments(
+    polygon: &ConvexPolygon,
+    center: &Point2<f64>,
+    interface: Label,
+) -> [ConvexPolygon; 4] {
+    FRAGMENTS.map(|(axis, sign)| {
+        let mut fragment = polygon.clone();
+        for side in [-1.0, 1.0] {
+            let mut normal = Vector2::repeat(side);
+            normal[axis] = -sign;
+            let offset = normal.dot(&center.coords);
+            fragment.clip(&HalfPlane { normal, offset }, interface);
+        }
+        fragment
+    })
+}
 
 /// SplitMix64: a named seed gives the same numbers on every machine.
 struct Random(u64);

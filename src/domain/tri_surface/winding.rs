@@ -38,7 +38,12 @@ pub(crate) fn winding(surface: &SurfaceMesh, tree: &Bvh, point: &Point3<f64>) ->
 /// surface outward; infinity where it does not. Touching an edge counts as crossing. `tree` holds
 /// the triangles' bounds.
 #[must_use]
-pub(crate) fn ray_exit(surface: &SurfaceMesh, tree: &Bvh, from: &Point3<f64>, step: &Vector3<f64>) -> f64 {
+pub(crate) fn ray_exit(
+    surface: &SurfaceMesh,
+    tree: &Bvh,
+    from: &Point3<f64>,
+    step: &Vector3<f64>,
+) -> f64 {
     let to = from + step;
     let around = Bounds::of([from, &to]);
     let mut first = f64::INFINITY;

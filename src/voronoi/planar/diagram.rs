@@ -99,7 +99,10 @@ impl PlaneDiagram {
     ///
     /// # Errors
     /// If there are no sites, or one is not finite, outside the domain or the same as another.
-    pub(crate) fn new(domain: &PlaneDomain, sites: &[Point2<f64>]) -> Result<Self, PlaneDiagramError> {
+    pub(crate) fn new(
+        domain: &PlaneDomain,
+        sites: &[Point2<f64>],
+    ) -> Result<Self, PlaneDiagramError> {
         check(domain, sites)?;
         let through_voronator = delaunay_neighbors(domain, sites)
             .map(|neighbors| cut_by_neighbors(domain, sites, &neighbors))
@@ -111,6 +114,7 @@ impl PlaneDiagram {
     ///
     /// # Errors
     /// As [`PlaneDiagram::new`].
+    #[cfg(test)]
     pub(crate) fn by_bisectors(
         domain: &PlaneDomain,
         sites: &[Point2<f64>],
