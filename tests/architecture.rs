@@ -34,16 +34,7 @@ const MAY_IMPORT: [(&str, &[&str]); 13] = [
     (
         "cli",
         &[
-            "geometry",
-            "integrals",
-            "mesh",
-            "domain",
-            "mass",
-            "voronoi",
-            "energy",
-            "relax",
-            "scene",
-            "export",
+            "geometry", "mesh", "domain", "mass", "voronoi", "energy", "relax", "scene", "export",
             "plot",
         ],
     ),

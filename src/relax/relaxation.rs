@@ -11,7 +11,7 @@ use thiserror::Error;
 
 use crate::domain::domain::Domain;
 use crate::geometry::random::Random;
-use crate::relax::driver::{RunEnd, drive};
+use crate::relax::driver::{Observer, RunEnd, drive};
 use crate::relax::frames::Frames;
 use crate::relax::metrics::Metrics;
 use crate::relax::plan::{Perturbation, PerturbationKind, Plan};
@@ -369,7 +369,7 @@ pub(crate) fn continue_run<const D: usize, S: RelaxationSpace<D>>(
     space: &S,
     plan: &Plan,
     checkpoint: &mut Checkpoint<D>,
-    observer: &mut dyn FnMut(&Record, &[Point<f64, D>], &RunState<D>) -> ControlFlow<()>,
+    observer: &mut Observer<'_, D>,
 ) -> Result<RunEnd, RelaxationError<S::Error>> {
     let Checkpoint {
         sites,
