@@ -19,7 +19,7 @@
 //! The root holds what most callers need: [`Relaxation`] and its [`Method`]s, domains, [`Diagram`] for
 //! cells alone. [`mass`] weighs solids, [`integrals`] are the closed forms below, [`mesh`] validates
 //! surfaces and tetrahedra. With the feature `files` meshes and sites are read and written, with `scene`
-//! a whole run is one call ([`scene::run::run`](crate::scene)), with `cli` there is the command.
+//! a whole run is one call (`scene::run::run`), with `cli` there is the command.
 //!
 //! # Layout
 //!
@@ -95,7 +95,11 @@
 
 #![cfg_attr(
     not(feature = "cli"),
-    allow(dead_code, reason = "parts that only files, scenes or the command use")
+    allow(
+        dead_code,
+        unreachable_pub,
+        reason = "parts that only files, scenes or the command use"
+    )
 )]
 
 pub mod integrals;

@@ -4,7 +4,7 @@
 //! A mesh from arrays is a [`surface::SurfaceMesh`] or a [`tets::TetMesh`], unchecked.
 //! [`validate::validate_surface`] and [`validate::validate_tets`] decide what bounds or fills a
 //! solid and are the only makers of [`validate::ValidSurface`] and [`validate::ValidTetMesh`].
-//! Nothing here but [`formats`] touches files: [`formats::read::load`] reads, validates and puts
+//! Nothing here but `formats` touches files: `formats::read::load` reads, validates and puts
 //! the file's name into every message.
 
 pub mod crossings;

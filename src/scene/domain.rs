@@ -1,6 +1,6 @@
 //! The scene's `domain`, read as numbers or mesh files and made a domain of the plane or of space.
 //!
-//! How many numbers there are is validated here; what they are worth together, by [`crate::domain`]
+//! How many numbers there are is validated here; what they are worth together, by the domain itself
 //! when [`Domain::solid`] or [`Domain::plane`] builds from them.
 
 use std::path::{Path, PathBuf};

@@ -7,7 +7,7 @@
 //! A scene that passed is *resolved*: every default is filled in and every path absolute, so that it
 //! can be written into a run's description and read again.
 //!
-//! [`place`] makes the sites and refuses those that have no diagram: from seeds ([`random`]) or
+//! [`place`] makes the sites and refuses those that have no diagram: from seeds or
 //! from files ([`site_file`], [`npy`]). [`run`] carries a scene out.
 
 pub mod density;
