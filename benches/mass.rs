@@ -8,7 +8,7 @@
 
 use chebloyd::integrals::mesh_moments;
 use chebloyd::integrals::mesh_moments::LinearDensity;
-use chebloyd::mass::density::{Density, Ramp};
+use chebloyd::mass::density::{Ramp, SolidDensity};
 use chebloyd::mass::weigh::weigh_surface;
 use chebloyd::mesh::formats::read::read_surface;
 use chebloyd::mesh::validate::validate_surface;
@@ -136,7 +136,7 @@ fn file_rows(name: &str, side: u32) {
     }
     std::fs::write(&path, text).expect("room for a file");
     let (from, to) = (0.0, 1.0);
-    let ramp = Density::Ramp(Ramp { axis: 2, from, to });
+    let ramp = SolidDensity::Ramp(Ramp { axis: 2, from, to });
     let mesh = read_surface(&path).expect("an OFF file");
     let (closed, _) = validate_surface(&mesh).expect("a closed surface");
     let (extent, count) = (mesh.bounds(), triangles.len());

@@ -11,7 +11,7 @@
 
 use chebloyd::Moments;
 use chebloyd::mass::body::Body;
-use chebloyd::mass::density::{Density, Ramp};
+use chebloyd::mass::density::{Ramp, SolidDensity};
 use chebloyd::mass::weigh::weigh_surface;
 use chebloyd::mesh::formats::read::load;
 use chebloyd::mesh::shapes::{bracket, icosphere, trefoil};
@@ -60,7 +60,7 @@ fn compare(name: &str, mesh: &SurfaceMesh, axis: usize, deepest: u32) {
     let mut mesh = mesh.clone();
     Similarity::to_unit_height(&mesh.bounds(), axis).move_all(&mut mesh.vertices);
     let (from, to) = (0.0, 1.0);
-    let density = Density::Ramp(Ramp { axis, from, to });
+    let density = SolidDensity::Ramp(Ramp { axis, from, to });
     let start = Instant::now();
     let exact = weigh_surface(&mesh, &density, &mesh.bounds()).expect("a solid has mass");
     let ours = start.elapsed().as_secs_f64();

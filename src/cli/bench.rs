@@ -18,7 +18,7 @@ use crate::voronoi::diagram::Diagram;
 
 /// What is timed; the order is that of the columns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Stage {
+enum BenchStage {
     /// Building the index
     Index,
     /// Building the cells
@@ -33,13 +33,13 @@ enum Stage {
     Global,
 }
 
-const STAGES: [Stage; 6] = [
-    Stage::Index,
-    Stage::Cells,
-    Stage::Prepare,
-    Stage::Energy,
-    Stage::Iteration,
-    Stage::Global,
+const STAGES: [BenchStage; 6] = [
+    BenchStage::Index,
+    BenchStage::Cells,
+    BenchStage::Prepare,
+    BenchStage::Energy,
+    BenchStage::Iteration,
+    BenchStage::Global,
 ];
 
 /// Time the stages of an iteration on this machine, per site
@@ -50,7 +50,7 @@ const STAGES: [Stage; 6] = [
 /// quasi-newton takes. "evaluations" counts those of an iteration, per site. "MB" is the most memory
 /// that was resident meanwhile, sites included, where the system counts it (Linux).
 #[derive(Debug, Args)]
-pub(crate) struct Options {
+pub(crate) struct BenchOptions {
     /// How many sites
     #[arg(long, value_name = "N", value_delimiter = ',', default_values_t = [10_000, 100_000])]
     count: Vec<usize>,
@@ -69,7 +69,7 @@ pub(crate) struct Options {
     force: bool,
     /// What to time
     #[arg(long, value_name = "STAGE", value_delimiter = ',', value_enum, default_values_t = STAGES)]
-    stages: Vec<Stage>,
+    stages: Vec<BenchStage>,
     /// How many Lloyd iterations make relaxed sites
     #[arg(long, value_name = "M", default_value_t = 50)]
     moves: usize,
@@ -85,7 +85,7 @@ pub(crate) struct Options {
 /// Why sites cannot be timed.
 type BenchError = Box<dyn std::error::Error + Send + Sync>;
 
-pub(crate) fn run(options: &Options, threads: Option<u32>) -> Result<(), Failure> {
+pub(crate) fn run(options: &BenchOptions, threads: Option<u32>) -> Result<(), Failure> {
     if let Some(file) = &options.save {
         return save(file, options);
     }
@@ -109,7 +109,7 @@ pub(crate) fn run(options: &Options, threads: Option<u32>) -> Result<(), Failure
 }
 
 /// Writes the last of the sites.
-fn save(file: &Path, options: &Options) -> Result<(), Failure> {
+fn save(file: &Path, options: &BenchOptions) -> Result<(), Failure> {
     if file.exists() && !options.force {
         let message = "is there already; replace it by --force, or choose another file by --save";
         return Err(Failure::input(format!("{} {message}", file.display())));
@@ -132,7 +132,7 @@ fn name(value: impl std::fmt::Debug) -> String {
 fn add_rows(
     name: &str,
     sites: &BenchSites,
-    options: &Options,
+    options: &BenchOptions,
     threads: Option<u32>,
     table: &mut String,
 ) -> Result<(), Failure> {
@@ -167,7 +167,7 @@ struct Row {
 }
 
 /// Times the stages in turn, `repeat` times over, so that a slow moment hits all of them.
-fn time(sites: &BenchSites, options: &Options) -> Result<Row, BenchError> {
+fn time(sites: &BenchSites, options: &BenchOptions) -> Result<Row, BenchError> {
     let (sites, space) = (&sites.sites, Space::new(Box::new(sites.domain)));
     let count = sites.len() as f64;
     let mut row = Row::default();
@@ -180,7 +180,7 @@ fn time(sites: &BenchSites, options: &Options) -> Result<Row, BenchError> {
             let evaluations = run_stage(stage, &space, sites)?;
             let spent = stopwatch.seconds() * 1e6 / count;
             *shortest = Some(shortest.map_or(spent, |shortest| shortest.min(spent)));
-            if stage == Stage::Iteration {
+            if stage == BenchStage::Iteration {
                 row.evaluations = Some(evaluations as f64 / count);
             }
         }
@@ -189,29 +189,33 @@ fn time(sites: &BenchSites, options: &Options) -> Result<Row, BenchError> {
 }
 
 /// Does the work up to a stage and returns how many energies the minimizer evaluated.
-fn run_stage(stage: Stage, space: &Space, sites: &[Point3<f64>]) -> Result<u64, BenchError> {
+fn run_stage(stage: BenchStage, space: &Space, sites: &[Point3<f64>]) -> Result<u64, BenchError> {
     let domain = space.domain();
     match stage {
-        Stage::Iteration => {
+        BenchStage::Iteration => {
             let cells = space.assess(sites, ENERGY)?;
             return Ok(cells.iter().map(|cell| u64::from(cell.evaluations)).sum());
         }
-        Stage::Global => drop(space.objective(sites, ENERGY.order)?),
+        BenchStage::Global => drop(space.objective(sites, ENERGY.order)?),
         _ => run_part(stage, domain, &Diagram::borrowed(domain, sites)?)?,
     }
     Ok(0)
 }
 
 /// Does the work of a stage that has no minimizer.
-fn run_part(stage: Stage, domain: &dyn Domain, diagram: &Diagram<'_>) -> Result<(), BenchError> {
+fn run_part(
+    stage: BenchStage,
+    domain: &dyn Domain,
+    diagram: &Diagram<'_>,
+) -> Result<(), BenchError> {
     match stage {
-        Stage::Index => {
+        BenchStage::Index => {
             diagram.sort_sites();
         }
-        Stage::Cells => {
+        BenchStage::Cells => {
             diagram.map(|(): &mut (), cell| cell.half_spaces().len())?;
         }
-        Stage::Prepare => {
+        BenchStage::Prepare => {
             diagram.map(|memory: &mut CellMemory, cell| memory.load(domain, &cell))?;
         }
         _ => {

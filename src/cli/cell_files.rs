@@ -14,7 +14,7 @@ use crate::geometry::shell::Shell;
 use crate::plot::color::ColorScale;
 use crate::plot::cutaway::{CutawayPicture, Removed};
 use crate::plot::figure::Figure;
-use crate::plot::patches::Cut;
+use crate::plot::patches::PlaneCut;
 use crate::plot::patches::{Patch, picture};
 use crate::plot::png::png;
 use crate::plot::svg::svg;
@@ -86,7 +86,7 @@ impl DrawCells<3> for Space {
         let colors = Colors::of(cells);
         let mut file = VtuWriter::new(&directory.file("cells.vtu"));
         let height = cut_height(&self.bounds(), self.volume(), sites.len());
-        let cut = Cut::horizontal(height);
+        let cut = PlaneCut::horizontal(height);
         let mut patches = Vec::new();
         let removed = Removed::enough_of(&self.bounds(), sites);
         let (scale, title) = (colors.scale().clone(), removed.title());

@@ -23,12 +23,12 @@ struct Arguments {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    Relax(relax::Options),
-    Measure(measure::Options),
-    Mass(mass::Options),
-    Plot(plot::Options),
-    Fragments(fragments::Options),
-    Bench(bench::Options),
+    Relax(relax::RelaxOptions),
+    Measure(measure::MeasureOptions),
+    Mass(mass::MassOptions),
+    Plot(plot::PlotOptions),
+    Fragments(fragments::FragmentsOptions),
+    Bench(bench::BenchOptions),
     /// Print the JSON Schema of scenes
     Schema,
     Completions(describe::CompletionsOptions),

@@ -31,7 +31,7 @@ use crate::cli::options::{Common, SceneOptions, space};
 /// A fragment holds the points whose Chebyshev distance from the site lies along one axis and
 /// direction. In a .vtu file each is a polyhedron with its volume and its share of the energy.
 #[derive(Debug, Args)]
-pub(crate) struct Options {
+pub(crate) struct FragmentsOptions {
     #[command(flatten)]
     scene: SceneOptions,
     /// Whose cell, counting from zero [default: the site nearest the middle of the domain]
@@ -42,7 +42,7 @@ pub(crate) struct Options {
     output: PathBuf,
 }
 
-pub(crate) fn run(options: &Options, common: Common) -> Result<(), Failure> {
+pub(crate) fn run(options: &FragmentsOptions, common: Common) -> Result<(), Failure> {
     let scene = options.scene.scene(Overrides::default())?;
     if scene.dimension != 3 {
         let message = "fragments are drawn of cells in space only: choose \"dimension\": 3";
@@ -81,14 +81,14 @@ fn middle(space: &Space, sites: &[Point3<f64>]) -> usize {
 
 /// A fragment of a cell within the domain.
 #[derive(Clone, Debug, Default)]
-struct Part {
+struct FragmentPart {
     shell: Shell,
     /// The integral of the Chebyshev distance from the site over it.
     energy: f64,
 }
 
 /// The fragments of a site's cell, in the order of the sectors.
-fn parts(space: &Space, sites: &[Point3<f64>], site: usize) -> Result<Vec<Part>, Failure> {
+fn parts(space: &Space, sites: &[Point3<f64>], site: usize) -> Result<Vec<FragmentPart>, Failure> {
     let diagram = Diagram::new(space.domain(), sites).map_err(Failure::input)?;
     let cells = diagram.map(|scratch: &mut PieceScratch, cell| {
         let wanted = cell.site as usize == site;
@@ -116,8 +116,8 @@ fn part(
     frame: &Rotation3<f64>,
     wedge: &Polyhedron,
     scratch: &mut PieceScratch,
-) -> Part {
-    let mut part = Part::default();
+) -> FragmentPart {
+    let mut part = FragmentPart::default();
     if wedge.is_empty() {
         return part;
     }
@@ -138,8 +138,13 @@ fn part(
     part
 }
 
-fn draw(path: &Path, site: usize, position: &Point3<f64>, parts: &[Part]) -> Result<(), Failure> {
-    let fragment = |(sector, part): (Sector, &Part)| Fragment {
+fn draw(
+    path: &Path,
+    site: usize,
+    position: &Point3<f64>,
+    parts: &[FragmentPart],
+) -> Result<(), Failure> {
+    let fragment = |(sector, part): (Sector, &FragmentPart)| Fragment {
         axis: sector.axis(),
         positive: sector.sign() > 0.0,
         shell: part.shell.clone(),
@@ -153,8 +158,8 @@ fn draw(path: &Path, site: usize, position: &Point3<f64>, parts: &[Part]) -> Res
     write_file(path, |file| file.write_all(&bytes)).map_err(Failure::input)
 }
 
-fn export(path: &Path, site: usize, parts: &[Part]) -> Result<(), Failure> {
-    let is_there = |part: &&Part| part.shell.facet_count() > 0;
+fn export(path: &Path, site: usize, parts: &[FragmentPart]) -> Result<(), Failure> {
+    let is_there = |part: &&FragmentPart| part.shell.facet_count() > 0;
     let cells = parts.iter().filter(is_there).map(|part| CellGeometry {
         site,
         energy: part.energy,

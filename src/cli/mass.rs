@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use crate::geometry::bounds::Bounds;
 use crate::mass::body::Body;
-use crate::mass::density::Density;
+use crate::mass::density::SolidDensity;
 use crate::mass::weigh::{bounds, weigh};
 use crate::mesh::formats::read::load;
 use crate::mesh::validate::Solid;
@@ -20,7 +20,7 @@ use crate::cli::failure::{Failure, print};
 /// Several files are parts of one body. Surfaces must be closed; nothing is voxelized or
 /// tetrahedralized.
 #[derive(Debug, Args)]
-pub(crate) struct Options {
+pub(crate) struct MassOptions {
     /// Closed surfaces or tetrahedral meshes
     #[arg(required = true, value_name = "MESH")]
     files: Vec<PathBuf>,
@@ -39,7 +39,7 @@ pub(crate) struct Options {
     mass: Vec<f64>,
     /// Also the moment of inertia about the axis through a point along a direction
     #[arg(long, value_name = "PX,PY,PZ,DX,DY,DZ", value_parser = axis, allow_hyphen_values = true)]
-    axis: Option<Axis>,
+    axis: Option<AxisMoment>,
     /// Free text about the units, carried through to the output
     #[arg(long, value_name = "TEXT")]
     units: Option<String>,
@@ -54,7 +54,7 @@ struct Report {
     #[serde(skip_serializing_if = "Option::is_none")]
     units: Option<String>,
     #[serde(flatten)]
-    totals: Totals,
+    totals: MassTotals,
     inertia_origin: [[f64; 3]; 3],
     inertia_center: [[f64; 3]; 3],
     principal_moments: [f64; 3],
@@ -63,28 +63,28 @@ struct Report {
     #[serde(skip_serializing_if = "Option::is_none")]
     moment_about_axis: Option<f64>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    parts: Vec<Part>,
+    parts: Vec<MassPart>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     notes: Vec<String>,
 }
 
 #[derive(Debug, Serialize)]
-struct Part {
+struct MassPart {
     file: String,
     #[serde(flatten)]
-    totals: Totals,
+    totals: MassTotals,
 }
 
 /// What parts and the whole have in common.
 #[derive(Debug, Serialize)]
-struct Totals {
+struct MassTotals {
     volume: f64,
     surface_area: f64,
     mass: f64,
     center_of_mass: [f64; 3],
 }
 
-impl From<&Body> for Totals {
+impl From<&Body> for MassTotals {
     fn from(body: &Body) -> Self {
         Self {
             volume: body.volume,
@@ -97,12 +97,12 @@ impl From<&Body> for Totals {
 
 /// A line in space.
 #[derive(Clone, Copy, Debug)]
-struct Axis {
+struct AxisMoment {
     through: Point3<f64>,
     along: Vector3<f64>,
 }
 
-pub(crate) fn run(options: &Options) -> Result<(), Failure> {
+pub(crate) fn run(options: &MassOptions) -> Result<(), Failure> {
     let densities = one_for_each("density", &options.density, options.files.len())?;
     if !options.mass.is_empty() && options.mass.len() != options.files.len() {
         return Err(miscounted("mass", options.mass.len(), options.files.len()));
@@ -135,11 +135,11 @@ pub(crate) fn run(options: &Options) -> Result<(), Failure> {
 }
 
 /// One density per part, from one for all or one each.
-fn one_for_each(name: &str, texts: &[String], parts: usize) -> Result<Vec<Density>, Failure> {
+fn one_for_each(name: &str, texts: &[String], parts: usize) -> Result<Vec<SolidDensity>, Failure> {
     let densities = texts
         .iter()
         .map(|text| {
-            text.parse::<Density>()
+            text.parse::<SolidDensity>()
                 .map_err(|error| Failure::input(format!("--{name}: {error}")))
         })
         .collect::<Result<Vec<_>, _>>()?;
@@ -171,13 +171,17 @@ fn extent(solids: &[Solid]) -> Bounds<3> {
     extent
 }
 
-fn report(options: &Options, solids: &[Solid], bodies: &[Body], body: &Body) -> Report {
+fn report(options: &MassOptions, solids: &[Solid], bodies: &[Body], body: &Body) -> Report {
     let principal = body.principal();
     let named = |file: &Path| file.display().to_string();
-    let parts = options.files.iter().zip(bodies).map(|(file, body)| Part {
-        file: named(file),
-        totals: body.into(),
-    });
+    let parts = options
+        .files
+        .iter()
+        .zip(bodies)
+        .map(|(file, body)| MassPart {
+            file: named(file),
+            totals: body.into(),
+        });
     let notes = options.files.iter().zip(solids).flat_map(|(file, solid)| {
         let notes = solid.notes().into_iter();
         notes.map(|note| format!("{}: {note}", named(file)))
@@ -271,7 +275,7 @@ fn positive(text: &str) -> Result<f64, String> {
     }
 }
 
-fn axis(text: &str) -> Result<Axis, String> {
+fn axis(text: &str) -> Result<AxisMoment, String> {
     let numbers: Vec<f64> = text
         .split(',')
         .map(|number| {
@@ -288,7 +292,7 @@ fn axis(text: &str) -> Result<Axis, String> {
     };
     let (through, along) = (Point3::new(px, py, pz), Vector3::new(dx, dy, dz));
     if along.norm() > 0.0 && along.norm().is_finite() {
-        Ok(Axis { through, along })
+        Ok(AxisMoment { through, along })
     } else {
         Err("the direction (the last three numbers) has no length".into())
     }

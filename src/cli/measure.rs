@@ -12,7 +12,7 @@ use crate::cli::options::{SceneOptions, space};
 
 /// Print the figures of the tessellation of given sites, as one JSON object
 #[derive(Debug, Args)]
-pub(crate) struct Options {
+pub(crate) struct MeasureOptions {
     #[command(flatten)]
     scene: SceneOptions,
     /// Print every cell too, in site order
@@ -20,7 +20,7 @@ pub(crate) struct Options {
     per_cell: bool,
 }
 
-pub(crate) fn run(options: &Options) -> Result<(), Failure> {
+pub(crate) fn run(options: &MeasureOptions) -> Result<(), Failure> {
     let scene = options.scene.scene(Overrides::default())?;
     match scene.dimension {
         2 => {

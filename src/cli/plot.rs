@@ -15,7 +15,7 @@ use crate::relax::record::Record;
 
 /// Draw the energy and movement curves of one or several runs
 #[derive(Debug, Args)]
-pub(crate) struct Options {
+pub(crate) struct PlotOptions {
     /// Logs of runs, or the directories that hold them
     #[arg(required = true, value_name = "LOG.jsonl")]
     logs: Vec<PathBuf>,
@@ -24,7 +24,7 @@ pub(crate) struct Options {
     output: PathBuf,
 }
 
-pub(crate) fn run(options: &Options, common: Common) -> Result<(), Failure> {
+pub(crate) fn run(options: &PlotOptions, common: Common) -> Result<(), Failure> {
     let format = format_of(&options.output, ["svg", "png"])?;
     let logs: Vec<PathBuf> = options.logs.iter().map(|path| log_in(path)).collect();
     let records = logs

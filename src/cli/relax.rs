@@ -9,7 +9,7 @@ use crate::cli::failure::Failure;
 use crate::cli::options::{
     Common, MethodOptions, SceneOptions, change, finite, given, named, space,
 };
-use crate::cli::run::{Description, FiledRun};
+use crate::cli::run::{FiledRun, RunDescription};
 use crate::export::run::directory::RunDirectory;
 use crate::scene::overrides::Overrides;
 use crate::scene::run::plane;
@@ -36,7 +36,7 @@ const GOALS: [(&str, &str); 1] = [(
 /// Leaves log.jsonl, run.json, sites.csv, the cells and the convergence curves in a directory.
 /// Ctrl-C finishes the iteration under way and leaves complete files; a second one ends at once.
 #[derive(Debug, Args)]
-pub(crate) struct Options {
+pub(crate) struct RelaxOptions {
     #[command(flatten)]
     scene: SceneOptions,
     /// The directory of the run
@@ -67,7 +67,7 @@ pub(crate) struct Options {
     of_method: MethodOptions,
 }
 
-pub(crate) fn run(options: &Options, common: Common) -> Result<(), Failure> {
+pub(crate) fn run(options: &RelaxOptions, common: Common) -> Result<(), Failure> {
     if options.resume {
         resume(options, common)
     } else {
@@ -75,7 +75,7 @@ pub(crate) fn run(options: &Options, common: Common) -> Result<(), Failure> {
     }
 }
 
-fn start(options: &Options, common: Common) -> Result<(), Failure> {
+fn start(options: &RelaxOptions, common: Common) -> Result<(), Failure> {
     if !options.force {
         RunDirectory::check_vacant(&options.out).map_err(Failure::input)?;
     }
@@ -87,8 +87,8 @@ fn start(options: &Options, common: Common) -> Result<(), Failure> {
     FiledRun::start(&space(&scene)?, scene, &options.out)?.run(common)
 }
 
-fn resume(options: &Options, common: Common) -> Result<(), Failure> {
-    let found = RunDirectory::reopen::<Description>(&options.out).map_err(Failure::input)?;
+fn resume(options: &RelaxOptions, common: Common) -> Result<(), Failure> {
+    let found = RunDirectory::reopen::<RunDescription>(&options.out).map_err(Failure::input)?;
     let (directory, mut description) = (found.directory, found.description);
     change(&mut description.scene, &options.overrides())?;
     if description.scene.dimension == 2 {
@@ -99,7 +99,7 @@ fn resume(options: &Options, common: Common) -> Result<(), Failure> {
     FiledRun::resume(&space, directory, description)?.run(common)
 }
 
-impl Options {
+impl RelaxOptions {
     fn overrides(&self) -> Overrides {
         let mut overrides = Overrides {
             scene: given(json!({

@@ -38,13 +38,13 @@ static IS_INTERRUPTED: AtomicBool = AtomicBool::new(false);
 const KILLED: i32 = 130;
 
 /// What `run.json` holds.
-pub(crate) type Description = directory::Description<Scene, Metrics>;
+pub(crate) type RunDescription = directory::Description<Scene, Metrics>;
 
 /// A run that is about to begin or to go on.
 pub(crate) struct FiledRun<'a, const D: usize, S> {
     space: &'a S,
     directory: RunDirectory,
-    description: Description,
+    description: RunDescription,
     checkpoint: Checkpoint<D>,
 }
 
@@ -53,7 +53,7 @@ impl<'a, const D: usize, S: DrawCells<D>> FiledRun<'a, D, S> {
     pub(crate) fn start(space: &'a S, scene: Scene, out: &Path) -> Result<Self, Failure> {
         let sites = space.place(&scene).map_err(Failure::input)?;
         let volume = space.volume();
-        let description = Description {
+        let description = RunDescription {
             program: env!("CARGO_PKG_NAME").to_owned(),
             version: env!("CARGO_PKG_VERSION").to_owned(),
             scene,
@@ -79,7 +79,7 @@ impl<'a, const D: usize, S: DrawCells<D>> FiledRun<'a, D, S> {
     pub(crate) fn resume(
         space: &'a S,
         mut directory: RunDirectory,
-        mut description: Description,
+        mut description: RunDescription,
     ) -> Result<Self, Failure> {
         let checkpoint = Self::last_checkpoint(space, &mut directory, &description.scene)?;
         description.last = None;
@@ -227,7 +227,7 @@ fn already_further(wanted: u64, done: u64) -> Failure {
 }
 
 /// The run in a few lines, after `done` moves; nothing of a run that has not ended.
-fn summary(run: &Description, done: u64, directory: &Path) -> String {
+fn summary(run: &RunDescription, done: u64, directory: &Path) -> String {
     let [Some(from), Some(to)] = [&run.initial, &run.last] else {
         return String::new();
     };

@@ -49,19 +49,19 @@ pub struct Density {
 #[derive(Debug)]
 enum Parts {
     /// Boxes that fill space, with densities in the domain's coordinates.
-    Regions(Vec<Region>),
+    Regions(Vec<DensityRegion>),
     /// Per tetrahedron the value at its first corner and the gradient.
     Tets(IndexedTets, Vec<(f64, Vector3<f64>)>),
 }
 
 /// A box, open to infinity where it ends with the domain, and the density there.
 #[derive(Clone, Debug)]
-pub(crate) struct Region {
+pub(crate) struct DensityRegion {
     pub(crate) bounds: Bounds<3>,
     pub(crate) density: Polynomial,
 }
 
-impl Region {
+impl DensityRegion {
     /// All of space.
     pub(crate) fn everywhere(density: Polynomial) -> Self {
         let Bounds { min, max } = Bounds::empty();
@@ -74,12 +74,12 @@ impl Density {
     /// The density in each of `regions`, which fill space.
     pub(crate) fn by_regions(
         shape: &dyn DomainShape,
-        regions: Vec<Region>,
+        regions: Vec<DensityRegion>,
     ) -> Result<Self, DomainError> {
         let whole = ShapeIntegrator::new(shape);
         let masses = regions
             .iter()
-            .map(|Region { bounds, density }| whole.mass_within(bounds, density));
+            .map(|DensityRegion { bounds, density }| whole.mass_within(bounds, density));
         let mean = masses.sum::<f64>() / shape.volume();
         if !(mean.is_normal() && mean > 0.0) {
             return Err(DomainError::Density {
@@ -142,8 +142,8 @@ impl Density {
             }
         };
         let around = cell.bounds().translated(&site.coords);
-        let near = |region: &&Region| region.bounds.overlaps(&around);
-        for Region { bounds, density } in regions.iter().filter(near) {
+        let near = |region: &&DensityRegion| region.bounds.overlaps(&around);
+        for DensityRegion { bounds, density } in regions.iter().filter(near) {
             let density = density.relative_to(site);
             let mut weigh = |sign: f64, piece: Piece<'_>| visit(sign, piece, Some(&density));
             if bounds.contains(&around.min) && bounds.contains(&around.max) {
@@ -293,7 +293,7 @@ pub(crate) fn regions(
     shape: &dyn DomainShape,
     size: &Polynomial,
     order: u32,
-) -> Result<Vec<Region>, DomainError> {
+) -> Result<Vec<DensityRegion>, DomainError> {
     let degree = size.degree();
     if degree > HIGHEST_DEGREE {
         let highest = HIGHEST_DEGREE;
@@ -302,14 +302,14 @@ pub(crate) fn regions(
     let whole = ShapeIntegrator::new(shape);
     let exponent = 3 + order as i32;
     let change = LARGEST_CHANGE.powf(1.0 / f64::from(exponent));
-    let all = Region::everywhere(Polynomial::default()).bounds;
+    let all = DensityRegion::everywhere(Polynomial::default()).bounds;
     let mut rest = vec![(Bernstein::new(size, &shape.bounds()), all, 0)];
     let mut regions = Vec::new();
     while let Some((part, bounds, halvings)) = rest.pop() {
         let [low, high] = part.range();
         if low > 0.0 && high <= low * change {
             let density = parabola(size, low, high, exponent);
-            regions.push(Region { bounds, density });
+            regions.push(DensityRegion { bounds, density });
             continue;
         }
         if low <= 0.0 {

@@ -5,7 +5,7 @@ use std::ops::Deref;
 
 use nalgebra::Point3;
 
-use crate::domain::density::{Density, Region, check_positive, regions};
+use crate::domain::density::{Density, DensityRegion, check_positive, regions};
 use crate::domain::error::DomainError;
 use crate::domain::shape::{DomainShape, PieceScratch};
 use crate::domain::tet_mesh::{IndexedTets, TetSolid};
@@ -83,7 +83,8 @@ impl WeightedDomain {
     pub fn new(domain: Box<dyn Domain>, density: Polynomial) -> Result<Self, DomainError> {
         refuse_periodic(domain.shape(), &density)?;
         check_positive(domain.shape(), &density)?;
-        let density = Density::by_regions(domain.shape(), vec![Region::everywhere(density)])?;
+        let density =
+            Density::by_regions(domain.shape(), vec![DensityRegion::everywhere(density)])?;
         Ok(Self { domain, density })
     }
 

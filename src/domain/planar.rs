@@ -11,7 +11,7 @@ use crate::domain::facet_kind::FacetKind;
 use crate::geometry::bounds::Bounds;
 use crate::geometry::half_plane::HalfPlane;
 use crate::geometry::label::Label;
-use crate::geometry::polygon::{ConvexPolygon, Edge};
+use crate::geometry::polygon::{ConvexPolygon, PolygonEdge};
 
 /// How far, relative to the domain's largest extent, a corner may lie on the wrong side of a
 /// wall, or a point outside the domain, and still count as on it: a thousand roundings.
@@ -229,7 +229,7 @@ fn beyond_a_side(polygon: &ConvexPolygon) -> Option<(&Point2<f64>, &Point2<f64>)
 
 /// How far `point` lies to the right of `edge` (L). An edge shorter than `slack` has no reliable
 /// direction, and nothing counts as beyond it.
-fn distance_beyond(edge: &Edge, point: &Point2<f64>, slack: f64) -> f64 {
+fn distance_beyond(edge: &PolygonEdge, point: &Point2<f64>, slack: f64) -> f64 {
     let along = edge.end - edge.start;
     let length = along.norm();
     if length <= slack {

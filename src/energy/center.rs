@@ -48,7 +48,7 @@ pub enum Minimizer {
 
 /// The algorithm, the scales and the bounds of the search for a center.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Search<const D: usize> {
+pub(crate) struct CenterSearch<const D: usize> {
     /// The algorithm.
     pub minimizer: Minimizer,
     /// The order p ≥ 1 of the energy.
@@ -76,7 +76,7 @@ pub(crate) struct Center<const D: usize> {
     pub evaluations: u32,
 }
 
-impl<const D: usize> Search<D> {
+impl<const D: usize> CenterSearch<D> {
     /// The center of the cell whose energy `evaluate` gives about a displacement from the site.
     ///
     /// Newton ends with a projected gradient of at most 1e-12 of that of a step of the cell's
@@ -89,13 +89,13 @@ impl<const D: usize> Search<D> {
         self.center_of(Plain(evaluate))
     }
 
-    /// As [`Search::center`], for energies that may be predicted by a polynomial.
+    /// As [`CenterSearch::center`], for energies that may be predicted by a polynomial.
     pub(crate) fn center_of(&self, mut energy: impl Objective<D>) -> Center<D> {
         let first = energy.jet(&SVector::zeros());
         self.center_from(&first, energy)
     }
 
-    /// As [`Search::center_of`], where the energy about the site is known.
+    /// As [`CenterSearch::center_of`], where the energy about the site is known.
     fn center_from(&self, first: &Jet<D>, energy: impl Objective<D>) -> Center<D> {
         let Evaluation {
             value: energy_at_site,
@@ -244,7 +244,7 @@ impl Objective<3> for EnergyOf<'_> {
 #[must_use]
 pub(crate) fn center(
     pieces: &[SignedPiece],
-    search: &Search<3>,
+    search: &CenterSearch<3>,
     first: &Jet<3>,
     scratch: &mut EnergyScratch,
 ) -> Center<3> {

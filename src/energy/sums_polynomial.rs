@@ -23,7 +23,7 @@ use crate::integrals::series::{Exponents, Monomials, weight};
 
 /// By term of the density, the place in the table of the integral of that term times some monomial, and
 /// its factor.
-type Places = Vec<(usize, f64)>;
+type TermPlaces = Vec<(usize, f64)>;
 
 /// The places of all integrals, for densities of one degree and energies of one order p; by the axis of the
 /// distance.
@@ -34,9 +34,9 @@ pub(crate) struct PolynomialTerms {
     density: Monomials,
     table: Monomials,
     /// Over a tetrahedron, times d^p, d^(p−1) and d^(p−2); the last is empty for p = 1.
-    solid: [[Places; 3]; 3],
+    solid: [[TermPlaces; 3]; 3],
     /// Over a triangle at the center, times d^(p−1).
-    interface: [Places; 3],
+    interface: [TermPlaces; 3],
     facet: Option<FacetPlaces>,
 }
 
@@ -44,9 +44,9 @@ pub(crate) struct PolynomialTerms {
 #[derive(Clone, Debug)]
 struct FacetPlaces {
     /// Over a triangle, times d^p.
-    weight: [Places; 3],
+    weight: [TermPlaces; 3],
     /// Over a triangle, times d^p and one of the coordinates.
-    first: [[Places; 3]; 3],
+    first: [[TermPlaces; 3]; 3],
 }
 
 impl PolynomialTerms {
@@ -60,7 +60,7 @@ impl PolynomialTerms {
     fn new(degree: u32, order: u32, has_facets: bool) -> Self {
         let density = Monomials::up_to(degree);
         let table = Monomials::up_to(degree + order + u32::from(has_facets));
-        let places = |dimension: u32, factor: Exponents| -> Places {
+        let places = |dimension: u32, factor: Exponents| -> TermPlaces {
             let place = |term: &Exponents| {
                 let exponents = [0, 1, 2].map(|axis| term[axis] + factor[axis]);
                 let place = table.place(exponents).unwrap_or(0);
@@ -157,7 +157,7 @@ impl<'a> PolynomialSums<'a> {
 
     /// The integral of the density times the monomial of these places over the simplex of the table, per
     /// unit of its volume.
-    fn mean(&self, places: &Places) -> f64 {
+    fn mean(&self, places: &TermPlaces) -> f64 {
         let terms = self.density.iter().zip(places);
         terms
             .map(|(value, (place, weight))| value * weight * self.table[*place])

@@ -12,7 +12,7 @@ const LEAF: usize = 4;
 /// Boxes, numbered in the order in which they were given.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Bvh {
-    nodes: Vec<Node>,
+    nodes: Vec<BvhNode>,
     items: Vec<Item>,
 }
 
@@ -20,7 +20,7 @@ pub(crate) struct Bvh {
 type Item = (Bounds<3>, u32);
 
 #[derive(Clone, Debug)]
-struct Node {
+struct BvhNode {
     bounds: Bounds<3>,
     /// The next node after this one's subtree.
     past: u32,
@@ -61,13 +61,13 @@ impl Bvh {
 }
 
 /// Appends the nodes over `items`, which begin at place `first` of all.
-fn build(items: &mut [Item], first: u32, nodes: &mut Vec<Node>) {
+fn build(items: &mut [Item], first: u32, nodes: &mut Vec<BvhNode>) {
     let corners = items.iter().flat_map(|(item, _)| [&item.min, &item.max]);
     let bounds = Bounds::of(corners);
     let here = nodes.len();
     let is_leaf = items.len() <= LEAF;
     let last = if is_leaf { items.len() as u32 } else { 0 };
-    nodes.push(Node {
+    nodes.push(BvhNode {
         bounds,
         past: 0,
         items: first..first + last,

@@ -32,7 +32,7 @@ pub enum Clip {
 pub struct ClipScratch {
     excess: Vec<f64>,
     cut: Vec<u32>,
-    crossings: Vec<Crossing>,
+    crossings: Vec<CutEdge>,
     /// Per facet: the crossing in which its counter-clockwise boundary leaves the half-space.
     exit: Vec<u32>,
     /// Per facet: the crossing in which it enters the half-space again.
@@ -51,7 +51,7 @@ impl ClipScratch {
 
 /// An edge that runs from a kept vertex to a cut one, with `left` and `right` of it.
 #[derive(Clone, Copy, Debug)]
-struct Crossing {
+struct CutEdge {
     position: Point3<f64>,
     kept: u32,
     kept_slot: u32,
@@ -142,7 +142,7 @@ fn find_crossings(polyhedron: &Polyhedron, scratch: &mut ClipScratch) {
 
 /// The crossing on the edge that leaves a cut vertex in `slot`, if its other end is kept.
 #[inline]
-fn crossing(polyhedron: &Polyhedron, excess: &[f64], cut: usize, slot: usize) -> Option<Crossing> {
+fn crossing(polyhedron: &Polyhedron, excess: &[f64], cut: usize, slot: usize) -> Option<CutEdge> {
     let kept = polyhedron.next[cut][slot];
     let inner = excess[kept as usize];
     if inner > 0.0 {
@@ -153,7 +153,7 @@ fn crossing(polyhedron: &Polyhedron, excess: &[f64], cut: usize, slot: usize) ->
     let left = polyhedron.facets[cut][(slot + 2) % 3];
     let share = inner / (inner - excess[cut]);
     let [from, to] = [kept as usize, cut].map(|vertex| polyhedron.vertex(vertex));
-    Some(Crossing {
+    Some(CutEdge {
         position: from + (to - from) * share,
         kept,
         kept_slot: polyhedron.slot(kept as usize, left) as u32,

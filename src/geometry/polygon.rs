@@ -23,7 +23,7 @@ pub struct ConvexPolygon {
 
 /// An edge of a polygon, directed counter-clockwise.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Edge {
+pub struct PolygonEdge {
     /// Where the edge begins.
     pub start: Point2<f64>,
     /// Where the edge ends.
@@ -32,7 +32,7 @@ pub struct Edge {
     pub label: Label,
 }
 
-impl Edge {
+impl PolygonEdge {
     /// The edge's length (L).
     #[must_use]
     pub fn length(&self) -> f64 {
@@ -77,13 +77,13 @@ impl ConvexPolygon {
     }
 
     /// The edges, counter-clockwise.
-    pub fn edges(&self) -> impl Iterator<Item = Edge> + '_ {
+    pub fn edges(&self) -> impl Iterator<Item = PolygonEdge> + '_ {
         let ends = self.vertices.iter().cycle().skip(1);
         self.vertices
             .iter()
             .zip(ends)
             .zip(&self.labels)
-            .map(|((&start, &end), &label)| Edge { start, end, label })
+            .map(|((&start, &end), &label)| PolygonEdge { start, end, label })
     }
 
     /// The same polygon moved by `displacement`.
@@ -196,7 +196,7 @@ impl ConvexPolygon {
 
     /// Appends what `plane` leaves of `edge`, without the end point unless it is where the new
     /// edge begins.
-    fn append_clipped(&mut self, edge: &Edge, plane: &HalfPlane, label: Label) {
+    fn append_clipped(&mut self, edge: &PolygonEdge, plane: &HalfPlane, label: Label) {
         let (start, end) = (plane.height(&edge.start), plane.height(&edge.end));
         match (start <= 0.0, end <= 0.0) {
             (true, true) => self.push(edge.start, edge.label),

@@ -51,11 +51,11 @@ fn heights(vertices: &[Point3<f64>], plane: &HalfSpace, tolerance: f64) -> Vec<f
 }
 
 /// A directed piece of a loop, the inside on its left.
-type Segment = [Point3<f64>; 2];
+type LineSegment = [Point3<f64>; 2];
 
 /// Adds the segments in which the plane cuts a facet.
 fn push_segments(
-    segments: &mut Vec<Segment>,
+    segments: &mut Vec<LineSegment>,
     facet: &[u32],
     vertices: &[Point3<f64>],
     heights: &[f64],
@@ -110,7 +110,7 @@ fn area_normal(facet: &[u32], vertices: &[Point3<f64>]) -> Option<nalgebra::Vect
 }
 
 /// Joins segments end to start; where no start lies exactly at an end, the nearest one is taken.
-fn join(mut segments: Vec<Segment>) -> Vec<Vec<Point3<f64>>> {
+fn join(mut segments: Vec<LineSegment>) -> Vec<Vec<Point3<f64>>> {
     let mut loops = Vec::new();
     while let Some([first, mut end]) = segments.pop() {
         let mut points = vec![first];

@@ -14,7 +14,7 @@ use std::str::FromStr;
 /// `profile:axis=x,0.2=1,0.8=5`, `vertex`, `vertex:name`, or a polynomial such as
 /// `1 + 2*x - 0.5*y*z`.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Density {
+pub enum SolidDensity {
     /// The same everywhere.
     Constant(f64),
     /// Linear along an axis over the whole body's extent.
@@ -117,7 +117,7 @@ pub enum DensityError {
 const LINEAR: &str = "linear:axis=z,from=0,to=1";
 const PROFILE: &str = "profile:axis=z,0.2=1,0.8=5";
 
-impl FromStr for Density {
+impl FromStr for SolidDensity {
     type Err = DensityError;
 
     fn from_str(text: &str) -> Result<Self, DensityError> {
@@ -133,16 +133,16 @@ impl FromStr for Density {
     }
 }
 
-fn number_or_polynomial(text: &str) -> Result<Density, DensityError> {
+fn number_or_polynomial(text: &str) -> Result<SolidDensity, DensityError> {
     let polynomial: Polynomial = text.parse().map_err(|error| DensityError::Polynomial {
         text: text.into(),
         error,
     })?;
     if polynomial.degree() == 0 {
         let value = polynomial.terms().map(|(_, value)| value).sum();
-        return Ok(Density::Constant(value));
+        return Ok(SolidDensity::Constant(value));
     }
-    Ok(Density::Polynomial(polynomial))
+    Ok(SolidDensity::Polynomial(polynomial))
 }
 
 fn ramp(settings: &str) -> Result<Ramp, DensityError> {

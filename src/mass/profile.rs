@@ -46,7 +46,7 @@ pub enum ProfileError {
 
 /// A corner of a piece: its place, measured from the origin of the sum, and its s.
 #[derive(Clone, Copy, Debug)]
-struct Corner {
+struct ProfileCorner {
     place: Point3<f64>,
     s: f64,
 }
@@ -112,7 +112,7 @@ impl Profile {
         simplices: &[[u32; K]],
         origin: &Point3<f64>,
     ) -> Moments {
-        let corner = |point: &Point3<f64>| Corner {
+        let corner = |point: &Point3<f64>| ProfileCorner {
             place: Point3::from(point - origin),
             s: self.direction.dot(&point.coords),
         };
@@ -135,10 +135,10 @@ impl Profile {
     }
 
     /// A tetrahedron cut at every break plane it straddles.
-    fn pieces(&self, tet: [Corner; 4]) -> Vec<[Corner; 4]> {
+    fn pieces(&self, tet: [ProfileCorner; 4]) -> Vec<[ProfileCorner; 4]> {
         let mut pieces = vec![tet];
         for &[plane, _] in &self.breaks {
-            let cut = |piece: [Corner; 4]| cut_at(piece, plane);
+            let cut = |piece: [ProfileCorner; 4]| cut_at(piece, plane);
             pieces = pieces.into_iter().flat_map(cut).collect();
         }
         pieces
@@ -146,7 +146,7 @@ impl Profile {
 }
 
 /// The parts of a tetrahedron on the two sides of the plane s = `plane`.
-fn cut_at(tet: [Corner; 4], plane: f64) -> Vec<[Corner; 4]> {
+fn cut_at(tet: [ProfileCorner; 4], plane: f64) -> Vec<[ProfileCorner; 4]> {
     let Some(parts) = split(tet.map(|corner| Side::of(corner.s - plane)), [0, 1, 2, 3]) else {
         return vec![tet];
     };
@@ -156,7 +156,7 @@ fn cut_at(tet: [Corner; 4], plane: f64) -> Vec<[Corner; 4]> {
         }
         let (from, to) = (&tet[i], &tet[j]);
         let share = (plane - from.s) / (to.s - from.s);
-        Corner {
+        ProfileCorner {
             place: from.place + (to.place - from.place) * share,
             s: plane,
         }

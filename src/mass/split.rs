@@ -55,12 +55,12 @@ impl Side {
 pub type Node = [usize; 2];
 
 /// A piece: its side and its corners.
-pub type Piece = (Side, [Node; 4]);
+pub type TetPiece = (Side, [Node; 4]);
 
 /// Splits a tetrahedron whose corners lie on these `sides` and have these distinct `ids`; `None`
 /// if the plane does not pass through its interior.
 #[must_use]
-pub fn split(sides: [Side; 4], ids: [u32; 4]) -> Option<Vec<Piece>> {
+pub fn split(sides: [Side; 4], ids: [u32; 4]) -> Option<Vec<TetPiece>> {
     let count = |wanted: Side| sides.iter().filter(|&&side| side == wanted).count();
     // The smaller side comes first, then the plane's corners, then the larger side.
     let small = match (count(Side::Below), count(Side::Above)) {
@@ -88,7 +88,7 @@ pub fn split(sides: [Side; 4], ids: [u32; 4]) -> Option<Vec<Piece>> {
 }
 
 /// a │ b c d, in terms of the sorted corners 0 │ 1 2 3.
-fn one_against_three(small: Side, large: Side) -> Vec<Piece> {
+fn one_against_three(small: Side, large: Side) -> Vec<TetPiece> {
     let [a, b, c, d] = CORNERS;
     let [ab, ac, ad] = [[0, 1], [0, 2], [0, 3]];
     vec![
@@ -100,7 +100,7 @@ fn one_against_three(small: Side, large: Side) -> Vec<Piece> {
 }
 
 /// a b │ c d. The cut's own quadrilateral is split along ac-bd on both sides.
-fn two_against_two(small: Side, large: Side) -> Vec<Piece> {
+fn two_against_two(small: Side, large: Side) -> Vec<TetPiece> {
     let [a, b, c, d] = CORNERS;
     let [ac, ad, bc, bd] = [[0, 2], [0, 3], [1, 2], [1, 3]];
     vec![
@@ -114,7 +114,7 @@ fn two_against_two(small: Side, large: Side) -> Vec<Piece> {
 }
 
 /// a │ (z) │ c d.
-fn one_on_plane(small: Side, large: Side) -> Vec<Piece> {
+fn one_on_plane(small: Side, large: Side) -> Vec<TetPiece> {
     let [a, z, c, d] = CORNERS;
     let [ac, ad] = [[0, 2], [0, 3]];
     vec![
@@ -125,7 +125,7 @@ fn one_on_plane(small: Side, large: Side) -> Vec<Piece> {
 }
 
 /// a │ (y z) │ d.
-fn two_on_plane(small: Side, large: Side) -> Vec<Piece> {
+fn two_on_plane(small: Side, large: Side) -> Vec<TetPiece> {
     let [a, y, z, d] = CORNERS;
     let ad = [0, 3];
     vec![(small, [a, y, z, ad]), (large, [ad, y, z, d])]
@@ -134,7 +134,7 @@ fn two_on_plane(small: Side, large: Side) -> Vec<Piece> {
 const CORNERS: [Node; 4] = [[0, 0], [1, 1], [2, 2], [3, 3]];
 
 /// A piece in terms of the tetrahedron's own corners, oriented as it is.
-fn renamed((side, mut nodes): Piece, order: [usize; 4], odd: bool, ids: [u32; 4]) -> Piece {
+fn renamed((side, mut nodes): TetPiece, order: [usize; 4], odd: bool, ids: [u32; 4]) -> TetPiece {
     for node in &mut nodes {
         *node = node.map(|corner| order[corner]);
         node.sort_by_key(|&corner| ids[corner]);

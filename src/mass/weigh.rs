@@ -4,7 +4,7 @@ use crate::geometry::bounds::Bounds;
 use crate::geometry::moments::Moments;
 use crate::integrals::mesh_moments::{area, at_vertices, constant, linear, polynomial, volume};
 use crate::mass::body::Body;
-use crate::mass::density::Density;
+use crate::mass::density::SolidDensity;
 use crate::mesh::surface::SurfaceMesh;
 use crate::mesh::tets::{TetMesh, VertexData};
 use crate::mesh::validate::Solid;
@@ -44,7 +44,11 @@ pub enum WeighError {
 /// # Errors
 ///
 /// If the mass is not positive, or if the density needs vertex data that are not there.
-pub fn weigh(solid: &Solid, density: &Density, extent: &Bounds<3>) -> Result<Body, WeighError> {
+pub fn weigh(
+    solid: &Solid,
+    density: &SolidDensity,
+    extent: &Bounds<3>,
+) -> Result<Body, WeighError> {
     match solid {
         Solid::Surface(closed, _) => weigh_surface(closed.mesh(), density, extent),
         Solid::Tets(sound, _) => weigh_tets(sound.mesh(), density, extent),
@@ -67,7 +71,7 @@ pub fn bounds(solid: &Solid) -> Bounds<3> {
 /// As [`weigh`].
 pub fn weigh_surface(
     mesh: &SurfaceMesh,
-    density: &Density,
+    density: &SolidDensity,
     extent: &Bounds<3>,
 ) -> Result<Body, WeighError> {
     let (vertices, triangles) = (&mesh.vertices[..], &mesh.triangles[..]);
@@ -84,7 +88,7 @@ pub fn weigh_surface(
 /// As [`weigh`].
 pub fn weigh_tets(
     mesh: &TetMesh,
-    density: &Density,
+    density: &SolidDensity,
     extent: &Bounds<3>,
 ) -> Result<Body, WeighError> {
     let (vertices, tets) = (&mesh.vertices[..], &mesh.tets[..]);
@@ -100,17 +104,17 @@ fn weigh_simplices<const K: usize>(
     vertices: &[Point3<f64>],
     simplices: &[[u32; K]],
     area: f64,
-    density: &Density,
+    density: &SolidDensity,
     extent: &Bounds<3>,
     by_data: impl Fn(Option<&str>, &Point3<f64>) -> Result<Moments, WeighError>,
 ) -> Result<Body, WeighError> {
     let near = Bounds::of(vertices).center();
     let moments = match density {
-        Density::Constant(value) => constant(vertices, simplices, &near) * *value,
-        Density::Ramp(ramp) => linear(vertices, simplices, &ramp.over(extent, &near), &near),
-        Density::Profile(profile) => profile.moments(vertices, simplices, &near),
-        Density::Polynomial(density) => polynomial(vertices, simplices, density, &near),
-        Density::Vertex(name) => by_data(name.as_deref(), &near)?,
+        SolidDensity::Constant(value) => constant(vertices, simplices, &near) * *value,
+        SolidDensity::Ramp(ramp) => linear(vertices, simplices, &ramp.over(extent, &near), &near),
+        SolidDensity::Profile(profile) => profile.moments(vertices, simplices, &near),
+        SolidDensity::Polynomial(density) => polynomial(vertices, simplices, density, &near),
+        SolidDensity::Vertex(name) => by_data(name.as_deref(), &near)?,
     };
     let volume = volume(vertices, simplices, &near);
     let mass = moments.mass;

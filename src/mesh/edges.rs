@@ -17,7 +17,7 @@ pub struct EdgeTable {
 
 /// One edge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Edge<'a> {
+pub struct SurfaceEdge<'a> {
     /// Its vertices, the lower index first.
     pub vertices: [u32; 2],
     /// The sides that run along it, in either direction, ascending.
@@ -57,8 +57,8 @@ impl EdgeTable {
     }
 
     /// The edges in order.
-    pub fn iter(&self) -> impl Iterator<Item = Edge<'_>> {
-        (self.vertices.iter().zip(self.starts.windows(2))).map(|(&vertices, range)| Edge {
+    pub fn iter(&self) -> impl Iterator<Item = SurfaceEdge<'_>> {
+        (self.vertices.iter().zip(self.starts.windows(2))).map(|(&vertices, range)| SurfaceEdge {
             vertices,
             sides: &self.sides[range[0] as usize..range[1] as usize],
         })

@@ -8,7 +8,7 @@
 use nalgebra::Point3;
 
 use crate::geometry::bounds::Bounds;
-use crate::mesh::orient::{Orientation, Places};
+use crate::mesh::orient::{EdgePlaces, Orientation};
 use crate::mesh::report::SurfaceReport;
 use crate::mesh::surface::{SurfaceMesh, cone_volume};
 
@@ -20,7 +20,7 @@ const PROBES: usize = 5;
 /// and reports how many there are of each.
 pub(crate) fn turn_outward(
     surface: &mut SurfaceMesh,
-    places: &Places<'_>,
+    places: &EdgePlaces<'_>,
     orientation: &Orientation,
     report: &mut SurfaceReport,
 ) {
@@ -51,7 +51,7 @@ fn sides(surface: &SurfaceMesh, orientation: &Orientation) -> Sides {
         return Sides { volumes, cavities };
     }
     let parts = parts(surface, orientation);
-    let depth = |part: &Part| parts.iter().filter(|outer| outer.encloses(part)).count();
+    let depth = |part: &SurfacePart| parts.iter().filter(|outer| outer.encloses(part)).count();
     Sides {
         volumes: parts.iter().map(|part| part.volume).collect(),
         cavities: parts.iter().map(|part| depth(part) % 2 == 1).collect(),
@@ -59,21 +59,21 @@ fn sides(surface: &SurfaceMesh, orientation: &Orientation) -> Sides {
 }
 
 /// One component.
-struct Part {
+struct SurfacePart {
     triangles: Vec<[Point3<f64>; 3]>,
     bounds: Bounds<3>,
     volume: f64,
 }
 
-fn parts(mesh: &SurfaceMesh, orientation: &Orientation) -> Vec<Part> {
+fn parts(mesh: &SurfaceMesh, orientation: &Orientation) -> Vec<SurfacePart> {
     let mut triangles = vec![Vec::new(); orientation.components];
     for (corners, &number) in mesh.all_corners().zip(&orientation.component) {
         triangles[number as usize].push(corners);
     }
-    triangles.into_iter().map(Part::of).collect()
+    triangles.into_iter().map(SurfacePart::of).collect()
 }
 
-impl Part {
+impl SurfacePart {
     fn of(triangles: Vec<[Point3<f64>; 3]>) -> Self {
         let bounds = Bounds::of(triangles.iter().flatten());
         let apex = bounds.center();

@@ -4,7 +4,7 @@
 //! triangle the fill crosses every edge that has exactly two triangles; edges with more are
 //! not crossed, so parts that merely touch there are components of their own.
 
-use crate::mesh::edges::{Edge, EdgeTable, NO_PARTNER, side_vertices};
+use crate::mesh::edges::{EdgeTable, NO_PARTNER, SurfaceEdge, side_vertices};
 use crate::mesh::report::{EdgePlace, Refusal, Tally};
 use crate::mesh::surface::SurfaceMesh;
 
@@ -83,14 +83,14 @@ fn turn_minority(members: &[u32], turned: &mut [bool]) {
 
 /// Places of sides in the mesh as read, for messages.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Places<'a> {
+pub(crate) struct EdgePlaces<'a> {
     /// The triangles as read.
     pub(crate) read: &'a [[u32; 3]],
     /// The number as read of every triangle now.
     pub(crate) numbers: &'a [u32],
 }
 
-impl<'a> Places<'a> {
+impl<'a> EdgePlaces<'a> {
     /// The places in `mesh` as read of triangles with these numbers there.
     pub(crate) fn of(mesh: &'a SurfaceMesh, numbers: &'a [u32]) -> Self {
         let read = &mesh.triangles;
@@ -109,7 +109,7 @@ impl<'a> Places<'a> {
 pub(crate) fn turn_to_neighbors(
     triangles: &mut [[u32; 3]],
     orientation: &Orientation,
-    places: &Places<'_>,
+    places: &EdgePlaces<'_>,
 ) -> Result<Tally<u32>, Refusal> {
     if let Some(side) = orientation.contradiction {
         let first = places.of_side(side);
@@ -132,12 +132,12 @@ pub(crate) fn check_balance(
     triangles: &[[u32; 3]],
     edges: &EdgeTable,
     orientation: &Orientation,
-    places: &Places<'_>,
+    places: &EdgePlaces<'_>,
 ) -> Result<Tally<EdgePlace>, Refusal> {
     let overfull = edges.iter().filter(|edge| edge.sides.len() > 2);
     let (balanced, others): (Vec<_>, Vec<_>) =
         overfull.partition(|edge| is_balanced(triangles, edge, orientation));
-    let tally = |edges: Vec<Edge<'_>>| {
+    let tally = |edges: Vec<SurfaceEdge<'_>>| {
         edges
             .iter()
             .map(|edge| places.of_side(edge.sides[0]))
@@ -150,7 +150,7 @@ pub(crate) fn check_balance(
     }
 }
 
-fn is_balanced(triangles: &[[u32; 3]], edge: &Edge<'_>, orientation: &Orientation) -> bool {
+fn is_balanced(triangles: &[[u32; 3]], edge: &SurfaceEdge<'_>, orientation: &Orientation) -> bool {
     let use_of = |&side: &u32| {
         let triangle = side as usize / 3;
         (

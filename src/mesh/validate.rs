@@ -18,7 +18,7 @@ use nalgebra::Point3;
 use crate::mesh::crossings::crossings;
 use crate::mesh::edges::EdgeTable;
 use crate::mesh::nesting::turn_outward;
-use crate::mesh::orient::{Places, check_balance, orient, turn_to_neighbors};
+use crate::mesh::orient::{EdgePlaces, check_balance, orient, turn_to_neighbors};
 use crate::mesh::repair::{Triangles, drop_collapsed, drop_duplicates, weld};
 use crate::mesh::report::{Refusal, SurfaceReport, Tally, TetReport};
 use crate::mesh::similarity::Similarity;
@@ -108,7 +108,7 @@ pub fn validate_surface(mesh: &SurfaceMesh) -> Result<(ValidSurface, SurfaceRepo
     let mut report = SurfaceReport::default();
     let (vertices, mut triangles, edges) = closed_triangles(mesh, &mut report)?;
     let orientation = orient(&triangles.corners, &edges);
-    let places = Places::of(mesh, &triangles.numbers);
+    let places = EdgePlaces::of(mesh, &triangles.numbers);
     report.reoriented = turn_to_neighbors(&mut triangles.corners, &orientation, &places)?;
     report.touching = check_balance(&triangles.corners, &edges, &orientation, &places)?;
     let mut surface = SurfaceMesh {
@@ -193,7 +193,7 @@ fn cleaned(triangles: &mut Triangles, vertices: usize, report: &mut SurfaceRepor
 
 /// The refusal of edges with a single triangle, if there are any.
 fn open(edges: &EdgeTable, mesh: &SurfaceMesh, triangles: &Triangles) -> Option<Refusal> {
-    let places = Places::of(mesh, &triangles.numbers);
+    let places = EdgePlaces::of(mesh, &triangles.numbers);
     let boundary = edges.iter().filter(|edge| edge.sides.len() == 1);
     let Tally { count, first } = boundary.map(|edge| places.of_side(edge.sides[0])).collect();
     first.map(|first| Refusal::Open { count, first })

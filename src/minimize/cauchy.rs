@@ -58,7 +58,7 @@ impl PartialOrd for Breakpoint {
 }
 
 /// The model along the current piece of the path.
-struct Segment {
+struct PathSegment {
     /// `t` where the piece begins.
     start: f64,
     /// `p = Wᵀ d`.
@@ -132,13 +132,13 @@ fn breakpoints(place: &BoxedPoint) -> (BinaryHeap<Breakpoint>, Vec<f64>) {
 }
 
 /// The model on the first segment.
-fn first_segment(direction: &[f64], model: &CompactBfgs) -> Option<Segment> {
+fn first_segment(direction: &[f64], model: &CompactBfgs) -> Option<PathSegment> {
     let compressed = model.transposed_times(direction);
     let length_squared: f64 = direction.iter().map(|d| d * d).sum();
     let curvature =
         model.theta * length_squared - compressed.dot(&model.middle_times(&compressed)?);
     let least_curvature = f64::EPSILON * model.theta * length_squared;
-    Some(Segment {
+    Some(PathSegment {
         start: 0.0,
         compressed: DVector::zeros(model.width()),
         direction: compressed,
@@ -148,7 +148,7 @@ fn first_segment(direction: &[f64], model: &CompactBfgs) -> Option<Segment> {
     })
 }
 
-impl Segment {
+impl PathSegment {
     /// Goes on by `time` without a breakpoint.
     fn advance(&mut self, time: f64) {
         self.start += time;

@@ -35,7 +35,7 @@ use crate::minimize::blas1::{dot, largest_group};
 use crate::minimize::cauchy::{BoxedPoint, cauchy_point};
 use crate::minimize::compact_bfgs::CompactBfgs;
 use crate::minimize::lbfgsb_state::{LbfgsbError, LbfgsbOptions, LbfgsbState, check};
-use crate::minimize::line_search::{Line, Search, Trial, line_search};
+use crate::minimize::line_search::{Line, LineSearch, Trial, line_search};
 use crate::minimize::problem::Termination;
 use crate::minimize::subspace::subspace_minimizer;
 
@@ -318,7 +318,7 @@ impl<'a, F: FnMut(&[f64], &mut [f64]) -> f64> LineToTarget<'a, F> {
     }
 
     /// What the line search needs to know.
-    fn search(&self, displacement: f64) -> Result<Search, Termination> {
+    fn search(&self, displacement: f64) -> Result<LineSearch, Termination> {
         let slope = dot(&self.start.gradient, &self.direction);
         if displacement == 0.0 {
             return Err(Termination::AtRounding);
@@ -330,7 +330,7 @@ impl<'a, F: FnMut(&[f64], &mut [f64]) -> f64> LineToTarget<'a, F> {
             .longest_in_box()
             .min(self.bounded.options.largest_step / displacement);
         let root = (self.direction.len() as f64).sqrt();
-        Ok(Search {
+        Ok(LineSearch {
             start: Trial {
                 fraction: 0.0,
                 value: self.start.value,

@@ -53,7 +53,7 @@ pub(crate) trait Line {
 
 /// What is known before the search.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Search {
+pub(crate) struct LineSearch {
     /// The trial at fraction 0; its slope is negative.
     pub(crate) start: Trial,
     /// The first fraction to try.
@@ -69,7 +69,7 @@ pub(crate) struct Search {
 /// # Errors
 ///
 /// Why there is none: rounding, no descent, or no evaluation left.
-pub(crate) fn line_search(search: &Search, line: &mut impl Line) -> Result<Trial, Termination> {
+pub(crate) fn line_search(search: &LineSearch, line: &mut impl Line) -> Result<Trial, Termination> {
     let mut low = search.start;
     let mut high: Option<Trial> = None;
     let mut fraction = search.first.min(search.longest);
@@ -106,7 +106,7 @@ pub(crate) fn line_search(search: &Search, line: &mut impl Line) -> Result<Trial
 }
 
 /// The best trial if it is lower than the start, else why there is none.
-fn kept(search: &Search, low: Trial, ended: Termination) -> Result<Trial, Termination> {
+fn kept(search: &LineSearch, low: Trial, ended: Termination) -> Result<Trial, Termination> {
     if low.value < search.start.value {
         Ok(low)
     } else {
@@ -114,7 +114,7 @@ fn kept(search: &Search, low: Trial, ended: Termination) -> Result<Trial, Termin
     }
 }
 
-impl Search {
+impl LineSearch {
     /// Whether the trial does not lower the function enough, or not below the best.
     fn is_high(&self, trial: &Trial, low: &Trial) -> bool {
         if !(trial.value.is_finite() && trial.slope.is_finite()) {
@@ -214,7 +214,7 @@ mod tests {
             value,
             slope,
         };
-        let search = Search {
+        let search = LineSearch {
             start,
             first,
             longest: 1e10,

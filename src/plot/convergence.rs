@@ -108,14 +108,14 @@ fn draw_optimum(figure: &mut Figure, panel: &Panel) {
 }
 
 /// `(iteration, value)` in order.
-type Curve = Vec<(f64, f64)>;
+type CurvePoints = Vec<(f64, f64)>;
 
-fn moves(records: &[Record]) -> Curve {
+fn moves(records: &[Record]) -> CurvePoints {
     let positive = |value: &f64| value.is_finite() && *value >= LEAST_MOVEMENT;
     curve(records, |record| record.movement_percent, positive)
 }
 
-fn energies(records: &[Record]) -> Curve {
+fn energies(records: &[Record]) -> CurvePoints {
     curve(
         records,
         |record| record.energy_percent,
@@ -123,7 +123,7 @@ fn energies(records: &[Record]) -> Curve {
     )
 }
 
-fn curve(records: &[Record], read: fn(&Record) -> f64, keep: impl Fn(&f64) -> bool) -> Curve {
+fn curve(records: &[Record], read: fn(&Record) -> f64, keep: impl Fn(&f64) -> bool) -> CurvePoints {
     records
         .iter()
         .map(|record| (record.iteration as f64, read(record)))
@@ -139,7 +139,7 @@ fn iteration_axis(runs: &[Run<'_>]) -> Axis {
     Axis::counts(0.0, iterations.fold(0.0, f64::max))
 }
 
-fn movement_axis(curves: &[Curve]) -> Axis {
+fn movement_axis(curves: &[CurvePoints]) -> Axis {
     let Some((low, high)) = range(curves) else {
         return Axis::linear(0.0, 1.0);
     };
@@ -150,7 +150,7 @@ fn movement_axis(curves: &[Curve]) -> Axis {
     }
 }
 
-fn energy_axis(curves: &[Curve]) -> Axis {
+fn energy_axis(curves: &[CurvePoints]) -> Axis {
     let (low, high) = range(curves).unwrap_or((100.0, 130.0));
     let (low, high) = (low.min(100.0), high.max(100.0));
     // Space for the optimum's name under its line.
@@ -158,7 +158,7 @@ fn energy_axis(curves: &[Curve]) -> Axis {
 }
 
 /// The least and the greatest value of all curves, if any.
-fn range(curves: &[Curve]) -> Option<(f64, f64)> {
+fn range(curves: &[CurvePoints]) -> Option<(f64, f64)> {
     let values = || curves.iter().flatten().map(|(_, value)| *value);
     Some((values().reduce(f64::min)?, values().reduce(f64::max)?))
 }
@@ -173,7 +173,7 @@ fn stroke_of(run: usize) -> Stroke {
 }
 
 /// The line through a curve's points, or a dot where it has one only.
-fn draw_curve(figure: &mut Figure, panel: &Panel, curve: &Curve, stroke: Stroke) {
+fn draw_curve(figure: &mut Figure, panel: &Panel, curve: &CurvePoints, stroke: Stroke) {
     let mut points: Vec<Point2<f64>> = Vec::new();
     for (k, (x, y)) in curve.iter().enumerate() {
         let point = panel.place(*x, *y);
@@ -197,15 +197,15 @@ fn draw_curve(figure: &mut Figure, panel: &Panel, curve: &Curve, stroke: Stroke)
 }
 
 /// An entry of the legend: the run's name, its style and the entry's left end.
-struct Entry {
+struct LegendEntry {
     name: String,
     stroke: Stroke,
     x: f64,
 }
 
 /// The legend's entries, filled into rows from left to right, each row centered.
-fn legend_rows(runs: &[Run<'_>]) -> Vec<Vec<Entry>> {
-    let mut rows: Vec<Vec<Entry>> = Vec::new();
+fn legend_rows(runs: &[Run<'_>]) -> Vec<Vec<LegendEntry>> {
+    let mut rows: Vec<Vec<LegendEntry>> = Vec::new();
     let mut x = f64::INFINITY;
     for (k, run) in runs.iter().enumerate() {
         let name = font::elided(run.name, LABEL_SIZE, LONGEST_NAME);
@@ -216,24 +216,24 @@ fn legend_rows(runs: &[Run<'_>]) -> Vec<Vec<Entry>> {
         }
         let stroke = stroke_of(k);
         if let Some(row) = rows.last_mut() {
-            row.push(Entry { name, stroke, x });
+            row.push(LegendEntry { name, stroke, x });
         }
         x += length + ENTRY_GAP;
     }
     for row in &mut rows {
-        let shift = 0.5 * (WIDTH - row.last().map_or(0.0, Entry::end));
+        let shift = 0.5 * (WIDTH - row.last().map_or(0.0, LegendEntry::end));
         row.iter_mut().for_each(|entry| entry.x += shift);
     }
     rows
 }
 
-impl Entry {
+impl LegendEntry {
     fn end(&self) -> f64 {
         self.x + SAMPLE + 8.0 + font::width(&self.name, LABEL_SIZE)
     }
 }
 
-fn draw_legend(figure: &mut Figure, rows: &[Vec<Entry>]) {
+fn draw_legend(figure: &mut Figure, rows: &[Vec<LegendEntry>]) {
     for (k, row) in rows.iter().enumerate() {
         let baseline = LEGEND_TOP + LEGEND_ROW * k as f64;
         for entry in row {

@@ -1,7 +1,7 @@
 //! Flat pictures of cells: polygons colored by a value, with thin outlines and a color bar.
 //!
 //! The cells of a diagram in the plane, or the polygons in which a plane cuts those in space
-//! ([`Cut`]).
+//! ([`PlaneCut`]).
 
 use nalgebra::{Point2, Point3, Vector3};
 
@@ -118,13 +118,13 @@ impl Frame {
 
 /// A plane with the right and the upward direction of its picture, viewed against its normal.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Cut {
+pub(crate) struct PlaneCut {
     plane: HalfSpace,
     right: Vector3<f64>,
     up: Vector3<f64>,
 }
 
-impl Cut {
+impl PlaneCut {
     /// The cut along the border of `plane`, viewed against its normal. Up is the direction
     /// nearest to +z; for a horizontal plane it is +y and right is +x.
     ///

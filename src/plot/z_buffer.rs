@@ -283,13 +283,13 @@ fn is_near(lines: &[[Point2<f64>; 2]], pixel: &Point2<f64>) -> bool {
 const CREASE: f64 = 0.9;
 
 /// A side of a facet: the edge's lower and higher vertex, the facet, the side's place.
-type Side = ([u32; 2], u32, usize);
+type FacetSide = ([u32; 2], u32, usize);
 
 /// For every corner of every facet, one facet after the other, whether the edge from it to the next
 /// is a crease.
 fn creases(shell: &Shell) -> Vec<bool> {
     let mut normals: Vec<Vector3<f64>> = Vec::with_capacity(shell.facet_count());
-    let mut sides: Vec<Side> = Vec::new();
+    let mut sides: Vec<FacetSide> = Vec::new();
     for (facet, corners) in (0..).zip(shell.facets()) {
         let rim: Vec<_> = corners
             .iter()
@@ -304,7 +304,7 @@ fn creases(shell: &Shell) -> Vec<bool> {
     let mut creases = vec![true; sides.len()];
     sides.sort_unstable();
     for edge in sides.chunk_by(|one, other| one.0 == other.0) {
-        let creased = |one: &Side| {
+        let creased = |one: &FacetSide| {
             edge.iter()
                 .any(|other| meet_in_crease(&normals, one.1, other.1))
         };

@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use nalgebra::{Point3, Rotation3, Vector3};
 
 use crate::domain::{domain::Domain, shape::PieceScratch};
-use crate::energy::center::{BOUNDARY_FRACTION, Search, center};
+use crate::energy::center::{BOUNDARY_FRACTION, CenterSearch, center};
 use crate::energy::evaluation::EnergyScratch;
 use crate::energy::evaluation::{SignedPiece, energy, energy_jet};
 use crate::geometry::bounds::Bounds;
@@ -252,21 +252,21 @@ impl CellMemory {
         }
     }
 
-    fn minimizer(&mut self, domain: &dyn Domain, cell: &Cell<'_>, spec: EnergySpec) -> Minimizer {
+    fn minimizer(&mut self, domain: &dyn Domain, cell: &Cell<'_>, spec: EnergySpec) -> CellMinimum {
         match spec.norm {
             Norm::Linf => self.center(domain, cell, spec),
             Norm::L2 => self.centroid(domain, cell),
         }
     }
 
-    fn center(&mut self, domain: &dyn Domain, cell: &Cell<'_>, spec: EnergySpec) -> Minimizer {
+    fn center(&mut self, domain: &dyn Domain, cell: &Cell<'_>, spec: EnergySpec) -> CellMinimum {
         let pieces = &self.pieces[..self.used];
         let first = energy_jet(pieces, &Vector3::zeros(), spec.order, &mut self.walk);
         let (volume, mass) = match self.walk.volume() {
             Some(volume) if self.measured.is_none() => (volume, volume),
             _ => self.measured(),
         };
-        let search = Search {
+        let search = CenterSearch {
             minimizer: spec.minimizer,
             order: spec.order,
             volume,
@@ -282,7 +282,7 @@ impl CellMemory {
         } else {
             energy(pieces, &Vector3::zeros(), 1, &mut self.walk).value
         };
-        Minimizer {
+        CellMinimum {
             energy: center.energy_at_site,
             gradient: self.in_space(center.gradient_at_site),
             chebyshev: chebyshev / domain.mean_density(),
@@ -291,11 +291,11 @@ impl CellMemory {
         }
     }
 
-    fn centroid(&mut self, domain: &dyn Domain, cell: &Cell<'_>) -> Minimizer {
+    fn centroid(&mut self, domain: &dyn Domain, cell: &Cell<'_>) -> CellMinimum {
         let masses = self.masses();
         let pieces = &self.pieces[..self.used];
         let chebyshev = energy(pieces, &Vector3::zeros(), 1, &mut self.walk).value;
-        Minimizer {
+        CellMinimum {
             energy: masses.second.trace(),
             gradient: -2.0 * masses.first,
             chebyshev: chebyshev / domain.mean_density(),
@@ -306,7 +306,7 @@ impl CellMemory {
 }
 
 /// The minimizer of a cell's energy, and the energy at the site.
-struct Minimizer {
+struct CellMinimum {
     energy: f64,
     /// The energy's gradient at the site.
     gradient: Vector3<f64>,

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use crate::domain::facet_kind::FacetKind;
 use crate::domain::planar::PlaneDomain;
-use crate::energy::center::{BOUNDARY_FRACTION, Center, Search};
+use crate::energy::center::{BOUNDARY_FRACTION, Center, CenterSearch};
 use crate::energy::planar::{energy, energy_with_derivatives};
 use crate::geometry::bounds::Bounds;
 use crate::geometry::half_plane::HalfPlane;
@@ -98,7 +98,7 @@ impl RelaxationSpace<2> for Plane {
 fn relative_center(cell: &PlaneCell, spec: EnergySpec) -> Option<Center<2>> {
     let polygon = &cell.polygon;
     (polygon.area() > 0.0).then(|| {
-        let search = Search {
+        let search = CenterSearch {
             minimizer: spec.minimizer,
             order: spec.order,
             volume: polygon.area(),

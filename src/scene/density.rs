@@ -10,7 +10,7 @@ use crate::domain::domain as space;
 use crate::domain::domain::WeightedDomain;
 use crate::domain::tet_mesh::TetSolid;
 use crate::integrals::polynomial::Polynomial;
-use crate::scene::domain::Domain;
+use crate::scene::domain::SceneDomain;
 use crate::scene::error::Error;
 
 /// Background density: text, or one of the keys.
@@ -20,7 +20,7 @@ use crate::scene::error::Error;
     expecting = "the density is a text such as \"1 + 2*x\" or an object with exactly one of the \
                  keys `polynomial`, `data`, `size`"
 )]
-pub enum Density {
+pub enum SceneDensity {
     /// The name of the vertex data of tetrahedra, else a polynomial.
     Text(String),
     /// A polynomial in x, y and z.
@@ -40,12 +40,12 @@ pub enum Density {
     },
 }
 
-impl Density {
+impl SceneDensity {
     /// The domain with this density, for energies of order `order`, and what was repaired in its
     /// mesh.
     pub(crate) fn weigh(
         &self,
-        domain: &Domain,
+        domain: &SceneDomain,
         order: u32,
     ) -> Result<(Box<dyn space::Domain>, Vec<String>), Error> {
         let (text, of_value): (&str, &dyn Fn(f64) -> f64) = match self {
@@ -54,7 +54,7 @@ impl Density {
             Self::Size { size } => (size, &|h: f64| h.powi(-3 - order as i32)),
         };
         let (domain, notes): (Box<dyn space::Domain>, _) = match (self, domain) {
-            (Self::Text(_) | Self::Data { .. } | Self::Size { .. }, Domain::Tets(mesh)) => {
+            (Self::Text(_) | Self::Data { .. } | Self::Size { .. }, SceneDomain::Tets(mesh)) => {
                 let (tets, notes) = mesh.tet_solid()?;
                 if matches!(self, Self::Data { .. }) || tets.mesh().data(text).is_some() {
                     return Ok((Box::new(by_data(tets, text, of_value)?), notes));

@@ -7,11 +7,11 @@ use serde::{Deserialize, Serialize};
 
 use crate::domain::domain as space;
 use crate::relax::relaxation_space::Norm;
-use crate::scene::density::Density;
-use crate::scene::domain::Domain;
+use crate::scene::density::SceneDensity;
+use crate::scene::domain::SceneDomain;
 use crate::scene::error::Error;
 use crate::scene::frames::FrameChoice;
-use crate::scene::method::Method;
+use crate::scene::method::SceneMethod;
 use crate::scene::sites::Sites;
 
 /// The largest order p: beyond it d∞^p underflows for cells of a thousandth of the domain.
@@ -34,10 +34,10 @@ pub struct Scene {
     pub dimension: usize,
     /// Where the sites live; the unit cube (in the plane: the unit square) by default.
     #[serde(default)]
-    pub domain: Domain,
+    pub domain: SceneDomain,
     /// How much every place of the domain weighs; the same everywhere by default.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub density: Option<Density>,
+    pub density: Option<SceneDensity>,
     /// The sites to start from.
     pub sites: Sites,
     /// Whether sites outside the domain are left out instead of refused.
@@ -51,7 +51,7 @@ pub struct Scene {
     pub order: u32,
     /// How the sites move.
     #[serde(default)]
-    pub method: Method,
+    pub method: SceneMethod,
     /// How often the number of sites is divided by eight before the first descent; each level then
     /// splits every site into eight. Left out, it is what the method thinks best: 0, except for
     /// exchanges.
@@ -101,7 +101,7 @@ impl Scene {
     /// repaired in its mesh, one sentence each.
     ///
     /// # Errors
-    /// As [`Domain::solid`], and when the density does not fit the domain.
+    /// As [`SceneDomain::solid`], and when the density does not fit the domain.
     pub fn solid(&self) -> Result<(Box<dyn space::Domain>, Vec<String>), Error> {
         match &self.density {
             Some(density) => density.weigh(&self.domain, self.order),
@@ -149,7 +149,7 @@ impl Scene {
             let message = "every site has its own frame, so their number must not change; give 0";
             return Err(Error::value("coarse_to_fine", message));
         }
-        let is_lloyd = matches!(self.method, Method::Lloyd(_));
+        let is_lloyd = matches!(self.method, SceneMethod::Lloyd(_));
         if self.dimension == 2 && !(is_lloyd && levels == 0) {
             let message = "in the plane there is \"lloyd\" only, without coarse_to_fine";
             return Err(Error::value("method", message));

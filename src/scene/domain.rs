@@ -1,7 +1,7 @@
 //! The scene's `domain`, read as numbers or mesh files and made a domain of the plane or of space.
 //!
 //! How many numbers there are is validated here; what they are worth together, by the domain itself
-//! when [`Domain::solid`] or [`Domain::plane`] builds from them.
+//! when [`SceneDomain::solid`] or [`SceneDomain::plane`] builds from them.
 
 use std::path::{Path, PathBuf};
 
@@ -23,7 +23,7 @@ use crate::scene::numbers::{dimensions_match, point, rows_match};
 /// A domain by its scene key.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(try_from = "DomainKeys", into = "DomainKeys")]
-pub enum Domain {
+pub enum SceneDomain {
     /// An axis-aligned box, periodic along any of its axes.
     Box(BoxDomain),
     /// The intersection of half-spaces `[n_x, n_y, n_z, d]`: the points y with n·y ≤ d
@@ -79,7 +79,7 @@ pub struct DomainKeys {
     scale_to: Option<ScaleTo>,
 }
 
-impl TryFrom<DomainKeys> for Domain {
+impl TryFrom<DomainKeys> for SceneDomain {
     type Error = String;
 
     fn try_from(keys: DomainKeys) -> Result<Self, String> {
@@ -112,18 +112,18 @@ impl TryFrom<DomainKeys> for Domain {
     }
 }
 
-impl From<Domain> for DomainKeys {
-    fn from(domain: Domain) -> Self {
+impl From<SceneDomain> for DomainKeys {
+    fn from(domain: SceneDomain) -> Self {
         let mut keys = Self::default();
         match domain {
-            Domain::Box(domain) => keys.cuboid = Some(domain),
-            Domain::HalfSpaces(rows) => keys.half_spaces = Some(rows),
-            Domain::Polygon(corners) => keys.polygon = Some(corners),
-            Domain::Surface(mesh) => {
+            SceneDomain::Box(domain) => keys.cuboid = Some(domain),
+            SceneDomain::HalfSpaces(rows) => keys.half_spaces = Some(rows),
+            SceneDomain::Polygon(corners) => keys.polygon = Some(corners),
+            SceneDomain::Surface(mesh) => {
                 keys.surface = Some(mesh.file);
                 keys.scale_to = mesh.scale_to;
             }
-            Domain::Tets(mesh) => {
+            SceneDomain::Tets(mesh) => {
                 keys.tets = Some(mesh.file);
                 keys.scale_to = mesh.scale_to;
             }
@@ -132,13 +132,13 @@ impl From<Domain> for DomainKeys {
     }
 }
 
-impl Default for Domain {
+impl Default for SceneDomain {
     fn default() -> Self {
         Self::Box(BoxDomain::default())
     }
 }
 
-impl Domain {
+impl SceneDomain {
     pub(crate) fn fill_defaults(&mut self, dimension: usize) {
         if let Self::Box(domain) = self {
             fill(&mut domain.min, 0.0, dimension);
@@ -291,14 +291,14 @@ mod tests {
 
     #[test]
     fn a_box_without_numbers_is_the_unit_box() {
-        let mut domain = Domain::default();
+        let mut domain = SceneDomain::default();
         domain.fill_defaults(2);
         let expected = BoxDomain {
             min: vec![0.0, 0.0],
             max: vec![1.0, 1.0],
             periodic: vec![false, false],
         };
-        assert_eq!(domain, Domain::Box(expected));
+        assert_eq!(domain, SceneDomain::Box(expected));
     }
 
     #[test]
@@ -308,7 +308,7 @@ mod tests {
             max: vec![1.0, 0.0, 1.0],
             periodic: vec![false; 3],
         };
-        let error = Domain::Box(flat).validate(3).unwrap_err().to_string();
+        let error = SceneDomain::Box(flat).validate(3).unwrap_err().to_string();
         assert!(
             error.contains("no volume") && error.contains("axis 1"),
             "{error}"

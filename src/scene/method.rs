@@ -12,7 +12,7 @@ use crate::scene::numbers::{at_least_one, not_negative};
 /// A method by its scene key.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
-pub enum Method {
+pub enum SceneMethod {
     /// Every site moves to its cell's center, again and again.
     Lloyd(Lloyd),
     /// All sites descend together along the exact global objective.
@@ -21,13 +21,13 @@ pub enum Method {
     Anneal(Anneal),
 }
 
-impl Default for Method {
+impl Default for SceneMethod {
     fn default() -> Self {
         Self::Lloyd(Lloyd::default())
     }
 }
 
-impl Method {
+impl SceneMethod {
     /// What makes cubes of the cells: annealing with exchanges.
     #[must_use]
     pub fn cubes() -> Self {

@@ -25,7 +25,7 @@ pub fn parse<const D: usize>(bytes: &[u8], path: &Path) -> Result<Vec<Point<f64,
 fn rows<const D: usize>(bytes: &[u8]) -> Result<Vec<Point<f64, D>>, String> {
     let (header, data) = split(bytes).ok_or("not a .npy file: it does not begin with a header")?;
     let damaged = || format!("not a .npy file: its header {header:?} is damaged");
-    let header = Header::parse(header).ok_or_else(damaged)?;
+    let header = NpyHeader::parse(header).ok_or_else(damaged)?;
     let (values, rest) = header.numbers(data)?;
     let count = header.row_count::<D>()?;
     let expected = count.saturating_mul(D);
@@ -65,13 +65,13 @@ fn split(bytes: &[u8]) -> Option<(&str, &[u8])> {
 
 /// What a header says; `descr` as it is written there.
 #[derive(Debug, Default)]
-struct Header<'a> {
+struct NpyHeader<'a> {
     descr: &'a str,
     is_fortran: bool,
     shape: Vec<u64>,
 }
 
-impl<'a> Header<'a> {
+impl<'a> NpyHeader<'a> {
     /// Reads the dictionary: exactly the three keys, in any order.
     fn parse(text: &'a str) -> Option<Self> {
         let mut rest = text.trim().strip_prefix('{')?.strip_suffix('}')?.trim();

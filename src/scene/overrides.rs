@@ -9,7 +9,7 @@ use serde_json::{Map, Value, json};
 
 use crate::scene::description::Scene;
 use crate::scene::error::{Error, UnknownKey, unknown_key};
-use crate::scene::method::Method;
+use crate::scene::method::SceneMethod;
 
 /// Keys of a scene with the values that replace those in it.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -40,7 +40,7 @@ impl Overrides {
 
     /// Takes the method that makes cubes of the cells.
     pub fn set_cubes(&mut self) {
-        let method = json!(Method::cubes());
+        let method = json!(SceneMethod::cubes());
         self.scene.insert("method".to_owned(), method);
     }
 
@@ -161,7 +161,7 @@ mod tests {
         });
         let overrides = of_method("anneal", options);
         overrides.apply(&mut scene).expect("annealing has them all");
-        let Method::Anneal(keys) = &scene.method else {
+        let SceneMethod::Anneal(keys) = &scene.method else {
             panic!("the method is the one named")
         };
         assert_eq!((keys.warm_up, keys.memory, keys.rounds), (2, 5, 7));
@@ -175,7 +175,7 @@ mod tests {
         of_method("quasi-newton", json!({}))
             .apply(&mut scene)
             .expect("a method");
-        assert!(matches!(scene.method, Method::QuasiNewton(_)));
+        assert!(matches!(scene.method, SceneMethod::QuasiNewton(_)));
     }
 
     #[test]

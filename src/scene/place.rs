@@ -28,7 +28,7 @@ const MISSES_ALLOWED: u64 = 10_000_000;
 pub type Contains<'a, const D: usize> = Box<dyn Fn(&Point<f64, D>) -> bool + Sync + 'a>;
 
 /// The part of a domain that sites are placed in and checked against.
-pub struct Region<'a, const D: usize> {
+pub struct SiteRegion<'a, const D: usize> {
     /// The domain's bounding box.
     pub bounds: Bounds<D>,
     /// Along which axes the domain repeats itself.
@@ -37,7 +37,7 @@ pub struct Region<'a, const D: usize> {
     pub contains: Contains<'a, D>,
 }
 
-impl<const D: usize> Region<'_, D> {
+impl<const D: usize> SiteRegion<'_, D> {
     /// The box `bounds` itself.
     #[must_use]
     pub fn of_box(bounds: Bounds<D>, periodic: [bool; D]) -> Self {
@@ -50,8 +50,8 @@ impl<const D: usize> Region<'_, D> {
 
     /// The region of a domain in space.
     #[must_use]
-    pub fn of_solid(domain: &dyn Domain) -> Region<'_, 3> {
-        Region {
+    pub fn of_solid(domain: &dyn Domain) -> SiteRegion<'_, 3> {
+        SiteRegion {
             bounds: domain.bounds(),
             periodic: domain.periods().map(|period| period.is_some()),
             contains: Box::new(|point| domain.contains(point)),
@@ -60,8 +60,8 @@ impl<const D: usize> Region<'_, D> {
 
     /// The region of a domain in the plane.
     #[must_use]
-    pub fn of_plane(domain: &PlaneDomain) -> Region<'_, 2> {
-        Region {
+    pub fn of_plane(domain: &PlaneDomain) -> SiteRegion<'_, 2> {
+        SiteRegion {
             bounds: domain.bounds(),
             periodic: [false; 2],
             contains: Box::new(|point| domain.contains(point)),
@@ -87,7 +87,7 @@ impl<const D: usize> Region<'_, D> {
     }
 }
 
-impl<const D: usize> fmt::Debug for Region<'_, D> {
+impl<const D: usize> fmt::Debug for SiteRegion<'_, D> {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         formatter
             .debug_struct("Region")
@@ -104,7 +104,7 @@ impl<const D: usize> fmt::Debug for Region<'_, D> {
 /// When a site file cannot be read, or [`check()`] refuses a point.
 pub fn place<const D: usize>(
     sites: &Sites,
-    region: &Region<'_, D>,
+    region: &SiteRegion<'_, D>,
     drop_outside: bool,
 ) -> Result<Vec<Point<f64, D>>, Error> {
     let mut points: Vec<Point<f64, D>> = match sites {
@@ -130,7 +130,7 @@ pub fn place<const D: usize>(
 fn random_sites<const D: usize>(
     count: usize,
     seed: u64,
-    region: &Region<'_, D>,
+    region: &SiteRegion<'_, D>,
 ) -> Result<Vec<Point<f64, D>>, Error> {
     let mut uniform = Random::new(seed);
     let mut sites = Vec::new();
@@ -155,7 +155,7 @@ fn random_sites<const D: usize>(
 /// [`Error::EmptyGrid`] when there is none.
 fn grid_sites<const D: usize>(
     grid: &Grid,
-    region: &Region<'_, D>,
+    region: &SiteRegion<'_, D>,
 ) -> Result<Vec<Point<f64, D>>, Error> {
     let mut uniform = Random::new(grid.seed);
     let mut sites = Vec::new();
@@ -178,7 +178,7 @@ fn grid_sites<const D: usize>(
 fn jittered<const D: usize>(
     at: &[usize; D],
     grid: &Grid,
-    region: &Region<'_, D>,
+    region: &SiteRegion<'_, D>,
     uniform: &mut Random,
 ) -> Point<f64, D> {
     let extent = region.bounds.extent();
@@ -208,7 +208,10 @@ fn advance<const D: usize>(at: &mut [usize; D], counts: &[usize]) -> bool {
 /// # Errors
 /// [`Error::NotFinite`], [`Error::Outside`] or [`Error::Duplicate`], in that order, with the
 /// lowest index and the number of further ones.
-pub fn check<const D: usize>(sites: &[Point<f64, D>], region: &Region<'_, D>) -> Result<(), Error> {
+pub fn check<const D: usize>(
+    sites: &[Point<f64, D>],
+    region: &SiteRegion<'_, D>,
+) -> Result<(), Error> {
     finite(sites)?;
     inside(sites, region)?;
     distinct(sites, region)
@@ -231,7 +234,10 @@ fn finite<const D: usize>(sites: &[Point<f64, D>]) -> Result<(), Error> {
     }
 }
 
-fn inside<const D: usize>(sites: &[Point<f64, D>], region: &Region<'_, D>) -> Result<(), Error> {
+fn inside<const D: usize>(
+    sites: &[Point<f64, D>],
+    region: &SiteRegion<'_, D>,
+) -> Result<(), Error> {
     let outside = |&index: &usize| !region.holds(&sites[index]);
     let mut strays = (0..sites.len()).filter(outside);
     match strays.next() {
@@ -244,7 +250,10 @@ fn inside<const D: usize>(sites: &[Point<f64, D>], region: &Region<'_, D>) -> Re
     }
 }
 
-fn distinct<const D: usize>(sites: &[Point<f64, D>], region: &Region<'_, D>) -> Result<(), Error> {
+fn distinct<const D: usize>(
+    sites: &[Point<f64, D>],
+    region: &SiteRegion<'_, D>,
+) -> Result<(), Error> {
     let key = |index: usize| region.canonical(&sites[index]);
     let mut order: Vec<usize> = (0..sites.len()).collect();
     order.par_sort_unstable_by(|&a, &b| lexicographic(&key(a), &key(b)).then(a.cmp(&b)));
@@ -285,7 +294,7 @@ mod tests {
 
     #[test]
     fn a_seed_keeps_its_sites() {
-        let region = Region::of_box(cube(), [false; 3]);
+        let region = SiteRegion::of_box(cube(), [false; 3]);
         let first = random_sites(2, 1, &region).expect("a cube has room");
         assert_eq!(first, random_sites(2, 1, &region).expect("a cube has room"));
         assert_ne!(first, random_sites(2, 2, &region).expect("a cube has room"));
@@ -301,7 +310,7 @@ mod tests {
     #[test]
     fn rejection_keeps_to_the_region() {
         let triangle = |point: &Point2<f64>| point.x + point.y <= 1.0;
-        let region = Region {
+        let region = SiteRegion {
             bounds: Bounds {
                 min: Point2::new(0.0, 0.0),
                 max: Point2::new(1.0, 1.0),
@@ -316,9 +325,9 @@ mod tests {
 
     #[test]
     fn a_region_without_room_is_refused() {
-        let region = Region {
+        let region = SiteRegion {
             contains: Box::new(|_| false),
-            ..Region::of_box(cube(), [false; 3])
+            ..SiteRegion::of_box(cube(), [false; 3])
         };
         assert!(matches!(
             random_sites(1, 1, &region),
@@ -326,12 +335,12 @@ mod tests {
         ));
     }
 
-    fn region() -> Region<'static, 2> {
+    fn region() -> SiteRegion<'static, 2> {
         let bounds = Bounds {
             min: Point2::new(0.0, 1.0),
             max: Point2::new(2.0, 2.0),
         };
-        Region::of_box(bounds, [false; 2])
+        SiteRegion::of_box(bounds, [false; 2])
     }
 
     fn grid(jitter: f64) -> Grid {
@@ -362,12 +371,12 @@ mod tests {
 
     #[test]
     fn the_grid_is_cropped_to_the_region() {
-        let left = Region {
+        let left = SiteRegion {
             contains: Box::new(|point: &Point2<f64>| point.x < 1.0),
             ..region()
         };
         assert_eq!(grid_sites(&grid(0.0), &left).expect("two remain").len(), 2);
-        let nothing = Region {
+        let nothing = SiteRegion {
             contains: Box::new(|_| false),
             ..region()
         };
@@ -383,7 +392,7 @@ mod tests {
             max: Point2::new(1.0, 1.0),
         };
         let points: Vec<Point2<f64>> = points.iter().copied().map(Point2::from).collect();
-        check(&points, &Region::of_box(bounds, [periodic, false]))
+        check(&points, &SiteRegion::of_box(bounds, [periodic, false]))
     }
 
     #[test]

@@ -9,7 +9,7 @@ use std::ops::ControlFlow;
 use nalgebra::{Point, Point2, Point3};
 
 use crate::relax::descent::DescentOptions;
-use crate::relax::driver::RunEnd;
+use crate::relax::driver::{Observer, RunEnd};
 use crate::relax::metrics::CellMetrics;
 use crate::relax::multilevel::levels_for_cubes;
 use crate::relax::plan::{Perturbation, PerturbationKind, Plan};
@@ -18,12 +18,11 @@ use crate::relax::record::Record;
 use crate::relax::relaxation::{Checkpoint, continue_run};
 use crate::relax::relaxation_space::{EnergySpec, RelaxationSpace};
 use crate::relax::space::Space;
-use crate::relax::state::RunState;
 use crate::scene::description::Scene;
 use crate::scene::error::Error;
 use crate::scene::frames::FrameChoice;
-use crate::scene::method::{Anneal, Method};
-use crate::scene::place::{Region, place};
+use crate::scene::method::{Anneal, SceneMethod};
+use crate::scene::place::{SiteRegion, place};
 
 /// Sites of a run, by dimension.
 #[derive(Clone, Debug, PartialEq)]
@@ -40,7 +39,7 @@ pub type PointsSoFar<'a> = Points<&'a [Point2<f64>], &'a [Point3<f64>]>;
 /// What a run leaves.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
-pub struct Outcome {
+pub struct SceneOutcome {
     /// The sites, in the order of those that the scene names.
     pub sites: Points<Vec<Point2<f64>>, Vec<Point3<f64>>>,
     /// Every record, the first of the sites before any move.
@@ -58,7 +57,7 @@ pub struct Outcome {
 pub fn run(
     scene: &Scene,
     mut observer: impl FnMut(&Record, PointsSoFar<'_>) -> ControlFlow<()>,
-) -> Result<Outcome, Error> {
+) -> Result<SceneOutcome, Error> {
     let mut records = Vec::new();
     let mut keep = |record: &Record, sites: PointsSoFar<'_>| {
         records.push(record.clone());
@@ -79,7 +78,7 @@ pub fn run(
         })?;
         (Points::Space(checkpoint.sites), ended, notes)
     };
-    Ok(Outcome {
+    Ok(SceneOutcome {
         sites,
         records,
         ended,
@@ -87,14 +86,10 @@ pub fn run(
     })
 }
 
-/// Is shown a record, the sites it describes and the method's state, and says whether to go on.
-pub type Observer<'a, const D: usize> =
-    dyn FnMut(&Record, &[Point<f64, D>], &RunState<D>) -> ControlFlow<()> + 'a;
-
 /// A space in which a scene's sites are placed, measured and relaxed.
 pub trait RunSpace<const D: usize>: RelaxationSpace<D> {
     /// The domain, to place sites in.
-    fn region(&self) -> Region<'_, D>;
+    fn region(&self) -> SiteRegion<'_, D>;
 
     /// The figures of every cell, in the norm of `spec`.
     ///
@@ -116,8 +111,8 @@ pub trait RunSpace<const D: usize>: RelaxationSpace<D> {
 }
 
 impl RunSpace<2> for Plane {
-    fn region(&self) -> Region<'_, 2> {
-        Region::<2>::of_plane(&self.domain)
+    fn region(&self) -> SiteRegion<'_, 2> {
+        SiteRegion::<2>::of_plane(&self.domain)
     }
 
     fn cells(
@@ -130,8 +125,8 @@ impl RunSpace<2> for Plane {
 }
 
 impl RunSpace<3> for Space {
-    fn region(&self) -> Region<'_, 3> {
-        Region::<3>::of_solid(self.domain())
+    fn region(&self) -> SiteRegion<'_, 3> {
+        SiteRegion::<3>::of_solid(self.domain())
     }
 
     fn cells(
@@ -213,17 +208,17 @@ pub fn plan(scene: &Scene, count: usize) -> Plan {
         })
     };
     match &scene.method {
-        Method::Lloyd(lloyd) => Plan {
+        SceneMethod::Lloyd(lloyd) => Plan {
             is_accelerated: lloyd.accelerate,
             descent: None,
             ..whole
         },
-        Method::QuasiNewton(descent) => Plan {
+        SceneMethod::QuasiNewton(descent) => Plan {
             warm_up: descent.warm_up,
             descent: descend(descent.memory, descent.gradient_tolerance),
             ..whole
         },
-        Method::Anneal(anneal) => Plan {
+        SceneMethod::Anneal(anneal) => Plan {
             warm_up: anneal.warm_up,
             descent: descend(anneal.memory, anneal.gradient_tolerance),
             steps: anneal.first_steps,
@@ -236,7 +231,9 @@ pub fn plan(scene: &Scene, count: usize) -> Plan {
 fn levels(scene: &Scene, count: usize) -> u32 {
     let has_own_frames = scene.frames.as_ref().is_some_and(FrameChoice::is_per_site);
     let chosen = match &scene.method {
-        Method::Anneal(anneal) if anneal.exchange && !has_own_frames => levels_for_cubes(count),
+        SceneMethod::Anneal(anneal) if anneal.exchange && !has_own_frames => {
+            levels_for_cubes(count)
+        }
         _ => 0,
     };
     scene.coarse_to_fine.unwrap_or(chosen)

@@ -7,7 +7,7 @@ use crate::integrals::polynomial::Polynomial;
 use crate::integrals::reference::{cattani_paoluzzi, tetrahedron};
 use crate::mass::body::Body;
 use crate::mass::cut::cut;
-use crate::mass::density::{Density, Ramp};
+use crate::mass::density::{Ramp, SolidDensity};
 use crate::mass::profile::{Profile, ProfileError};
 use crate::mass::split::{Side, split};
 use crate::mass::weigh::{WeighError, weigh_surface, weigh_tets};
@@ -46,13 +46,13 @@ fn block(min: [f64; 3], max: [f64; 3]) -> SurfaceMesh {
     })
 }
 
-fn weighed(mesh: &SurfaceMesh, density: &Density) -> Body {
+fn weighed(mesh: &SurfaceMesh, density: &SolidDensity) -> Body {
     weigh_surface(mesh, density, &mesh.bounds()).unwrap()
 }
 
-fn ramp(axis: usize) -> Density {
+fn ramp(axis: usize) -> SolidDensity {
     let (from, to) = (0.0, 1.0);
-    Density::Ramp(Ramp { axis, from, to })
+    SolidDensity::Ramp(Ramp { axis, from, to })
 }
 
 fn moved(mesh: &SurfaceMesh, map: impl Fn(&Point3<f64>) -> Point3<f64>) -> SurfaceMesh {
@@ -67,7 +67,7 @@ fn moved(mesh: &SurfaceMesh, map: impl Fn(&Point3<f64>) -> Point3<f64>) -> Surfa
 #[test]
 fn a_box_has_its_textbook_inertia() {
     let mesh = block([1.0, 2.0, 3.0], [2.0, 4.0, 6.0]);
-    let body = weighed(&mesh, &Density::Constant(2.0));
+    let body = weighed(&mesh, &SolidDensity::Constant(2.0));
     close(body.volume, 6.0, 1e-15, "volume");
     close(body.surface_area, 22.0, 1e-15, "area");
     close(body.mass, 12.0, 1e-15, "mass");
@@ -86,7 +86,7 @@ fn a_box_has_its_textbook_inertia() {
 fn a_unit_cube_at_a_million_keeps_twelve_digits() {
     for shift in [Vector3::repeat(1e6), Vector3::new(1e6, -3e6, 2e6)] {
         let mesh = moved(&unit_cube(), |v| v + shift);
-        let body = weighed(&mesh, &Density::Constant(1.0));
+        let body = weighed(&mesh, &SolidDensity::Constant(1.0));
         close(body.mass, 1.0, 1e-15, "mass");
         let sixth = Matrix3::from_diagonal_element(1.0 / 6.0);
         assert!((body.inertia_center() - sixth).amax() < 1e-15);
@@ -106,7 +106,7 @@ fn a_unit_cube_at_a_million_keeps_twelve_digits() {
             moved(&block([0.0; 3], [0.5, 1.0, 1.0]), |v| v + shift),
             moved(&block([0.5, 0.0, 0.0], [1.0; 3]), |v| v + shift),
         ];
-        let halves = halves.map(|half| weighed(&half, &Density::Constant(1.0)));
+        let halves = halves.map(|half| weighed(&half, &SolidDensity::Constant(1.0)));
         let whole = Body::combined(&halves).unwrap();
         assert!((whole.inertia_center() - sixth).amax() < 1e-15);
     }
@@ -120,7 +120,10 @@ fn parts_taken_together_are_the_whole() {
         block([1.0, 0.0, 0.0], [3.0, 1.0, 0.5]),
         block([1.0, 0.0, 0.5], [3.0, 1.0, 2.0]),
     ];
-    for density in [Density::Constant(3.0), "1 + x^2*y - 0.5*z".parse().unwrap()] {
+    for density in [
+        SolidDensity::Constant(3.0),
+        "1 + x^2*y - 0.5*z".parse().unwrap(),
+    ] {
         let bodies = parts.each_ref().map(|part| weighed(part, &density));
         let together = Body::combined(&bodies).unwrap();
         same(&together, &weighed(&whole, &density), 1e-14, "parts");
@@ -128,7 +131,7 @@ fn parts_taken_together_are_the_whole() {
     }
     let [near, far, _] = parts
         .each_ref()
-        .map(|part| weighed(part, &Density::Constant(1.0)));
+        .map(|part| weighed(part, &SolidDensity::Constant(1.0)));
     let heavy = Body::combined(&[near.weighing(3.0), far.weighing(1.0)]).unwrap();
     close(heavy.mass, 4.0, 1e-15, "given masses");
     close(
@@ -144,7 +147,7 @@ fn parts_taken_together_are_the_whole() {
 fn the_body_frame_is_right_handed_and_diagonalizes() {
     let turn = Rotation3::from_euler_angles(0.3, -1.1, 2.0);
     let mesh = moved(&block([-1.0, -2.0, -3.0], [1.0, 2.0, 3.0]), |v| turn * v);
-    let body = weighed(&mesh, &Density::Constant(1.0));
+    let body = weighed(&mesh, &SolidDensity::Constant(1.0));
     let principal = body.principal();
     let mass = 48.0;
     for (got, sides) in principal
@@ -177,7 +180,7 @@ fn the_body_frame_is_right_handed_and_diagonalizes() {
 fn a_cube_has_the_coordinate_axes_for_its_body_frame() {
     let third = 1.0 / 3.0;
     let mesh = block([-third, 1.0, 0.1], [2.0 * third, 2.0, 1.1]);
-    let principal = weighed(&mesh, &Density::Constant(1.0)).principal();
+    let principal = weighed(&mesh, &SolidDensity::Constant(1.0)).principal();
     for (axis, unit) in principal
         .axes
         .iter()
@@ -289,7 +292,7 @@ proptest! {
         let normal = Vector3::from(normal);
         let offset = if on_grid { normal.dot(&vertex.coords) } else { normal.dot(&Vector3::from(place)) };
         let halves = cut(&mesh, &normal, offset);
-        let density = Density::Vertex(None);
+        let density = SolidDensity::Vertex(None);
         let before = weigh_tets(&mesh, &density, &mesh.bounds()).unwrap();
         let after = weigh_tets(&halves.mesh, &density, &mesh.bounds()).unwrap();
         close(after.volume, before.volume, 1e-14, "volume");
@@ -313,7 +316,7 @@ proptest! {
         let mesh = bracket(3);
         let turn = Rotation3::from_euler_angles(angles[0], angles[1], angles[2]);
         let image = moved(&mesh, |v| turn * v + Vector3::from(shift));
-        let [body, turned] = [&mesh, &image].map(|mesh| weighed(mesh, &Density::Constant(1.5)));
+        let [body, turned] = [&mesh, &image].map(|mesh| weighed(mesh, &SolidDensity::Constant(1.5)));
         close(turned.mass, body.mass, 1e-13, "mass");
         let center = turn * body.center_of_mass() + Vector3::from(shift);
         prop_assert!((turned.center_of_mass() - center).norm() < 1e-12);
@@ -331,7 +334,7 @@ fn a_profile_over_a_box_is_an_integral_over_its_length() {
     // Density 1 up to x = 0.5, ramp to 3 at x = 1.5, then 3: Fig. 5 of the paper.
     let profile = Profile::new(&Vector3::x(), vec![[0.5, 1.0], [1.5, 3.0]]).unwrap();
     let mesh = block([0.0; 3], [2.0, 1.0, 1.0]);
-    let body = weighed(&mesh, &Density::Profile(profile.clone()));
+    let body = weighed(&mesh, &SolidDensity::Profile(profile.clone()));
     close(body.mass, 0.5 + 2.0 + 1.5, 1e-15, "mass");
     // ∫ρx = ½·¼ + ∫(2x)x dx over [½, 3/2] + 3·(4 − 9/4)/2
     let first = 0.125 + (2.0 / 3.0) * (3.375 - 0.125) + 2.625;
@@ -342,9 +345,9 @@ fn a_profile_over_a_box_is_an_integral_over_its_length() {
     }
     // Breaks beyond the body leave a linear density.
     let wide = Profile::new(&Vector3::x(), vec![[-1.0, 0.0], [5.0, 6.0]]).unwrap();
-    let linear = Density::Polynomial("1 + x".parse().unwrap());
+    let linear = SolidDensity::Polynomial("1 + x".parse().unwrap());
     same(
-        &weighed(&mesh, &Density::Profile(wide)),
+        &weighed(&mesh, &SolidDensity::Profile(wide)),
         &weighed(&mesh, &linear),
         1e-15,
         "linear",
@@ -355,14 +358,14 @@ fn a_profile_over_a_box_is_an_integral_over_its_length() {
 fn a_profile_weighs_the_same_in_tetrahedra_and_within_the_surface() {
     let direction = Vector3::new(1.0, -2.0, 0.5);
     let breaks = vec![[-1.1, 1.0], [-0.6, 4.0], [-0.2, 0.5], [0.3, 2.0]];
-    let profile = Density::Profile(Profile::new(&direction, breaks).unwrap());
+    let profile = SolidDensity::Profile(Profile::new(&direction, breaks).unwrap());
     let mesh = tets_with_density();
     let extent = mesh.bounds();
     let filled = weigh_tets(&mesh, &profile, &extent).unwrap();
     let bounded = weigh_surface(&mesh.boundary(), &profile, &extent).unwrap();
     same(&filled, &bounded, 1e-13, "profile");
     // Cutting the mesh at the planes first and reading the densities at vertices is the same.
-    let Density::Profile(inner) = &profile else {
+    let SolidDensity::Profile(inner) = &profile else {
         unreachable!("made above")
     };
     let unit = direction.normalize();
@@ -486,7 +489,7 @@ fn assert_weighs_what_its_boundary_does(mut mesh: TetMesh) {
         let extent = mesh.bounds();
         let boundary = mesh.boundary();
         for density in [
-            Density::Constant(1.0),
+            SolidDensity::Constant(1.0),
             ramp(axis),
             "1 + x*y + z^3".parse().unwrap(),
         ] {
@@ -509,7 +512,7 @@ fn every_density_weighs_the_same_in_tetrahedra_and_within_the_surface() {
         "x*y*z + 1",
         "profile:axis=x,0.2=1,0.7=9",
     ] {
-        let density: Density = text.parse().unwrap();
+        let density: SolidDensity = text.parse().unwrap();
         let filled = weigh_tets(&mesh, &density, &extent).unwrap();
         let bounded = weigh_surface(&boundary, &density, &extent).unwrap();
         same(&filled, &bounded, 1e-13, text);
@@ -520,7 +523,7 @@ fn every_density_weighs_the_same_in_tetrahedra_and_within_the_surface() {
 
 #[test]
 fn a_ball_approaches_the_ball() {
-    let body = weighed(&icosphere(5), &Density::Constant(1.0));
+    let body = weighed(&icosphere(5), &SolidDensity::Constant(1.0));
     let volume = 4.0 / 3.0 * std::f64::consts::PI;
     close(body.volume, volume, 2e-3, "volume");
     close(body.surface_area, 3.0 * volume, 2e-3, "area");
@@ -541,25 +544,28 @@ fn a_ball_approaches_the_ball() {
 
 #[test]
 fn densities_read_what_they_say() {
-    let read = |text: &str| text.parse::<Density>().unwrap();
-    assert_eq!(read("2.5"), Density::Constant(2.5));
-    assert_eq!(read(" 1e3 "), Density::Constant(1000.0));
+    let read = |text: &str| text.parse::<SolidDensity>().unwrap();
+    assert_eq!(read("2.5"), SolidDensity::Constant(2.5));
+    assert_eq!(read(" 1e3 "), SolidDensity::Constant(1000.0));
     let (axis, from, to) = (2, 0.0, 1.0);
     assert_eq!(
         read("linear:axis=z,from=0,to=1"),
-        Density::Ramp(Ramp { axis, from, to })
+        SolidDensity::Ramp(Ramp { axis, from, to })
     );
     assert_eq!(
         read("linear: to=1, from=0, axis=Z"),
-        Density::Ramp(Ramp { axis, from, to })
+        SolidDensity::Ramp(Ramp { axis, from, to })
     );
-    assert_eq!(read("1+x"), Density::Polynomial("1 + x".parse().unwrap()));
-    assert_eq!(read("vertex"), Density::Vertex(None));
-    assert_eq!(read("vertex:rho"), Density::Vertex(Some("rho".into())));
+    assert_eq!(
+        read("1+x"),
+        SolidDensity::Polynomial("1 + x".parse().unwrap())
+    );
+    assert_eq!(read("vertex"), SolidDensity::Vertex(None));
+    assert_eq!(read("vertex:rho"), SolidDensity::Vertex(Some("rho".into())));
     let profile = Profile::new(&Vector3::x(), vec![[0.2, 1.0], [0.8, 5.0]]).unwrap();
     assert_eq!(
         read("profile:axis=x,0.2=1,0.8=5"),
-        Density::Profile(profile)
+        SolidDensity::Profile(profile)
     );
 }
 
@@ -584,7 +590,7 @@ fn what_is_no_density_is_refused_by_name() {
         ("profile:axis=z,1=2,0=3", "break 2 of the profile is at 0"),
         ("profile:0=1", "a `profile` density needs `axis`"),
     ] {
-        let message = text.parse::<Density>().unwrap_err().to_string();
+        let message = text.parse::<SolidDensity>().unwrap_err().to_string();
         assert!(message.contains(part), "{text}: {message}");
     }
 }

@@ -9,7 +9,7 @@ use crate::plot::color::ColorScale;
 use crate::plot::convergence::{Run, convergence};
 use crate::plot::cutaway::{CutawayPicture, Removed};
 use crate::plot::exploded::{Fragment, FragmentedCell, exploded};
-use crate::plot::patches::{Cut, Patch, picture};
+use crate::plot::patches::{Patch, PlaneCut, picture};
 use crate::plot::png::png;
 use crate::plot::svg::svg;
 use crate::relax::record::Record;
@@ -293,7 +293,7 @@ fn scale() -> ColorScale {
 #[test]
 fn a_cut_is_a_picture_of_its_cells() {
     let cells = shells(&grid_sites(4));
-    let cut = Cut::horizontal(0.6);
+    let cut = PlaneCut::horizontal(0.6);
     let patches: Vec<Patch> = cells
         .iter()
         .filter_map(|shell| cut.patch(shell, 104.0))
@@ -304,7 +304,7 @@ fn a_cut_is_a_picture_of_its_cells() {
     tags(&document);
     let fill = format!("fill=\"#{}\" stroke", hex(scale().color(104.0).rgb));
     assert_eq!(document.matches(&fill).count(), 16);
-    assert!(document.contains(">Cut z = 0.6<") && document.contains(">energy (%)<"));
+    assert!(document.contains(">PlaneCut z = 0.6<") && document.contains(">energy (%)<"));
     decoded_size(&png(&figure, 1.0).expect("encodes"));
 }
 

@@ -5,7 +5,7 @@ use proptest::prelude::*;
 
 use crate::domain::cuboid::Cuboid;
 use crate::domain::shape::DomainShape;
-use crate::energy::center::{Minimizer, Search, center};
+use crate::energy::center::{CenterSearch, Minimizer, center};
 use crate::energy::evaluation::{EnergyScratch, SignedPiece, energy, energy_jet};
 use crate::energy::prepared::PreparedPiece;
 use crate::geometry::bounds::Bounds;
@@ -218,7 +218,7 @@ proptest! {
         let (pieces, mut scratch) = (whole(&piece), EnergyScratch::default());
         let first = energy_jet(&pieces, &Vector3::zeros(), 1, &mut scratch);
         let volume = volume(&piece);
-        let search = Search {
+        let search = CenterSearch {
             minimizer: Minimizer::Newton,
             order: 1,
             volume,

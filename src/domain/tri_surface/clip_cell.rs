@@ -19,7 +19,7 @@ use nalgebra::Point3;
 
 use crate::domain::tri_surface::edges::{CellEdges, Crossing};
 use crate::domain::tri_surface::indexed::IndexedSurface;
-use crate::domain::tri_surface::triangle::{Border, Corner, Origin, Plane, TriangleClip};
+use crate::domain::tri_surface::triangle::{Border, Corner, FacetPlane, Origin, TriangleClip};
 use crate::geometry::brep::{Brep, Edge, Extent, Piece};
 use crate::geometry::half_space::HalfSpace;
 use crate::geometry::polyhedron::Polyhedron;
@@ -45,7 +45,7 @@ pub struct ClippedCell {
     /// The common part, in coordinates relative to the site.
     pub part: Brep,
     candidates: Vec<u32>,
-    planes: Vec<Plane>,
+    planes: Vec<FacetPlane>,
     triangle: TriangleClip,
     shared: CornerNumbers,
     /// (edge of the surface, forward, polygon, from, to).
@@ -99,7 +99,7 @@ impl ClippedCell {
         self.planes.clear();
         let planes = cell.facets();
         self.planes
-            .extend(planes.map(|facet| Plane::new(facet.number as u32, facet.half_space())));
+            .extend(planes.map(|facet| FacetPlane::new(facet.number as u32, facet.half_space())));
         self.shared.clear();
         self.sides.clear();
         self.crossings.clear();

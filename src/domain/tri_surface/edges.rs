@@ -35,7 +35,7 @@ impl Crossing {
 
 /// A crossing on an edge of the cell.
 #[derive(Clone, Copy, Debug)]
-struct Cut {
+struct EdgeCut {
     /// The edge's number in the order of [`edges`].
     edge: u32,
     /// Where along the edge.
@@ -48,7 +48,7 @@ struct Cut {
 /// The crossings of a cell's edges, and the sides of its vertices.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct CellEdges {
-    cuts: Vec<Cut>,
+    cuts: Vec<EdgeCut>,
     inside: Vec<Option<bool>>,
     crossed: Vec<[bool; 3]>,
     /// The numbers in the part of the cell's vertices.
@@ -81,7 +81,7 @@ impl CellEdges {
             let place = |vertex: u32| (end - start).dot(&(vertices[vertex as usize] - start));
             let first = cuts.len();
             let found = crossings.iter().filter_map(|crossing| edge.cut(crossing));
-            cuts.extend(found.map(|(ends, vertex)| Cut {
+            cuts.extend(found.map(|(ends, vertex)| EdgeCut {
                 edge: number as u32,
                 along: place(vertex),
                 ends,
@@ -151,7 +151,7 @@ impl CellEdges {
             let is_inside = |vertex: u32| self.inside[vertex as usize] == Some(true);
             let [from_inside, to_inside] = [edge.from, edge.to].map(is_inside);
             let mut begun = from_inside.then(|| self.number(cell, edge.from, part));
-            while let Some(&Cut { ends, vertex, .. }) =
+            while let Some(&EdgeCut { ends, vertex, .. }) =
                 self.cuts.get(cut).filter(|cut| cut.edge == number as u32)
             {
                 cut += 1;

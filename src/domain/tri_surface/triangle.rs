@@ -43,14 +43,14 @@ pub(crate) struct Corner {
 
 /// A plane of a cell, by its number there.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Plane {
+pub(crate) struct FacetPlane {
     pub(crate) number: u32,
     pub(crate) half_space: HalfSpace,
     /// Bounds how fast the excess grows with the largest coordinate.
     steepness: f64,
 }
 
-impl Plane {
+impl FacetPlane {
     pub(crate) fn new(number: u32, half_space: HalfSpace) -> Self {
         let steepness = 3.0 * half_space.normal.amax();
         Self {
@@ -72,7 +72,7 @@ pub(crate) struct TriangleClip {
 
 impl TriangleClip {
     /// The part of a triangle within all `planes`, as a convex polygon; empty if there is none.
-    pub(crate) fn clip(&mut self, triangle: &[Corner; 3], planes: &[Plane]) -> &[Corner] {
+    pub(crate) fn clip(&mut self, triangle: &[Corner; 3], planes: &[FacetPlane]) -> &[Corner] {
         self.corners.clear();
         self.cutting.clear();
         let size = triangle
@@ -80,8 +80,8 @@ impl TriangleClip {
             .fold(0.0, |size: f64, corner| size.max(corner.position.amax()));
         for (place, plane) in planes.iter().enumerate() {
             match side(triangle, size, plane) {
-                Some(Side::Beyond) => return &[],
-                Some(Side::Within) => {}
+                Some(TriangleSide::Beyond) => return &[],
+                Some(TriangleSide::Within) => {}
                 None => self.cutting.push(place as u32),
             }
         }
@@ -92,7 +92,7 @@ impl TriangleClip {
         &self.corners
     }
 
-    fn cut(&mut self, plane: &Plane) {
+    fn cut(&mut self, plane: &FacetPlane) {
         let Self { corners, spare, .. } = self;
         spare.clear();
         for (place, corner) in corners.iter().enumerate() {
@@ -130,22 +130,22 @@ fn crossing([corner, following]: [&Corner; 2], [here, there]: [f64; 2], plane: u
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Side {
+enum TriangleSide {
     Within,
     Beyond,
 }
 
 /// On which side of the plane the whole triangle lies, if that is clear. `size` is its largest
 /// coordinate.
-fn side(triangle: &[Corner; 3], size: f64, plane: &Plane) -> Option<Side> {
+fn side(triangle: &[Corner; 3], size: f64, plane: &FacetPlane) -> Option<TriangleSide> {
     let [a, b, c] = triangle
         .each_ref()
         .map(|corner| excess(&plane.half_space, &corner.position));
     let clear = CLEAR * (plane.steepness * size + plane.half_space.offset.abs());
     if a > clear && b > clear && c > clear {
-        Some(Side::Beyond)
+        Some(TriangleSide::Beyond)
     } else if a < -clear && b < -clear && c < -clear {
-        Some(Side::Within)
+        Some(TriangleSide::Within)
     } else {
         None
     }

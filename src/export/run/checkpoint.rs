@@ -27,7 +27,7 @@ const INTERVAL_PER_WRITE: u32 = 25;
 
 /// The first line of the file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-struct Header {
+struct CheckpointHeader {
     format: u32,
     dimension: usize,
     sites: usize,
@@ -39,7 +39,7 @@ struct Header {
 
 /// A run's state after some iteration.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Checkpoint<const D: usize> {
+pub struct SavedCheckpoint<const D: usize> {
     /// Moves made so far.
     pub iteration: u64,
     /// The sites' positions (L).
@@ -58,7 +58,7 @@ pub fn write<const D: usize>(
     sites: &[Point<f64, D>],
     memory: &[f64],
 ) -> Result<(), RunError> {
-    let header = Header {
+    let header = CheckpointHeader {
         format: FORMAT,
         dimension: D,
         sites: sites.len(),
@@ -81,7 +81,7 @@ pub fn write<const D: usize>(
 ///
 /// # Errors
 /// [`RunError::File`], or [`RunError::Damaged`] when it is not one of `D` dimensions.
-pub fn read<const D: usize>(path: &Path) -> Result<Option<Checkpoint<D>>, RunError> {
+pub fn read<const D: usize>(path: &Path) -> Result<Option<SavedCheckpoint<D>>, RunError> {
     let bytes = match std::fs::read(path) {
         Ok(bytes) => bytes,
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
@@ -92,10 +92,10 @@ pub fn read<const D: usize>(path: &Path) -> Result<Option<Checkpoint<D>>, RunErr
         .map_err(|message| RunError::damaged(path, message))
 }
 
-fn parse<const D: usize>(bytes: &[u8]) -> Result<Checkpoint<D>, String> {
+fn parse<const D: usize>(bytes: &[u8]) -> Result<SavedCheckpoint<D>, String> {
     let end = bytes.iter().position(|&byte| byte == b'\n');
     let end = end.ok_or("it has no header")?;
-    let header: Header =
+    let header: CheckpointHeader =
         serde_json::from_slice(&bytes[..end]).map_err(|error| error.to_string())?;
     let data = &bytes[end + 1..];
     if header.format != FORMAT || header.dimension != D {
@@ -108,13 +108,13 @@ fn parse<const D: usize>(bytes: &[u8]) -> Result<Checkpoint<D>, String> {
     let memory = header.memory.checked_mul(8);
     let size = sites.zip(memory).and_then(|(a, b)| a.checked_add(b));
     let (Some(sites), true) = (sites, size == Some(data.len())) else {
-        let Header { sites, memory, .. } = header;
+        let CheckpointHeader { sites, memory, .. } = header;
         return Err(format!(
             "it does not hold {sites} sites and {memory} numbers"
         ));
     };
     let (sites, memory) = data.split_at(sites);
-    Ok(Checkpoint {
+    Ok(SavedCheckpoint {
         iteration: header.iteration,
         sites: sites.chunks_exact(8 * D).map(point).collect(),
         memory: memory.chunks_exact(8).map(|b| point::<1>(b).x).collect(),

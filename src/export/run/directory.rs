@@ -10,7 +10,7 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 use crate::export::atomic_write;
-use crate::export::run::checkpoint::{self, Checkpoint, Pace};
+use crate::export::run::checkpoint::{self, Pace, SavedCheckpoint};
 use crate::export::run::error::RunError;
 use crate::export::run::log::Log;
 use crate::relax::record::Record;
@@ -110,7 +110,7 @@ impl RunDirectory {
     ///
     /// # Errors
     /// [`RunError::Damaged`] or [`RunError::File`].
-    pub fn checkpoint<const D: usize>(&self) -> Result<Option<Checkpoint<D>>, RunError> {
+    pub fn checkpoint<const D: usize>(&self) -> Result<Option<SavedCheckpoint<D>>, RunError> {
         checkpoint::read(&self.file(CHECKPOINT))
     }
 

@@ -19,7 +19,7 @@ use crate::mesh::tets::VertexData;
 ///
 /// The line and what is wrong there.
 pub fn parse(bytes: &[u8]) -> Result<Mesh, ParseError> {
-    let mut file = File {
+    let mut file = GmshFile {
         words: Words::new(bytes, None),
         version: Version::Four,
         tags: HashMap::new(),
@@ -45,7 +45,7 @@ enum Version {
     Four,
 }
 
-struct File<'a> {
+struct GmshFile<'a> {
     words: Words<'a>,
     version: Version,
     /// Node tag → vertex.
@@ -53,7 +53,7 @@ struct File<'a> {
     mesh: MeshParts,
 }
 
-impl File<'_> {
+impl GmshFile<'_> {
     fn read_format(&mut self) -> Result<(), ParseError> {
         let version = self.words.some_word("a version")?;
         self.version = match version {

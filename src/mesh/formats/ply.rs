@@ -22,9 +22,9 @@ pub fn parse(bytes: &[u8]) -> Result<SurfaceMesh, ParseError> {
     let mut words = Words::new(bytes, None);
     let header = read_header(&mut words)?;
     let mut source = match header.encoding {
-        Encoding::Text => Source::Text(words),
-        Encoding::Little => Source::Binary(Bytes::new(bytes, words.position(), false)),
-        Encoding::Big => Source::Binary(Bytes::new(bytes, words.position(), true)),
+        PlyEncoding::Text => Source::Text(words),
+        PlyEncoding::Little => Source::Binary(Bytes::new(bytes, words.position(), false)),
+        PlyEncoding::Big => Source::Binary(Bytes::new(bytes, words.position(), true)),
     };
     let mesh = read_body(&header, &mut source)?;
     source.check_end()?;
@@ -34,7 +34,7 @@ pub fn parse(bytes: &[u8]) -> Result<SurfaceMesh, ParseError> {
 
 /// How the numbers are written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Encoding {
+enum PlyEncoding {
     Text,
     Little,
     Big,
@@ -42,8 +42,8 @@ enum Encoding {
 
 /// The header: everything before the data.
 #[derive(Clone, Debug)]
-struct Header {
-    encoding: Encoding,
+struct PlyHeader {
+    encoding: PlyEncoding,
     elements: Vec<Element>,
 }
 
@@ -64,7 +64,7 @@ struct Property {
 }
 
 /// Reads up to and including the line `end_header`.
-fn read_header(words: &mut Words<'_>) -> Result<Header, ParseError> {
+fn read_header(words: &mut Words<'_>) -> Result<PlyHeader, ParseError> {
     let magic = words.some_word("the header ply")?;
     if magic != b"ply" {
         return Err(words.unexpected("the header ply", magic));
@@ -86,15 +86,15 @@ fn read_header(words: &mut Words<'_>) -> Result<Header, ParseError> {
     let missing = || words.unexpected("a line `format`", b"end_header");
     let encoding = encoding.ok_or_else(missing)?;
     words.next_line();
-    Ok(Header { encoding, elements })
+    Ok(PlyHeader { encoding, elements })
 }
 
-fn read_encoding(words: &mut Words<'_>) -> Result<Encoding, ParseError> {
+fn read_encoding(words: &mut Words<'_>) -> Result<PlyEncoding, ParseError> {
     let word = words.some_word_on_line("a format")?;
     match word {
-        b"ascii" => Ok(Encoding::Text),
-        b"binary_little_endian" => Ok(Encoding::Little),
-        b"binary_big_endian" => Ok(Encoding::Big),
+        b"ascii" => Ok(PlyEncoding::Text),
+        b"binary_little_endian" => Ok(PlyEncoding::Little),
+        b"binary_big_endian" => Ok(PlyEncoding::Big),
         _ => Err(words.unexpected("ascii, binary_little_endian or binary_big_endian", word)),
     }
 }
@@ -137,7 +137,7 @@ fn read_kind(words: &mut Words<'_>, expected: &'static str) -> Result<Scalar, Pa
     Scalar::named(word).ok_or_else(|| words.unexpected("a number type", word))
 }
 
-fn read_body(header: &Header, source: &mut Source<'_>) -> Result<SurfaceMesh, ParseError> {
+fn read_body(header: &PlyHeader, source: &mut Source<'_>) -> Result<SurfaceMesh, ParseError> {
     let mut mesh = SurfaceMesh::default();
     let is_vertex = |element: &&Element| element.name == "vertex";
     let vertices = header.elements.iter().find(is_vertex);

@@ -28,7 +28,7 @@ pub fn parse(bytes: &[u8]) -> Result<Mesh, ParseError> {
         let what = format!("a {} .vtk file", shown(encoding));
         return Err(words.unsupported(what, "export it as ASCII or as .vtu"));
     }
-    let mut file = File {
+    let mut file = VtkFile {
         words,
         mesh: MeshParts::default(),
         cells: Vec::new(),
@@ -49,7 +49,7 @@ struct Tuples {
     count: usize,
 }
 
-struct File<'a> {
+struct VtkFile<'a> {
     words: Words<'a>,
     mesh: MeshParts,
     cells: Vec<Vec<u32>>,
@@ -57,7 +57,7 @@ struct File<'a> {
     tuples: Option<Tuples>,
 }
 
-impl File<'_> {
+impl VtkFile<'_> {
     fn read_section(&mut self, keyword: &[u8]) -> Result<(), ParseError> {
         match keyword {
             b"DATASET" => self.read_dataset()?,

@@ -28,18 +28,18 @@ use crate::mesh::tets::VertexData;
 ///
 /// The line and what is wrong there.
 pub fn parse(bytes: &[u8]) -> Result<Mesh, ParseError> {
-    let mut file = File {
+    let mut file = VtuFile {
         bytes,
         mesh: MeshParts::default(),
     };
     let (encoding, mut position) = file.read_header()?;
-    let mut piece = Piece::default();
+    let mut piece = VtuPiece::default();
     let mut section: &[u8] = b"";
     loop {
         let tag = file.next_tag(position, "</UnstructuredGrid>")?;
         position = tag.end;
         match tag.name {
-            b"Piece" => piece = Piece::default(),
+            b"Piece" => piece = VtuPiece::default(),
             b"/Piece" => file.add_piece(&std::mem::take(&mut piece), tag.end)?,
             b"Points" | b"Cells" | b"PointData" | b"CellData" => section = tag.name,
             b"/Points" | b"/Cells" | b"/PointData" | b"/CellData" => section = b"",
@@ -52,7 +52,7 @@ pub fn parse(bytes: &[u8]) -> Result<Mesh, ParseError> {
 
 /// The arrays of a piece.
 #[derive(Default)]
-struct Piece {
+struct VtuPiece {
     points: Vec<f64>,
     connectivity: Vec<f64>,
     offsets: Vec<f64>,
@@ -60,14 +60,14 @@ struct Piece {
     data: Vec<VertexData>,
 }
 
-struct File<'a> {
+struct VtuFile<'a> {
     bytes: &'a [u8],
     mesh: MeshParts,
 }
 
-impl<'a> File<'a> {
+impl<'a> VtuFile<'a> {
     /// The encoding that the tag `VTKFile` gives, and the byte offset of its end.
-    fn read_header(&self) -> Result<(Encoding<'a>, usize), ParseError> {
+    fn read_header(&self) -> Result<(VtuEncoding<'a>, usize), ParseError> {
         let mut position = 0;
         loop {
             let tag = self.next_tag(position, "the element VTKFile")?;
@@ -78,7 +78,7 @@ impl<'a> File<'a> {
                     let mend = "export an UnstructuredGrid of tetrahedra";
                     return Err(self.error(tag.end, ErrorKind::unsupported(what, mend)));
                 }
-                return Ok((Encoding::of(&tag, self.bytes), tag.end));
+                return Ok((VtuEncoding::of(&tag, self.bytes), tag.end));
             }
             position = tag.end;
         }
@@ -94,8 +94,8 @@ impl<'a> File<'a> {
         &self,
         section: &[u8],
         tag: &Tag<'_>,
-        encoding: &Encoding<'_>,
-        piece: &mut Piece,
+        encoding: &VtuEncoding<'_>,
+        piece: &mut VtuPiece,
     ) -> Result<(), ParseError> {
         let name = tag.attribute("Name").unwrap_or_default();
         let components = tag.attribute("NumberOfComponents").unwrap_or(b"1");
@@ -118,7 +118,7 @@ impl<'a> File<'a> {
     }
 
     /// Adds a finished piece, which ends at `end`.
-    fn add_piece(&mut self, piece: &Piece, end: usize) -> Result<(), ParseError> {
+    fn add_piece(&mut self, piece: &VtuPiece, end: usize) -> Result<(), ParseError> {
         let at_piece = |kind| ParseError::on_line(line_of(self.bytes, end), kind);
         let (points, rest) = piece.points.as_chunks::<3>();
         if !rest.is_empty() {
@@ -157,7 +157,7 @@ impl<'a> File<'a> {
 }
 
 /// Continues the fields that all pieces so far had.
-fn add_data(mesh: &mut MeshParts, piece: &Piece, base: usize) {
+fn add_data(mesh: &mut MeshParts, piece: &VtuPiece, base: usize) {
     for VertexData { name, values } in &piece.data {
         let known = mesh
             .vertex_data
@@ -174,7 +174,7 @@ fn add_data(mesh: &mut MeshParts, piece: &Piece, base: usize) {
     }
 }
 
-fn add_cells(mesh: &mut MeshParts, piece: &Piece, base: usize) -> Result<(), ErrorKind> {
+fn add_cells(mesh: &mut MeshParts, piece: &VtuPiece, base: usize) -> Result<(), ErrorKind> {
     let offsets: Vec<usize> = std::iter::once(0)
         .chain(piece.offsets.iter().map(|&offset| offset as usize))
         .collect();
@@ -206,7 +206,7 @@ fn vertex_index(number: f64, vertices: usize) -> Result<u32, ErrorKind> {
 
 /// The encoding common to all arrays: attributes of the tag `VTKFile`, and the appended data.
 #[derive(Clone, Debug)]
-struct Encoding<'a> {
+struct VtuEncoding<'a> {
     big_endian: bool,
     header: Scalar,
     compressor: Option<&'a [u8]>,
@@ -215,7 +215,7 @@ struct Encoding<'a> {
     appended_raw: bool,
 }
 
-impl<'a> Encoding<'a> {
+impl<'a> VtuEncoding<'a> {
     /// Reads the attributes of the tag `VTKFile` and finds the appended data.
     fn of(file: &Tag<'a>, bytes: &'a [u8]) -> Self {
         let appended = find_appended(bytes, file.end);
@@ -235,7 +235,7 @@ impl<'a> Encoding<'a> {
 }
 
 /// All numbers of the array whose opening tag is `tag`. Integers beyond 2⁵³ are rounded.
-fn decode(bytes: &[u8], tag: &Tag<'_>, encoding: &Encoding<'_>) -> Result<Vec<f64>, ParseError> {
+fn decode(bytes: &[u8], tag: &Tag<'_>, encoding: &VtuEncoding<'_>) -> Result<Vec<f64>, ParseError> {
     let line = line_of(bytes, tag.end);
     let at_tag = |kind| ParseError::on_line(line, kind);
     let name = tag.attribute("type").unwrap_or_default();
@@ -272,7 +272,7 @@ fn read_text(content: &[u8], line: usize) -> Result<Vec<f64>, ParseError> {
     Ok(numbers)
 }
 
-fn appended(tag: &Tag<'_>, encoding: &Encoding<'_>) -> Result<Vec<u8>, ErrorKind> {
+fn appended(tag: &Tag<'_>, encoding: &VtuEncoding<'_>) -> Result<Vec<u8>, ErrorKind> {
     let expected = "appended data";
     let offset = tag
         .attribute("offset")
@@ -292,7 +292,7 @@ fn appended(tag: &Tag<'_>, encoding: &Encoding<'_>) -> Result<Vec<u8>, ErrorKind
 }
 
 /// Decodes only as much base64 as the header announces: appended arrays follow one another.
-fn from_base64(text: &[u8], encoding: &Encoding<'_>) -> Result<Vec<u8>, ErrorKind> {
+fn from_base64(text: &[u8], encoding: &VtuEncoding<'_>) -> Result<Vec<u8>, ErrorKind> {
     let text = text.trim_ascii();
     let width = encoding.header.width();
     let first = base64(text, width)?;
@@ -315,7 +315,7 @@ fn from_base64(text: &[u8], encoding: &Encoding<'_>) -> Result<Vec<u8>, ErrorKin
 }
 
 /// The payload of header and data.
-fn from_raw(data: &[u8], encoding: &Encoding<'_>) -> Result<Vec<u8>, ErrorKind> {
+fn from_raw(data: &[u8], encoding: &VtuEncoding<'_>) -> Result<Vec<u8>, ErrorKind> {
     let width = encoding.header.width();
     let count = header_value(data, 0, encoding)?;
     match encoding.compressor {
@@ -328,7 +328,7 @@ fn from_raw(data: &[u8], encoding: &Encoding<'_>) -> Result<Vec<u8>, ErrorKind> 
     }
 }
 
-fn inflate(data: &[u8], blocks: usize, encoding: &Encoding<'_>) -> Result<Vec<u8>, ErrorKind> {
+fn inflate(data: &[u8], blocks: usize, encoding: &VtuEncoding<'_>) -> Result<Vec<u8>, ErrorKind> {
     let mut start = blocks
         .saturating_add(3)
         .saturating_mul(encoding.header.width());
@@ -349,7 +349,7 @@ fn inflate(data: &[u8], blocks: usize, encoding: &Encoding<'_>) -> Result<Vec<u8
     Ok(inflated)
 }
 
-fn header_value(data: &[u8], at: usize, encoding: &Encoding<'_>) -> Result<usize, ErrorKind> {
+fn header_value(data: &[u8], at: usize, encoding: &VtuEncoding<'_>) -> Result<usize, ErrorKind> {
     let width = encoding.header.width();
     let start = at.saturating_mul(width);
     let bytes = data

@@ -50,11 +50,11 @@ impl KdTree {
         sites: impl IndexedParallelIterator<Item = Point3<f64>>,
         periods: [Option<f64>; 3],
     ) -> Self {
-        let entry = |(site, position): (usize, Point3<f64>)| Entry {
+        let entry = |(site, position): (usize, Point3<f64>)| SortEntry {
             position,
             site: site as u32,
         };
-        let mut entries: Vec<Entry> = sites.enumerate().map(entry).collect();
+        let mut entries: Vec<SortEntry> = sites.enumerate().map(entry).collect();
         let mut depth = 0;
         while entries.len().div_ceil(1 << depth) > LEAF {
             depth += 1;
@@ -264,12 +264,12 @@ impl ChildBoxes {
 
 /// A site while it is being sorted.
 #[derive(Clone, Copy, Debug)]
-struct Entry {
+struct SortEntry {
     position: Point3<f64>,
     site: u32,
 }
 
-impl Entry {
+impl SortEntry {
     /// The order of coordinates, and of sites where they are equal.
     #[inline(always)]
     fn order_along(&self, axis: usize, other: &Self) -> Ordering {
@@ -291,7 +291,7 @@ fn start(total: usize, number: u64, level: u32) -> usize {
 }
 
 /// Brings the entries of node `number` of a level, of `total` in all, into leaf order.
-fn sort(entries: &mut [Entry], total: usize, (number, level): (u64, u32), depth: u32) {
+fn sort(entries: &mut [SortEntry], total: usize, (number, level): (u64, u32), depth: u32) {
     if level == depth {
         return;
     }
