@@ -24,6 +24,17 @@ const REFITS: usize = 2;
 const ON_WALL: f64 = 8.0 * f64::EPSILON;
 
 /// A bounded intersection of half-spaces.
+///
+/// # Examples
+/// ```
+/// use chebloyd::{ConvexPolyhedron, DomainShape, HalfSpace};
+///
+/// let signs = (0..8).map(|n| [0, 1, 2].map(|axis| if n >> axis & 1 == 1 { -1.0 } else { 1.0 }));
+/// let walls: Vec<_> = signs.map(|normal| HalfSpace { normal: normal.into(), offset: 1.0 }).collect();
+/// let octahedron = ConvexPolyhedron::new(&walls)?;
+/// assert!((octahedron.volume() - 4.0 / 3.0).abs() < 1e-14);
+/// # Ok::<(), chebloyd::DomainError>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct ConvexPolyhedron {
     half_spaces: Vec<HalfSpace>,

@@ -10,6 +10,15 @@ use crate::geometry::label::Label;
 use crate::geometry::polyhedron::Polyhedron;
 
 /// An axis-aligned box; along a periodic axis opposite sides are the same place.
+///
+/// # Examples
+/// ```
+/// use chebloyd::{Bounds, Cuboid, DomainShape};
+///
+/// let channel = Cuboid::new(Bounds::from_corners([0.0; 3], [2.0, 1.0, 1.0]), [true, false, false])?;
+/// assert!((channel.volume() - 2.0).abs() < 1e-15);
+/// # Ok::<(), chebloyd::DomainError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cuboid {
     bounds: Bounds<3>,

@@ -15,6 +15,14 @@ use crate::integrals::polynomial::Polynomial;
 
 /// A shape and a density over it. Every shape is a domain of density 1; `dyn Domain` has all
 /// methods of its [`DomainShape`].
+///
+/// # Examples
+/// ```
+/// use chebloyd::{Cuboid, Domain, DomainShape};
+///
+/// let domain: Box<dyn Domain> = Box::new(Cuboid::unit());
+/// assert!(domain.contains(&[0.5; 3].into()) && domain.density().is_none());
+/// ```
 pub trait Domain: Debug + Send + Sync {
     /// The shape.
     fn shape(&self) -> &(dyn DomainShape + 'static);
@@ -69,6 +77,17 @@ impl<'a> Deref for dyn Domain + 'a {
 
 /// A domain with a density that is a polynomial everywhere, in each of many boxes, or in every
 /// tetrahedron. Its cells are the shape's.
+///
+/// # Examples
+/// ```
+/// use chebloyd::{Cuboid, Polynomial, Relaxation, WeightedDomain, random_sites};
+///
+/// let density = Polynomial::from_terms([([0, 0, 0], 1.0), ([1, 0, 0], 8.0)]);
+/// let graded = WeightedDomain::new(Box::new(Cuboid::unit()), density)?;
+/// let mut sites = random_sites(&graded, 20, 1)?;
+/// Relaxation::new(graded).run(&mut sites)?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug)]
 pub struct WeightedDomain {
     domain: Box<dyn Domain>,

@@ -5,7 +5,16 @@ use thiserror::Error;
 use crate::mesh::report::Refusal;
 
 /// Why a description is no domain.
+///
+/// # Examples
+/// ```
+/// use chebloyd::{Bounds, Cuboid, DomainError};
+///
+/// let flat = Cuboid::new(Bounds::from_corners([0.0; 3], [1.0, 0.0, 1.0]), [false; 3]);
+/// assert!(matches!(flat, Err(DomainError::EmptyExtent { axis: 1, .. })));
+/// ```
 #[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum DomainError {
     /// A coordinate is NaN or infinite.
     #[error("the domain has the coordinate {value}; all must be finite")]

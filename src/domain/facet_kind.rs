@@ -3,6 +3,18 @@
 use crate::geometry::label::Label;
 
 /// What a facet of a cell or piece borders on.
+///
+/// # Examples
+/// ```
+/// use chebloyd::{Cuboid, Diagram, FacetKind};
+///
+/// let cube = Cuboid::unit();
+/// let kinds = Diagram::new(&cube, &[[0.5; 3]])?.map_cells(|cell| {
+///     cell.facets().iter().map(|facet| facet.kind).collect::<Vec<_>>()
+/// })?;
+/// assert!(kinds[0].iter().all(|kind| matches!(kind, FacetKind::Wall(_))));
+/// # Ok::<(), chebloyd::DiagramError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum FacetKind {
     /// The cell of another site, or of an image of one.

@@ -15,6 +15,14 @@ use crate::geometry::clip::ClipScratch;
 use crate::geometry::polyhedron::Polyhedron;
 
 /// A bounded solid Ω in space, possibly periodic along some axes.
+///
+/// # Examples
+/// ```
+/// use chebloyd::{Cuboid, DomainShape};
+///
+/// let cube = Cuboid::unit();
+/// assert!(cube.contains(&[0.0, 0.5, 1.0].into()) && !cube.contains(&[0.0, 0.5, 1.1].into()));
+/// ```
 pub trait DomainShape: Debug + Send + Sync + 'static {
     /// The least axis-aligned box around Ω.
     fn bounds(&self) -> Bounds<3>;

@@ -4,6 +4,14 @@ use nalgebra::{Point3, Vector3};
 use wide::f64x4;
 
 /// The closed half-space n·y ≤ d. The normal points out of it and need not be of unit length.
+///
+/// # Examples
+/// ```
+/// use chebloyd::HalfSpace;
+///
+/// let below = HalfSpace { normal: [0.0, 0.0, 1.0].into(), offset: 2.0 };
+/// assert!(below.excess(&[5.0, 5.0, 1.0].into()) < 0.0);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HalfSpace {
     /// The outward normal n.

@@ -10,6 +10,16 @@ use nalgebra::{Matrix3, Point3, Rotation3, Vector3};
 
 /// ∫ρ dV, ∫ρ y dV and ∫ρ y yᵀ dV of a body of density ρ, y measured from an origin the caller
 /// keeps: the integrals of \[M\] eq. 18-27, weighted.
+///
+/// # Examples
+/// ```
+/// use chebloyd::{Cuboid, Diagram};
+///
+/// let cube = Cuboid::unit();
+/// let moments = Diagram::new(&cube, &[[0.5; 3]])?.map_cells(|cell| cell.moments())?;
+/// assert!((moments[0].second[(0, 0)] - 1.0 / 12.0).abs() < 1e-15);
+/// # Ok::<(), chebloyd::DiagramError>(())
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Moments {
     /// ∫ρ dV (mass; the volume where ρ = 1).

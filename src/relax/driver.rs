@@ -29,6 +29,15 @@ const BETTER: f64 = 1e-8;
 const PERFECT: f64 = 1e-7;
 
 /// Why a run ended.
+///
+/// # Examples
+/// ```
+/// use chebloyd::{Cuboid, Method, Relaxation, RunEnd};
+///
+/// let lloyd = Relaxation::new(Cuboid::unit()).method(Method::lloyd(5));
+/// assert_eq!(lloyd.run(&mut vec![[0.3; 3], [0.6; 3]])?.ended, RunEnd::Iterations);
+/// # Ok::<(), chebloyd::RelaxError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RunEnd {
     /// All iterations were made.

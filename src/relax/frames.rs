@@ -33,6 +33,17 @@ use crate::voronoi::cell::Cell;
 use crate::voronoi::diagram::{Diagram, DiagramError};
 
 /// The rotation that takes the axes of a cell's frame to where they point in space.
+///
+/// # Examples
+/// ```
+/// use chebloyd::{Cuboid, Frames, Relaxation};
+/// use nalgebra::{Rotation3, Vector3};
+///
+/// let turned = Rotation3::new(Vector3::new(0.0, 0.0, 0.5));
+/// let relaxation = Relaxation::new(Cuboid::unit()).frames(Frames::PerSite(vec![turned; 2]));
+/// relaxation.run(&mut vec![[0.3; 3], [0.6; 3]])?;
+/// # Ok::<(), chebloyd::RelaxError>(())
+/// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum Frames {
     /// The axes of space, for all cells.

@@ -58,8 +58,18 @@ pub struct CellMetrics<const D: usize> {
 }
 
 /// The figures of a tessellation.
+///
+/// # Examples
+/// ```
+/// use chebloyd::{Cuboid, Relaxation};
+///
+/// let metrics = Relaxation::new(Cuboid::unit()).measure(&[[0.5; 3]])?;
+/// assert!((metrics.cubeness - 1.0).abs() < 1e-12 && (metrics.energy_percent - 100.0).abs() < 1e-9);
+/// # Ok::<(), chebloyd::RelaxError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "scene", derive(Serialize, Deserialize))]
+#[non_exhaustive]
 pub struct Metrics {
     /// How many sites there are.
     pub sites: usize,

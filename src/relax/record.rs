@@ -11,8 +11,19 @@ use crate::relax::relaxation_space::{CellResult, ObjectiveValue, RelaxationSpace
 /// Energies are those of the sites in their own diagram, in the scene's norm and order, except
 /// `energy_percent`, which is always the p = 1 Chebyshev energy relative to equal cubes
 /// (\[BL\] Fig. 13), so that runs compare.
+///
+/// # Examples
+/// ```
+/// use chebloyd::{Cuboid, Relaxation};
+///
+/// let outcome = Relaxation::new(Cuboid::unit()).run(&mut vec![[0.3; 3], [0.6; 3]])?;
+/// let energies: Vec<f64> = outcome.records.iter().map(|record| record.energy_percent).collect();
+/// assert!(energies[50] < energies[0]);
+/// # Ok::<(), chebloyd::RelaxError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "scene", derive(Serialize, Deserialize))]
+#[non_exhaustive]
 pub struct Record {
     /// Moves made so far; 0 describes the initial sites.
     pub iteration: u64,

@@ -29,6 +29,14 @@ const LLOYD_MOVES: u64 = 50;
 const MISSES_ALLOWED: u64 = 10_000_000;
 
 /// Why a relaxation failed.
+///
+/// # Examples
+/// ```
+/// use chebloyd::{Cuboid, RelaxError, Relaxation};
+///
+/// let twice = Relaxation::new(Cuboid::unit()).run(&mut vec![[0.5; 3]; 2]);
+/// assert!(matches!(twice, Err(RelaxError::Space(_))));
+/// ```
 #[derive(Clone, Debug, Error, PartialEq)]
 #[non_exhaustive]
 pub enum RelaxError {
@@ -154,6 +162,14 @@ impl Method {
 }
 
 /// All that a run needs to go on, to the bit as if it had not stopped.
+///
+/// # Examples
+/// ```
+/// use chebloyd::Checkpoint;
+///
+/// let checkpoint: Checkpoint = Checkpoint::at_start(vec![[0.5; 3].into()]);
+/// assert!(checkpoint.record.is_none() && checkpoint.state_numbers().is_empty());
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Checkpoint<const D: usize = 3> {
     /// The sites.
@@ -210,6 +226,16 @@ impl<const D: usize> Checkpoint<D> {
 }
 
 /// How a relaxation ended.
+///
+/// # Examples
+/// ```
+/// use chebloyd::{Cuboid, Method, Relaxation};
+///
+/// let lloyd = Relaxation::new(Cuboid::unit()).method(Method::lloyd(5));
+/// let outcome = lloyd.run(&mut vec![[0.3; 3], [0.6; 3]])?;
+/// assert_eq!(outcome.records.len(), 6);
+/// # Ok::<(), chebloyd::RelaxError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Outcome {

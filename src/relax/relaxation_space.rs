@@ -12,6 +12,14 @@ use crate::minimize::lbfgsb_state::LbfgsbError;
 const HALVINGS: u32 = 8;
 
 /// The distance whose energy a site minimizes over its cell.
+///
+/// # Examples
+/// ```
+/// use chebloyd::{Method, Norm};
+///
+/// let control = Method::lloyd(50).norm(Norm::L2);
+/// assert_ne!(control, Method::lloyd(50));
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(
     feature = "scene",

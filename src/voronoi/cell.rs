@@ -27,6 +27,17 @@ const NO_AREA: f64 = 1e-14;
 
 /// A cell while it is visited: its body, cut from the domain's convex start, in coordinates
 /// relative to its site.
+///
+/// # Examples
+/// ```
+/// use chebloyd::{Cuboid, Diagram};
+///
+/// let cube = Cuboid::unit();
+/// let diagram = Diagram::new(&cube, &[[0.25, 0.5, 0.5], [0.75, 0.5, 0.5]])?;
+/// let extents = diagram.map_cells(|cell| cell.bounds().extent().x)?;
+/// assert_eq!(extents, [0.5, 0.5]);
+/// # Ok::<(), chebloyd::DiagramError>(())
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct Cell<'a> {
     /// The site's index.
@@ -38,6 +49,17 @@ pub struct Cell<'a> {
 }
 
 /// A facet of a cell, in the domain's coordinates.
+///
+/// # Examples
+/// ```
+/// use chebloyd::{Cuboid, Diagram};
+///
+/// let cube = Cuboid::unit();
+/// let facets = Diagram::new(&cube, &[[0.5; 3]])?.map_cells(|cell| cell.facets())?;
+/// assert_eq!(facets[0].len(), 6);
+/// assert!(facets[0].iter().all(|facet| facet.area == 1.0 && facet.vertices.len() == 4));
+/// # Ok::<(), chebloyd::DiagramError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct CellFacet {

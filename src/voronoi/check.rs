@@ -24,6 +24,16 @@ const VOLUME_AGREES: f64 = 1e-12;
 const AREA_AGREES: f64 = 1e-7;
 
 /// Why cells do not form a tessellation of their domain. Indices count from zero.
+///
+/// # Examples
+/// ```
+/// use chebloyd::{CheckError, Cuboid, Diagram};
+///
+/// let cube = Cuboid::unit();
+/// let twice = Diagram::new(&cube, &[[0.5; 3]; 2])?.check();
+/// assert!(matches!(twice, Err(CheckError::Diagram(_))));
+/// # Ok::<(), chebloyd::DiagramError>(())
+/// ```
 #[derive(Clone, Debug, Error, PartialEq)]
 #[non_exhaustive]
 pub enum CheckError {
@@ -98,7 +108,7 @@ impl Diagram<'_> {
     /// ```
     /// use chebloyd::{Cuboid, Diagram};
     ///
-    /// let sites = [[0.2, 0.3, 0.4], [0.7, 0.6, 0.5]].map(Into::into);
+    /// let sites = [[0.2, 0.3, 0.4], [0.7, 0.6, 0.5]];
     /// let cube = Cuboid::unit();
     /// Diagram::new(&cube, &sites)?.check()?;
     /// # Ok::<(), Box<dyn std::error::Error>>(())

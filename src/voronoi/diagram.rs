@@ -36,7 +36,17 @@ pub struct Diagram<'a> {
 }
 
 /// Why sites have no diagram. Indices count from zero.
+///
+/// # Examples
+/// ```
+/// use chebloyd::{Cuboid, Diagram, DiagramError};
+///
+/// let cube = Cuboid::unit();
+/// let outside = Diagram::new(&cube, &[[0.5, 0.5, 1.5]]);
+/// assert!(matches!(outside, Err(DiagramError::Outside { site: 0, .. })));
+/// ```
 #[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum DiagramError {
     /// There are no sites.
     #[error("there are no sites; at least one is needed")]
