@@ -304,7 +304,7 @@ fn a_cut_is_a_picture_of_its_cells() {
     tags(&document);
     let fill = format!("fill=\"#{}\" stroke", hex(scale().color(104.0).rgb));
     assert_eq!(document.matches(&fill).count(), 16);
-    assert!(document.contains(">PlaneCut z = 0.6<") && document.contains(">energy (%)<"));
+    assert!(document.contains(">Cut z = 0.6<") && document.contains(">energy (%)<"));
     decoded_size(&png(&figure, 1.0).expect("encodes"));
 }
 
