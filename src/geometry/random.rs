@@ -55,6 +55,35 @@ impl Random {
     }
 }
 
+/// So many draws in a row may miss a set: it then fills less than a millionth of its bounding box.
+const MISSES_ALLOWED: u64 = 10_000_000;
+
+/// `count` points uniform over a set, by rejection from its box.
+///
+/// # Errors
+/// The number of draws in a row that missed the set, when it fills next to nothing of the box.
+pub(crate) fn points_inside<const D: usize>(
+    count: usize,
+    seed: u64,
+    bounds: &Bounds<D>,
+    contains: impl Fn(&Point<f64, D>) -> bool,
+) -> Result<Vec<Point<f64, D>>, u64> {
+    let mut random = Random::new(seed);
+    let (mut points, mut misses) = (Vec::new(), 0);
+    while points.len() < count {
+        let point = random.point(bounds);
+        if contains(&point) {
+            points.push(point);
+            misses = 0;
+        } else if misses < MISSES_ALLOWED {
+            misses += 1;
+        } else {
+            return Err(misses);
+        }
+    }
+    Ok(points)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

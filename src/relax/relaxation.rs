@@ -10,7 +10,7 @@ use nalgebra::{Point, Point3};
 use thiserror::Error;
 
 use crate::domain::domain::Domain;
-use crate::geometry::random::Random;
+use crate::geometry::random::points_inside;
 use crate::relax::driver::{Observer, RunEnd, drive};
 use crate::relax::frames::Frames;
 use crate::relax::metrics::Metrics;
@@ -24,9 +24,6 @@ use crate::relax::state::RunState;
 
 /// Moves of plain Lloyd unless told otherwise, as in the paper.
 const LLOYD_MOVES: u64 = 50;
-
-/// So many draws in a row may miss the domain: it then fills less than a millionth of its box.
-const MISSES_ALLOWED: u64 = 10_000_000;
 
 /// Why a relaxation failed.
 ///
@@ -436,18 +433,6 @@ pub fn random_sites(
     count: usize,
     seed: u64,
 ) -> Result<Vec<Point3<f64>>, RelaxError> {
-    let (mut random, bounds) = (Random::new(seed), domain.bounds());
-    let (mut sites, mut misses) = (Vec::new(), 0);
-    while sites.len() < count {
-        let site = random.point(&bounds);
-        if domain.contains(&site) {
-            sites.push(site);
-            misses = 0;
-        } else if misses < MISSES_ALLOWED {
-            misses += 1;
-        } else {
-            return Err(RelaxError::Thin { draws: misses });
-        }
-    }
-    Ok(sites)
+    points_inside(count, seed, &domain.bounds(), |site| domain.contains(site))
+        .map_err(|draws| RelaxError::Thin { draws })
 }

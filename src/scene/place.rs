@@ -14,15 +14,11 @@ use rayon::slice::ParallelSliceMut;
 use crate::domain::domain::Domain;
 use crate::domain::planar::PlaneDomain;
 use crate::geometry::bounds::Bounds;
-use crate::geometry::random::Random;
+use crate::geometry::random::{Random, points_inside};
 use crate::scene::error::Error;
 use crate::scene::numbers::point;
 use crate::scene::site_file;
 use crate::scene::sites::{Grid, Sites};
-
-/// So many draws in a row may miss the domain: it then fills less than a millionth of its
-/// bounding box.
-const MISSES_ALLOWED: u64 = 10_000_000;
 
 /// Says whether a point lies in a closed domain.
 pub type Contains<'a, const D: usize> = Box<dyn Fn(&Point<f64, D>) -> bool + Sync + 'a>;
@@ -132,21 +128,8 @@ fn random_sites<const D: usize>(
     seed: u64,
     region: &SiteRegion<'_, D>,
 ) -> Result<Vec<Point<f64, D>>, Error> {
-    let mut uniform = Random::new(seed);
-    let mut sites = Vec::new();
-    let mut misses = 0;
-    while sites.len() < count {
-        let point = uniform.point(&region.bounds);
-        if region.holds(&point) {
-            sites.push(point);
-            misses = 0;
-        } else if misses < MISSES_ALLOWED {
-            misses += 1;
-        } else {
-            return Err(Error::NoRoom { draws: misses });
-        }
-    }
-    Ok(sites)
+    points_inside(count, seed, &region.bounds, |point| region.holds(point))
+        .map_err(|draws| Error::NoRoom { draws })
 }
 
 /// The grid's sites that the region holds.

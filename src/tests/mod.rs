@@ -13,6 +13,7 @@ mod mass;
 mod memory;
 mod mesh;
 mod minimize;
+#[path = "../../tests/common/models.rs"]
 mod models;
 mod objective;
 mod plane;
