@@ -140,6 +140,19 @@ impl DomainShape for ConvexPolyhedron {
             .all(|wall| wall.excess(point) <= ON_WALL * (scale + wall.offset.abs()))
     }
 
+    fn boundary(&self) -> Vec<[Point3<f64>; 3]> {
+        let mut triangles = Vec::new();
+        for facet in self.solid.facets() {
+            let corners: Vec<Point3<f64>> = facet.corners().collect();
+            triangles.extend(
+                corners[1..]
+                    .windows(2)
+                    .map(|pair| [corners[0], pair[0], pair[1]]),
+            );
+        }
+        triangles
+    }
+
     fn start(&self, site: &Point3<f64>, _index: u32, cell: &mut Polyhedron) {
         cell.assign_translated(&self.solid, &-site.coords);
     }

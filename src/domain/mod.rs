@@ -14,6 +14,7 @@ pub(crate) mod domain;
 pub(crate) mod error;
 pub(crate) mod facet_kind;
 pub(crate) mod planar;
+pub(crate) mod random_points;
 pub(crate) mod shape;
 pub(crate) mod tet_mesh;
 pub(crate) mod tri_surface;

@@ -33,6 +33,12 @@ pub trait DomainShape: Debug + Send + Sync + 'static {
     /// Whether `point` lies in the closed set Ω.
     fn contains(&self, point: &Point3<f64>) -> bool;
 
+    /// The triangles of the boundary, where Ω may fill next to nothing of its bounds; none where it
+    /// does not.
+    fn boundary(&self) -> Vec<[Point3<f64>; 3]> {
+        Vec::new()
+    }
+
     /// The period along each axis (L), `None` where the axis ends in walls.
     fn periods(&self) -> [Option<f64>; 3] {
         [None; 3]

@@ -1,6 +1,6 @@
 //! Axis-aligned boxes.
 
-use nalgebra::{Point, SVector};
+use nalgebra::{Point, Point3, SVector, Vector3};
 
 /// An axis-aligned box `min ≤ y ≤ max` in `D` dimensions (lengths in L).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -116,5 +116,30 @@ impl<const D: usize> Bounds<D> {
     #[must_use]
     pub fn clamp(&self, point: &Point<f64, D>) -> Point<f64, D> {
         point.sup(&self.min).inf(&self.max)
+    }
+}
+
+impl Bounds<3> {
+    /// Whether the closed box and the triangle have a point in common: none of the thirteen axes
+    /// that could separate them does (Akenine-Möller, *Fast 3D Triangle-Box Overlap Testing*, 2001).
+    #[must_use]
+    pub(crate) fn meets_triangle(&self, corners: &[Point3<f64>; 3]) -> bool {
+        let (center, half) = (self.center(), self.extent() / 2.0);
+        let arms = corners.map(|corner| corner - center);
+        let reaches = |axis: &Vector3<f64>| {
+            let along = arms.map(|arm| arm.dot(axis));
+            let reach = half.dot(&axis.abs());
+            let (least, most) = along
+                .iter()
+                .fold((f64::INFINITY, -f64::INFINITY), |(a, b), &x| {
+                    (a.min(x), b.max(x))
+                });
+            least <= reach && most >= -reach
+        };
+        let axes = [Vector3::x(), Vector3::y(), Vector3::z()];
+        let sides = [0, 1, 2].map(|k| arms[(k + 1) % 3] - arms[k]);
+        axes.iter().all(&reaches)
+            && reaches(&sides[0].cross(&sides[1]))
+            && (sides.iter()).all(|side| axes.iter().all(|axis| reaches(&side.cross(axis))))
     }
 }

@@ -55,29 +55,47 @@ impl Random {
     }
 }
 
-/// So many draws in a row may miss a set: it then fills less than a millionth of its bounding box.
+/// A source of random points.
+pub(crate) type PointSource<'a, const D: usize> = Box<dyn Fn(&mut Random) -> Point<f64, D> + 'a>;
+
+/// So many draws in a row may miss a set before they are made otherwise: it then fills less than a
+/// few thousandths of a percent of its bounding box.
+const MISSES_IN_BOX: u64 = 100_000;
+
+/// So many draws in a row may miss a set altogether.
 const MISSES_ALLOWED: u64 = 10_000_000;
 
-/// `count` points uniform over a set, by rejection from its box.
+/// `count` points uniform over a set, by rejection from its box. From a set that the box misses
+/// 100 000 times in a row they are drawn from what `closer` returns, a source of points uniform over
+/// some smaller set around this one, if there is one.
 ///
 /// # Errors
-/// The number of draws in a row that missed the set, when it fills next to nothing of the box.
-pub(crate) fn points_inside<const D: usize>(
+/// The number of draws in a row that missed the set, when it fills next to nothing of either.
+pub(crate) fn points_inside<'a, const D: usize>(
     count: usize,
     seed: u64,
-    bounds: &Bounds<D>,
+    bounds: &'a Bounds<D>,
     contains: impl Fn(&Point<f64, D>) -> bool,
+    closer: impl FnOnce() -> Option<PointSource<'a, D>>,
 ) -> Result<Vec<Point<f64, D>>, u64> {
     let mut random = Random::new(seed);
     let (mut points, mut misses) = (Vec::new(), 0);
+    let mut closer = Some(closer);
+    let mut source: PointSource<'a, D> = Box::new(|random| random.point(bounds));
     while points.len() < count {
-        let point = random.point(bounds);
+        let point = source(&mut random);
         if contains(&point) {
             points.push(point);
             misses = 0;
-        } else if misses < MISSES_ALLOWED {
-            misses += 1;
-        } else {
+            continue;
+        }
+        misses += 1;
+        if misses == MISSES_IN_BOX
+            && let Some(found) = closer.take().and_then(|closer| closer())
+        {
+            source = found;
+        }
+        if misses > MISSES_ALLOWED {
             return Err(misses);
         }
     }

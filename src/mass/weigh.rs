@@ -6,7 +6,7 @@ use crate::integrals::mesh_moments::{area, at_vertices, constant, linear, polyno
 use crate::mass::body::Body;
 use crate::mass::density::SolidDensity;
 use crate::mesh::surface::SurfaceMesh;
-use crate::mesh::tets::{TetMesh, VertexData};
+use crate::mesh::tets::TetMesh;
 use crate::mesh::validate::Solid;
 use nalgebra::Point3;
 
@@ -30,6 +30,9 @@ pub enum WeighError {
         /// The names there are.
         there: String,
     },
+    /// Vertex data that do not give every vertex one finite value.
+    #[error("{0}, or choose another density")]
+    FaultyField(String),
     /// No vertex data, or several and no name.
     #[error("`vertex` density needs one field of vertex data to choose; the mesh has {there}")]
     WhichField {
@@ -135,12 +138,13 @@ fn field<'a>(mesh: &'a TetMesh, name: Option<&str>) -> Result<&'a [f64], WeighEr
     } else {
         names.join(", ")
     };
-    match (name, &mesh.vertex_data[..]) {
-        (Some(name), _) => mesh.data(name).ok_or(WeighError::NoSuchField {
+    let field = match (name, &mesh.vertex_data[..]) {
+        (Some(name), _) => mesh.field(name).ok_or(WeighError::NoSuchField {
             name: name.into(),
             there,
-        }),
-        (None, [VertexData { values, .. }]) => Ok(values),
-        (None, _) => Err(WeighError::WhichField { there }),
-    }
+        })?,
+        (None, [only]) => only,
+        (None, _) => return Err(WeighError::WhichField { there }),
+    };
+    field.checked().map_err(WeighError::FaultyField)
 }

@@ -27,8 +27,40 @@ pub struct TetMesh {
 pub struct VertexData {
     /// The field's name in the file.
     pub name: String,
-    /// The values in vertex order.
+    /// The values in vertex order; NaN where there is none.
     pub values: Vec<f64>,
+    /// Why they do not give every vertex one finite value, naming the first node at fault as the
+    /// file does. Such data do no harm while nobody asks for them.
+    pub fault: Option<String>,
+}
+
+impl VertexData {
+    /// A field of values in vertex order, at fault if one is not finite.
+    pub fn new(name: &str, values: Vec<f64>) -> Self {
+        let bad = values.iter().position(|value| !value.is_finite());
+        let fault = bad.map(|vertex| format!("vertex {vertex} has the value {}", values[vertex]));
+        let name = name.to_owned();
+        Self {
+            name,
+            values,
+            fault,
+        }
+    }
+
+    /// The values in vertex order, all finite.
+    ///
+    /// # Errors
+    ///
+    /// A sentence about the first vertex that has no value, several, or one that is not finite.
+    pub fn checked(&self) -> Result<&[f64], String> {
+        match &self.fault {
+            None => Ok(&self.values),
+            Some(fault) => Err(format!(
+                "the vertex data `{}` cannot be used: {fault}; every node needs one finite value",
+                self.name
+            )),
+        }
+    }
 }
 
 impl TetMesh {
@@ -43,11 +75,16 @@ impl TetMesh {
         (0..self.tets.len()).map(|tet| self.corners(tet))
     }
 
-    /// The values of the field called `name`, in vertex order.
+    /// The field called `name`.
+    #[must_use]
+    pub fn field(&self, name: &str) -> Option<&VertexData> {
+        self.vertex_data.iter().find(|field| field.name == name)
+    }
+
+    /// The values of the field called `name`, in vertex order; NaN where there is none.
     #[must_use]
     pub fn data(&self, name: &str) -> Option<&[f64]> {
-        let field = self.vertex_data.iter().find(|field| field.name == name)?;
-        Some(&field.values)
+        Some(&self.field(name)?.values)
     }
 
     /// The least box that holds all tetrahedra; vertices none of them uses do not count.

@@ -268,12 +268,19 @@ pub fn validate_tets(mesh: &TetMesh) -> Result<(ValidTetMesh, TetReport), Refusa
     Ok((Valid { mesh }, report))
 }
 
+/// Refuses data of the wrong length, and values of the tetrahedra's vertices that are not finite
+/// where the field itself does not say so.
 fn check_data(mesh: &TetMesh) -> Result<(), Refusal> {
+    let used = used_vertices(&mesh.tets, mesh.vertices.len());
     for field in &mesh.vertex_data {
-        let bad = field.values.iter().position(|value| !value.is_finite());
-        let missing = (field.values.len() != mesh.vertices.len()).then_some(field.values.len());
-        bad.or(missing)
-            .map_or(Ok(()), |vertex| Err(Refusal::NotFinite(vertex)))?;
+        if field.values.len() != mesh.vertices.len() {
+            return Err(Refusal::NotFinite(field.values.len()));
+        }
+        let is_bad = |(value, used): (&f64, &bool)| *used && !value.is_finite();
+        let bad = field.values.iter().zip(&used).position(is_bad);
+        if let (Some(vertex), None) = (bad, &field.fault) {
+            return Err(Refusal::NotFinite(vertex));
+        }
     }
     Ok(())
 }

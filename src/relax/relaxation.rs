@@ -10,7 +10,7 @@ use nalgebra::{Point, Point3};
 use thiserror::Error;
 
 use crate::domain::domain::Domain;
-use crate::geometry::random::points_inside;
+use crate::domain::random_points::random_points;
 use crate::relax::driver::{Observer, RunEnd, drive};
 use crate::relax::frames::Frames;
 use crate::relax::metrics::Metrics;
@@ -433,6 +433,5 @@ pub fn random_sites(
     count: usize,
     seed: u64,
 ) -> Result<Vec<Point3<f64>>, RelaxError> {
-    points_inside(count, seed, &domain.bounds(), |site| domain.contains(site))
-        .map_err(|draws| RelaxError::Thin { draws })
+    random_points(domain.shape(), count, seed).map_err(|draws| RelaxError::Thin { draws })
 }

@@ -56,7 +56,7 @@ impl SceneDensity {
         let (domain, notes): (Box<dyn space::Domain>, _) = match (self, domain) {
             (Self::Text(_) | Self::Data { .. } | Self::Size { .. }, SceneDomain::Tets(mesh)) => {
                 let (tets, notes) = mesh.tet_solid()?;
-                if matches!(self, Self::Data { .. }) || tets.mesh().data(text).is_some() {
+                if matches!(self, Self::Data { .. }) || tets.mesh().field(text).is_some() {
                     return Ok((Box::new(by_data(tets, text, of_value)?), notes));
                 }
                 (Box::new(tets), notes)
@@ -87,7 +87,7 @@ fn by_data(
     density: impl Fn(f64) -> f64,
 ) -> Result<WeightedDomain, Error> {
     let mesh = tets.mesh();
-    let Some(values) = mesh.data(name) else {
+    let Some(field) = mesh.field(name) else {
         let known: Vec<&str> = mesh
             .vertex_data
             .iter()
@@ -99,6 +99,9 @@ fn by_data(
         );
         return Err(Error::value("density", message));
     };
+    let values = field
+        .checked()
+        .map_err(|fault| Error::value("density", fault))?;
     let values: Vec<f64> = values.iter().map(|&value| density(value)).collect();
     Ok(tets.with_density(&values)?)
 }

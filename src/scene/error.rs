@@ -144,7 +144,7 @@ pub enum Error {
     Plane(#[from] PlaneDomainError),
     /// No site fell into the domain.
     #[error(
-        "no random point fell into the domain in {draws} draws: it fills too little of its bounding box"
+        "no random point fell into the domain in {draws} draws: it fills too little of its bounding box; give the sites in a list or a file"
     )]
     NoRoom {
         /// How many were drawn.

@@ -8,7 +8,7 @@
 //! can be written into a run's description and read again.
 //!
 //! [`place`] makes the sites and refuses those that have no diagram: from seeds or
-//! from files ([`site_file`], [`npy`]). [`run`] carries a scene out.
+//! from files ([`site_file`], [`npy`], `xyz`). [`run`] carries a scene out.
 
 pub mod density;
 pub mod description;
@@ -18,6 +18,7 @@ pub mod frames;
 pub mod mesh_domain;
 pub mod method;
 pub mod npy;
+pub(crate) mod number_text;
 pub(crate) mod numbers;
 pub mod overrides;
 pub mod place;
@@ -25,3 +26,4 @@ pub mod read;
 pub mod run;
 pub mod site_file;
 pub mod sites;
+pub(crate) mod xyz;

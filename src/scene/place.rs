@@ -1,6 +1,7 @@
 //! From a scene's `sites` to points: drawn at random, on a grid, listed or read, then checked.
 //!
-//! Random sites are uniform over the domain, by rejection from its bounding box. A grid's box is
+//! Random sites are uniform over the domain, by rejection from its bounding box or, where the domain
+//! is too thin for that, from boxes or triangles close about it. A grid's box is
 //! the bounding box; grid cell (i, j, k) has its middle at min + ((i, j, k) + 1/2) · spacing, and a
 //! site is uniform in the box about the middle that is `jitter` grid cells wide. The last axis runs
 //! fastest. Sites that are not finite, outside the domain, or two at one place have no diagram.
@@ -13,12 +14,16 @@ use rayon::slice::ParallelSliceMut;
 
 use crate::domain::domain::Domain;
 use crate::domain::planar::PlaneDomain;
+use crate::domain::random_points::{source_in_plane, source_in_solid};
 use crate::geometry::bounds::Bounds;
-use crate::geometry::random::{Random, points_inside};
+use crate::geometry::random::{PointSource, Random, points_inside};
 use crate::scene::error::Error;
 use crate::scene::numbers::point;
 use crate::scene::site_file;
 use crate::scene::sites::{Grid, Sites};
+
+/// Makes a source of points closer to a domain than its bounding box is, if there is one.
+type Closer<'a, const D: usize> = Box<dyn Fn() -> Option<PointSource<'static, D>> + Sync + 'a>;
 
 /// Says whether a point lies in a closed domain.
 pub type Contains<'a, const D: usize> = Box<dyn Fn(&Point<f64, D>) -> bool + Sync + 'a>;
@@ -31,6 +36,8 @@ pub struct SiteRegion<'a, const D: usize> {
     pub periodic: [bool; D],
     /// Whether the closed domain holds a point.
     pub contains: Contains<'a, D>,
+    /// For domains that fill next to nothing of their bounding box.
+    pub(crate) closer: Closer<'a, D>,
 }
 
 impl<const D: usize> SiteRegion<'_, D> {
@@ -41,6 +48,7 @@ impl<const D: usize> SiteRegion<'_, D> {
             bounds,
             periodic,
             contains: Box::new(move |point| bounds.contains(point)),
+            closer: Box::new(|| None),
         }
     }
 
@@ -51,6 +59,7 @@ impl<const D: usize> SiteRegion<'_, D> {
             bounds: domain.bounds(),
             periodic: domain.periods().map(|period| period.is_some()),
             contains: Box::new(|point| domain.contains(point)),
+            closer: Box::new(|| source_in_solid(domain.shape())),
         }
     }
 
@@ -61,6 +70,7 @@ impl<const D: usize> SiteRegion<'_, D> {
             bounds: domain.bounds(),
             periodic: [false; 2],
             contains: Box::new(|point| domain.contains(point)),
+            closer: Box::new(|| source_in_plane(domain)),
         }
     }
 
@@ -119,16 +129,17 @@ pub fn place<const D: usize>(
     Ok(points)
 }
 
-/// `count` sites uniform over the region, by rejection from its bounding box.
+/// `count` sites uniform over the region, by rejection from its bounding box or from closer about it.
 ///
 /// # Errors
-/// [`Error::NoRoom`] when the region fills next to nothing of its bounding box.
+/// [`Error::NoRoom`] when the region fills next to nothing of either.
 fn random_sites<const D: usize>(
     count: usize,
     seed: u64,
     region: &SiteRegion<'_, D>,
 ) -> Result<Vec<Point<f64, D>>, Error> {
-    points_inside(count, seed, &region.bounds, |point| region.holds(point))
+    let holds = |point: &Point<f64, D>| region.holds(point);
+    points_inside(count, seed, &region.bounds, holds, || (region.closer)())
         .map_err(|draws| Error::NoRoom { draws })
 }
 
@@ -300,6 +311,7 @@ mod tests {
             },
             periodic: [false; 2],
             contains: Box::new(triangle),
+            closer: Box::new(|| None),
         };
         let sites = random_sites(500, 1, &region).expect("half of the square is room");
         assert_eq!(sites.len(), 500);

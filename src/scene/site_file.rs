@@ -2,17 +2,18 @@
 //!
 //! A CSV file may begin with a header; if it does, the columns named x, y and z (in any case)
 //! are read, in any order of columns. Without one every line has exactly one number per axis. In
-//! CSV and in text by white space (`.xyz`, `.txt`) blank lines and what follows `#` are skipped.
+//! CSV and in text by white space (`.xyz`, `.txt`) blank lines and what follows `#` are skipped. Text
+//! whose first line is one whole number is chemistry's XYZ ([`xyz`]). Lines end with LF, CR LF or CR.
 //! A JSON file is an array of arrays of numbers. Errors name the line, or the site counted from zero.
 
 use std::path::Path;
 
 use nalgebra::Point;
 
+use crate::mesh::formats::words::{line_of, lines};
 use crate::scene::error::{Error, bare_message};
-use crate::scene::npy;
-
-const AXES: [&str; 3] = ["x", "y", "z"];
+use crate::scene::number_text::{AXES, number};
+use crate::scene::{npy, xyz};
 
 /// Reads the sites in `path`: `.csv`, `.npy`, `.xyz`, `.txt` or `.json`.
 ///
@@ -63,6 +64,13 @@ fn parse_csv<const D: usize>(bytes: &[u8], path: &Path) -> Result<Vec<Point<f64,
 /// # Errors
 /// [`Error::Line`] with the first line that is not a point.
 fn parse_words<const D: usize>(bytes: &[u8], path: &Path) -> Result<Vec<Point<f64, D>>, Error> {
+    if let Some(parsed) = xyz::parse(bytes) {
+        return parsed.map_err(|(line, message)| Error::Line {
+            path: path.to_owned(),
+            line,
+            message,
+        });
+    }
     let fields = |line: &str| line.split_whitespace().map(str::to_owned).collect();
     parse_lines(bytes, path, fields, false)
 }
@@ -76,7 +84,7 @@ fn parse_lines<const D: usize>(
     let text = std::str::from_utf8(bytes).map_err(|error| not_text(bytes, error, path))?;
     let mut columns = Columns::plain();
     let mut sites = Vec::new();
-    for (index, line) in text.trim_start_matches('\u{feff}').lines().enumerate() {
+    for (index, line) in lines(text.trim_start_matches('\u{feff}')).enumerate() {
         let content = line.split('#').next().unwrap_or("").trim();
         if content.is_empty() {
             continue;
@@ -147,14 +155,6 @@ fn is_word(field: &str) -> bool {
     field.parse::<f64>().is_err() && field.starts_with(|first: char| first.is_alphabetic())
 }
 
-fn number(field: &str, axis: &str) -> Result<f64, String> {
-    match field.parse::<f64>() {
-        Ok(value) if value.is_finite() => Ok(value),
-        Ok(_) => Err(format!("{axis} is {field}; sites need finite coordinates")),
-        Err(_) => Err(format!("{axis} is `{field}`, which is not a number")),
-    }
-}
-
 fn wrong_width<const D: usize>(found: usize, expected: usize) -> String {
     let mend = match found {
         2 | 3 if expected == D => format!("; a scene with \"dimension\": {found} takes these"),
@@ -167,7 +167,7 @@ fn not_text(bytes: &[u8], error: std::str::Utf8Error, path: &Path) -> Error {
     let before = &bytes[..error.valid_up_to()];
     Error::Line {
         path: path.to_owned(),
-        line: 1 + before.iter().filter(|&&byte| byte == b'\n').count(),
+        line: line_of(before, before.len()),
         message: "not text (UTF-8)".to_owned(),
     }
 }

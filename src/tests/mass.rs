@@ -272,8 +272,8 @@ fn tets_with_density() -> TetMesh {
         .iter()
         .map(|v| 1.0 + v.x * v.x + v.y)
         .collect();
-    let name = "density".into();
-    mesh.vertex_data.push(VertexData { name, values });
+    let name = "density";
+    mesh.vertex_data.push(VertexData::new(name, values));
     mesh
 }
 

@@ -108,6 +108,10 @@ impl DomainShape for SurfaceSolid {
         self.surface.contains(point)
     }
 
+    fn boundary(&self) -> Vec<[Point3<f64>; 3]> {
+        self.surface.mesh.all_corners().collect()
+    }
+
     fn start(&self, site: &Point3<f64>, _index: u32, cell: &mut Polyhedron) {
         let around = self.start.translated(&-site.coords);
         cell.assign_cuboid(&around, [FacetKind::Inner.label(); 6]);

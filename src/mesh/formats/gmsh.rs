@@ -1,7 +1,8 @@
 //! Gmsh `.msh` in text, versions 2.2 and 4.1: first-order tetrahedra, triangles, quadrangles.
 //!
-//! Scalar `$NodeData` become vertex data; nodes they do not mention get 0, a later time step of
-//! a field replaces the earlier. Points and lines are passed over; other volume elements are
+//! Scalar `$NodeData` become vertex data. Sections of one name and time step (one per partition) are
+//! one field, a later step of a field replaces the earlier; a field that leaves out a node of a
+//! tetrahedron, or gives it two values, is refused where it is used. Points and lines are passed over; other volume elements are
 //! refused, because leaving them out would leave holes. Format: Gmsh reference manual, section
 //! "MSH file format" (4.1) and its legacy section (2.2).
 
@@ -9,9 +10,9 @@ use std::collections::HashMap;
 
 use crate::mesh::formats::error::{ErrorKind, ParseError};
 use crate::mesh::formats::mesh::{Mesh, MeshParts, no_tetrahedron};
+use crate::mesh::formats::point_data::PointData;
 use crate::mesh::formats::words::{Words, shown};
 use crate::mesh::polygon::triangulate;
-use crate::mesh::tets::VertexData;
 
 /// Reads tetrahedra, or the surface of a file without any.
 ///
@@ -24,19 +25,28 @@ pub fn parse(bytes: &[u8]) -> Result<Mesh, ParseError> {
         version: Version::Four,
         tags: HashMap::new(),
         mesh: MeshParts::default(),
+        steps: Vec::new(),
     };
     while let Some(section) = file.words.word() {
-        match section {
-            b"$MeshFormat" => file.read_format()?,
-            b"$Nodes" => file.read_nodes()?,
-            b"$Elements" => file.read_elements()?,
-            b"$NodeData" => file.read_node_data()?,
+        let section = section.to_ascii_lowercase();
+        match section.as_slice() {
+            b"$meshformat" => file.read_format()?,
+            b"$nodes" | b"$parametricnodes" => file.read_nodes()?,
+            b"$elements" => file.read_elements()?,
+            b"$nodedata" => file.read_node_data()?,
             _ if section.starts_with(b"$") => {}
-            _ => return Err(file.words.unexpected("a section such as $Nodes", section)),
+            _ => return Err(file.words.unexpected("a section such as $Nodes", &section)),
         }
-        file.skip_to_end(section)?;
+        file.skip_to_end(&section)?;
     }
-    file.mesh.into_mesh()
+    let mut names: Vec<usize> = vec![0; file.mesh.vertices.len()];
+    for (&tag, &vertex) in &file.tags {
+        if let Some(name) = names.get_mut(vertex as usize) {
+            *name = tag;
+        }
+    }
+    let node = |vertex: usize| format!("node {}", names[vertex]);
+    file.mesh.into_mesh(node)
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -51,6 +61,8 @@ struct GmshFile<'a> {
     /// Node tag → vertex.
     tags: HashMap<usize, u32>,
     mesh: MeshParts,
+    /// The time step of every field of the mesh's point data.
+    steps: Vec<usize>,
 }
 
 impl GmshFile<'_> {
@@ -210,7 +222,7 @@ impl GmshFile<'_> {
     fn read_node_data(&mut self) -> Result<(), ParseError> {
         let name = self.read_name()?;
         for _ in 0..self.words.count("the number of real tags")? {
-            self.words.number("a real tag")?;
+            self.words.value()?;
         }
         let integers = self.words.count("the number of integer tags")?;
         let mut layout = [0; 3];
@@ -220,11 +232,31 @@ impl GmshFile<'_> {
                 *slot = value;
             }
         }
-        let [_, components, count] = layout;
+        let [step, components, count] = layout;
         if components != 1 {
             return Ok(());
         }
-        self.read_values(name, count)
+        let field = self.field_of(name, step);
+        self.read_values(field, count)
+    }
+
+    /// The place of a field in the mesh's point data, emptied if it was of another time step.
+    fn field_of(&mut self, name: String, step: usize) -> usize {
+        let fields = &mut self.mesh.point_data;
+        let place = fields.iter().position(|field| field.name() == name);
+        let field = place.unwrap_or(fields.len());
+        if place.is_some() && self.steps[field] == step {
+            return field;
+        }
+        let empty = PointData::empty(name, self.mesh.vertices.len());
+        if place.is_some() {
+            fields[field] = empty;
+            self.steps[field] = step;
+        } else {
+            fields.push(empty);
+            self.steps.push(step);
+        }
+        field
     }
 
     /// Reads the string tags; returns the first, the field's name, without quotes.
@@ -242,30 +274,28 @@ impl GmshFile<'_> {
         Ok(name)
     }
 
-    fn read_values(&mut self, name: String, count: usize) -> Result<(), ParseError> {
-        let mut values = vec![0.0; self.mesh.vertices.len()];
+    fn read_values(&mut self, field: usize, count: usize) -> Result<(), ParseError> {
         for _ in 0..count {
             let tag = self.words.count("a node's number")?;
             let vertex = self.vertex(tag)?;
-            values[vertex as usize] = self.words.number_on_line("a value")?;
+            let value = self.words.value_on_line()?;
+            self.mesh.point_data[field].set(vertex, value);
         }
-        self.mesh.vertex_data.retain(|field| field.name != name);
-        self.mesh.vertex_data.push(VertexData { name, values });
         Ok(())
     }
 
-    /// Moves past the line `$End…` of a section.
+    /// Moves past the line `$End…` of a section, whose name is given in small letters.
     fn skip_to_end(&mut self, section: &[u8]) -> Result<(), ParseError> {
-        let is_counted = section == b"$Nodes" || section == b"$Elements";
+        let is_counted = [&b"$nodes"[..], b"$parametricnodes", b"$elements"].contains(&section);
         loop {
             let word = self.words.some_word("the end of a section")?;
-            if word.strip_prefix(b"$End") == section.strip_prefix(b"$") {
+            let end = word.to_ascii_lowercase();
+            if end.strip_prefix(b"$end") == section.strip_prefix(b"$") {
                 return Ok(());
             }
             if is_counted {
-                return Err(self
-                    .words
-                    .unexpected("the end of a section, its count was too low", word));
+                let expected = "the end of a section, its count was too low";
+                return Err(self.words.unexpected(expected, word));
             }
             self.words.next_line();
         }

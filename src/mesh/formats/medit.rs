@@ -22,22 +22,22 @@ pub fn parse(bytes: &[u8]) -> Result<Mesh, ParseError> {
     let mut words = Words::new(bytes, Some(b'#'));
     let mut mesh = MeshParts::default();
     while let Some(word) = words.word() {
-        match word {
-            b"MeshVersionFormatted" => drop(words.count("a version")?),
-            b"Dimension" => read_dimension(&mut words)?,
-            b"Vertices" => read_vertices(&mut words, &mut mesh)?,
-            b"Tetrahedra" => read_elements(&mut words, &mut mesh, |mesh, tet| mesh.tets.push(tet))?,
-            b"Triangles" => read_elements(&mut words, &mut mesh, |m, face| m.triangles.push(face))?,
-            b"Quadrilaterals" => read_elements(&mut words, &mut mesh, |mesh, quad: [u32; 4]| {
+        match word.to_ascii_lowercase().as_slice() {
+            b"meshversionformatted" => drop(words.count("a version")?),
+            b"dimension" => read_dimension(&mut words)?,
+            b"vertices" => read_vertices(&mut words, &mut mesh)?,
+            b"tetrahedra" => read_elements(&mut words, &mut mesh, |mesh, tet| mesh.tets.push(tet))?,
+            b"triangles" => read_elements(&mut words, &mut mesh, |m, face| m.triangles.push(face))?,
+            b"quadrilaterals" => read_elements(&mut words, &mut mesh, |mesh, quad: [u32; 4]| {
                 triangulate(&mesh.vertices, &quad, &mut mesh.triangles);
             })?,
-            b"Hexahedra" | b"Hexaedra" | b"Prisms" | b"Pyramids" => refuse(&mut words, word)?,
-            b"End" => break,
+            b"hexahedra" | b"hexaedra" | b"prisms" | b"pyramids" => refuse(&mut words, word)?,
+            b"end" => break,
             _ if word[0].is_ascii_alphabetic() => skip(&mut words),
             _ => return Err(words.unexpected("a keyword", word)),
         }
     }
-    mesh.into_mesh()
+    mesh.into_mesh(|vertex| format!("vertex {}", vertex + 1))
 }
 
 /// Writes a tetrahedral mesh without its vertex data, every coordinate as the shortest decimal

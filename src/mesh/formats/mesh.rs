@@ -3,8 +3,9 @@
 use nalgebra::Point3;
 
 use crate::mesh::formats::error::{ErrorKind, ParseError};
+use crate::mesh::formats::point_data::{PointData, vertex_data};
 use crate::mesh::surface::SurfaceMesh;
-use crate::mesh::tets::{TetMesh, VertexData};
+use crate::mesh::tets::TetMesh;
 
 /// A mesh of either kind.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,16 +22,18 @@ pub(crate) struct MeshParts {
     pub(crate) vertices: Vec<Point3<f64>>,
     pub(crate) triangles: Vec<[u32; 3]>,
     pub(crate) tets: Vec<[u32; 4]>,
-    pub(crate) vertex_data: Vec<VertexData>,
+    pub(crate) point_data: Vec<PointData>,
 }
 
 impl MeshParts {
     /// The tetrahedra if there are any (triangles beside them are their boundary or inner
-    /// walls), else the triangles.
-    pub(crate) fn into_mesh(self) -> Result<Mesh, ParseError> {
+    /// walls), else the triangles. `node` names a vertex as the file does, in what is said about
+    /// data.
+    pub(crate) fn into_mesh(self, node: impl Fn(usize) -> String) -> Result<Mesh, ParseError> {
         let vertices = self.vertices;
         if !self.tets.is_empty() {
-            let (tets, vertex_data) = (self.tets, self.vertex_data);
+            let (tets, data) = (self.tets, self.point_data);
+            let vertex_data = vertex_data(data, &tets, vertices.len(), node);
             return Ok(Mesh::Tets(TetMesh {
                 vertices,
                 tets,

@@ -10,6 +10,7 @@ pub mod mesh;
 pub mod obj;
 pub mod off;
 pub mod ply;
+pub(crate) mod point_data;
 pub mod read;
 pub mod stl;
 pub mod tetgen;

@@ -25,8 +25,8 @@ pub fn parse(bytes: &[u8]) -> Result<SurfaceMesh, ParseError> {
     let mut polygon = Vec::new();
     while let Some(word) = words.word() {
         match word {
-            b"v" => mesh.vertices.push(vertex(&mut words)?),
-            b"f" => {
+            b"v" | b"V" => mesh.vertices.push(vertex(&mut words)?),
+            b"f" | b"F" => {
                 face(&mut words, mesh.vertices.len(), &mut polygon)?;
                 triangulate(&mesh.vertices, &polygon, &mut mesh.triangles);
                 words.check_limit("triangles", mesh.triangles.len())?;

@@ -46,8 +46,11 @@ pub fn write(mesh: &SurfaceMesh) -> String {
 /// Whether `word` is one of the headers OFF, COFF, STCN4OFF, …
 #[must_use]
 pub fn is_header(word: &[u8]) -> bool {
-    let prefix = word.strip_suffix(b"OFF");
-    prefix.is_some_and(|prefix| prefix.iter().all(|letter| b"STCN4n".contains(letter)))
+    let Some((prefix, off)) = word.split_last_chunk::<3>() else {
+        return false;
+    };
+    let is_known = |letter: &u8| b"STCN4".contains(&letter.to_ascii_uppercase());
+    off.eq_ignore_ascii_case(b"OFF") && prefix.iter().all(is_known)
 }
 
 fn header(words: &mut Words<'_>) -> Result<(), ParseError> {
@@ -62,7 +65,10 @@ fn header(words: &mut Words<'_>) -> Result<(), ParseError> {
         return Err(words.unexpected("the header OFF", word));
     }
     let next = words.clone().word_on_line();
-    if next == Some(b"BINARY") || word.contains(&b'4') || word.contains(&b'n') {
+    let is_binary = next.is_some_and(|next| next.eq_ignore_ascii_case(b"binary"));
+    // A small n before a capital OFF stands for another dimension.
+    let is_upper = word.ends_with(b"OFF");
+    if is_binary || word.contains(&b'4') || is_upper && word.contains(&b'n') {
         let (word, next) = (shown(word), shown(next.unwrap_or_default()));
         let mend = "export plain OFF: text, three coordinates a vertex";
         return Err(words.unsupported(format!("the dialect {word} {next}"), mend));

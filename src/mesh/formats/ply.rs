@@ -2,7 +2,8 @@
 //!
 //! Of the element `vertex` the properties x, y, z are read, of `face` the list `vertex_indices`
 //! (or `vertex_index`), with any other properties before, between or after them; other elements are
-//! passed over. Triangle strips are not read.
+//! passed over. Triangle strips are not read. Binary data begin after the line end of `end_header`,
+//! which is of the same kind (LF, CR LF or CR) as the first line's.
 
 use nalgebra::Point3;
 
@@ -21,15 +22,34 @@ use crate::mesh::surface::SurfaceMesh;
 pub fn parse(bytes: &[u8]) -> Result<SurfaceMesh, ParseError> {
     let mut words = Words::new(bytes, None);
     let header = read_header(&mut words)?;
+    let start = data_start(bytes, words.position());
+    words.next_line();
     let mut source = match header.encoding {
         PlyEncoding::Text => Source::Text(words),
-        PlyEncoding::Little => Source::Binary(Bytes::new(bytes, words.position(), false)),
-        PlyEncoding::Big => Source::Binary(Bytes::new(bytes, words.position(), true)),
+        PlyEncoding::Little => Source::Binary(Bytes::new(bytes, start, false)),
+        PlyEncoding::Big => Source::Binary(Bytes::new(bytes, start, true)),
     };
     let mesh = read_body(&header, &mut source)?;
     source.check_end()?;
     let mend = "export the mesh with its faces, not as a point cloud or strips";
     not_empty(mesh, "faces", mend)
+}
+
+/// Where binary data begin, for a header whose last word ends at `end`. After a header whose lines
+/// end with CR alone, the data's first byte may be that of LF.
+fn data_start(bytes: &[u8], end: usize) -> usize {
+    let first = bytes.iter().position(|byte| b"\n\r".contains(byte));
+    let ends_with_cr = first.is_some_and(|at| bytes[at..].starts_with(b"\r"));
+    let is_cr_lf = first.is_some_and(|at| bytes[at..].starts_with(b"\r\n"));
+    let rest = &bytes[end..];
+    let blanks = rest.iter().position(|byte| !b" \t".contains(byte));
+    let start = end + blanks.unwrap_or(rest.len());
+    let is_long = !ends_with_cr || is_cr_lf;
+    match bytes[start..] {
+        [b'\r', b'\n', ..] if is_long => start + 2,
+        [b'\r' | b'\n', ..] => start + 1,
+        _ => start,
+    }
 }
 
 /// How the numbers are written.
@@ -66,7 +86,7 @@ struct Property {
 /// Reads up to and including the line `end_header`.
 fn read_header(words: &mut Words<'_>) -> Result<PlyHeader, ParseError> {
     let magic = words.some_word("the header ply")?;
-    if magic != b"ply" {
+    if !magic.eq_ignore_ascii_case(b"ply") {
         return Err(words.unexpected("the header ply", magic));
     }
     let mut encoding = None;
@@ -74,24 +94,26 @@ fn read_header(words: &mut Words<'_>) -> Result<PlyHeader, ParseError> {
     loop {
         words.next_line();
         let word = words.some_word("end_header")?;
-        match word {
+        match word.to_ascii_lowercase().as_slice() {
             b"end_header" => break,
             b"comment" | b"obj_info" => {}
             b"format" => encoding = Some(read_encoding(words)?),
-            b"element" => elements.push(read_element(words)?),
+            b"element" => {
+                let element = read_element(words, &elements)?;
+                elements.push(element);
+            }
             b"property" => read_property(words, &mut elements)?,
             _ => return Err(words.unexpected("a header line", word)),
         }
     }
     let missing = || words.unexpected("a line `format`", b"end_header");
     let encoding = encoding.ok_or_else(missing)?;
-    words.next_line();
     Ok(PlyHeader { encoding, elements })
 }
 
 fn read_encoding(words: &mut Words<'_>) -> Result<PlyEncoding, ParseError> {
     let word = words.some_word_on_line("a format")?;
-    match word {
+    match word.to_ascii_lowercase().as_slice() {
         b"ascii" => Ok(PlyEncoding::Text),
         b"binary_little_endian" => Ok(PlyEncoding::Little),
         b"binary_big_endian" => Ok(PlyEncoding::Big),
@@ -99,10 +121,13 @@ fn read_encoding(words: &mut Words<'_>) -> Result<PlyEncoding, ParseError> {
     }
 }
 
-fn read_element(words: &mut Words<'_>) -> Result<Element, ParseError> {
-    let name = shown(words.some_word_on_line("an element's name")?);
+fn read_element(words: &mut Words<'_>, earlier: &[Element]) -> Result<Element, ParseError> {
+    let name = shown(words.some_word_on_line("an element's name")?).to_ascii_lowercase();
     let count = words.count_on_line("an element's count")?;
     let count = words.check_limit("elements", count)?;
+    if earlier.iter().any(|element| element.name == name) {
+        return Err(words.unexpected("an element not named before", name.as_bytes()));
+    }
     if name == "tristrips" {
         let mend = "export it with the element `face`";
         return Err(words.unsupported("a PLY file of triangle strips", mend));
@@ -116,7 +141,8 @@ fn read_element(words: &mut Words<'_>) -> Result<Element, ParseError> {
 }
 
 fn read_property(words: &mut Words<'_>, elements: &mut [Element]) -> Result<(), ParseError> {
-    let is_list = words.clone().word_on_line() == Some(b"list");
+    let next = words.clone().word_on_line();
+    let is_list = next.is_some_and(|word| word.eq_ignore_ascii_case(b"list"));
     let (list, expected) = if is_list {
         words.word_on_line();
         (Some(read_kind(words, "a number type")?), "a list's type")
@@ -124,17 +150,21 @@ fn read_property(words: &mut Words<'_>, elements: &mut [Element]) -> Result<(), 
         (None, "a property's type")
     };
     let kind = read_kind(words, expected)?;
-    let name = shown(words.some_word_on_line("a property's name")?);
+    let name = shown(words.some_word_on_line("a property's name")?).to_ascii_lowercase();
     let Some(element) = elements.last_mut() else {
         return Err(words.unexpected("a line `element` before", b"property"));
     };
+    let is_read = ["x", "y", "z", "vertex_index", "vertex_indices"].contains(&name.as_str());
+    if is_read && element.properties.iter().any(|other| other.name == name) {
+        return Err(words.unexpected("a property not named before", name.as_bytes()));
+    }
     element.properties.push(Property { name, list, kind });
     Ok(())
 }
 
 fn read_kind(words: &mut Words<'_>, expected: &'static str) -> Result<Scalar, ParseError> {
     let word = words.some_word_on_line(expected)?;
-    Scalar::named(word).ok_or_else(|| words.unexpected("a number type", word))
+    Scalar::named(&word.to_ascii_lowercase()).ok_or_else(|| words.unexpected("a number type", word))
 }
 
 fn read_body(header: &PlyHeader, source: &mut Source<'_>) -> Result<SurfaceMesh, ParseError> {
@@ -182,7 +212,7 @@ fn axes(vertices: &Element) -> Result<Vec<Option<usize>>, ParseError> {
     let axis = |property: &Property| {
         ["x", "y", "z"]
             .iter()
-            .position(|axis| *axis == property.name)
+            .position(|axis| *axis == property.name && property.list.is_none())
     };
     let axes: Vec<Option<usize>> = vertices.properties.iter().map(axis).collect();
     if (0..3).any(|axis| !axes.contains(&Some(axis))) {
@@ -203,10 +233,8 @@ fn read_vertices(
         let mut point = Point3::origin();
         for (property, axis) in element.properties.iter().zip(&axes) {
             match *axis {
-                Some(axis) if property.list.is_none() => {
-                    point[axis] = source.coordinate(property.kind)?
-                }
-                _ => skip_property(property, source)?,
+                Some(axis) => point[axis] = source.coordinate(property.kind)?,
+                None => skip_property(property, source)?,
             }
         }
         vertices.push(point);

@@ -129,16 +129,17 @@ impl Format {
     /// The format whose signature the file starts with. A binary STL's first 80 bytes may hold any
     /// remark, so its length counts more.
     fn by_signature(bytes: &[u8], extension: &str) -> Option<Self> {
-        if extension == "stl" && stl::is_binary(bytes) {
+        let is_named_stl = Self::by_extension(extension) == Some(Self::Stl);
+        if is_named_stl && stl::may_be_binary(bytes) {
             return Some(Self::Stl);
         }
         let start = bytes.trim_ascii_start();
         let first = Words::new(bytes, Some(b'#')).word().unwrap_or_default();
-        match first {
+        match first.to_ascii_lowercase().as_slice() {
             b"ply" => Some(Self::Ply),
-            b"$MeshFormat" => Some(Self::Gmsh),
-            b"MeshVersionFormatted" => Some(Self::Medit),
-            _ if start.starts_with(b"# vtk DataFile") => Some(Self::Vtk),
+            b"$meshformat" => Some(Self::Gmsh),
+            b"meshversionformatted" => Some(Self::Medit),
+            _ if starts_with_any_case(start, b"# vtk DataFile") => Some(Self::Vtk),
             _ if start.starts_with(b"<?xml") || start.starts_with(b"<VTKFile") => Some(Self::Vtu),
             _ if off::is_header(first) => Some(Self::Off),
             _ => None,
@@ -161,12 +162,14 @@ impl Format {
     }
 
     fn by_guess(bytes: &[u8]) -> Option<Self> {
-        let lines = bytes.split(|&byte| byte == b'\n').take(1000);
+        let lines = bytes.split(|byte| b"\n\r".contains(byte)).take(2000);
         let mut words = lines.filter_map(|line| line.split(u8::is_ascii_whitespace).next());
-        if stl::is_binary(bytes) || bytes.trim_ascii_start().starts_with(b"solid") {
+        if stl::is_binary(bytes) || stl::is_text(bytes) {
             return Some(Self::Stl);
         }
-        words.any(|word| word == b"v").then_some(Self::Obj)
+        words
+            .any(|word| word.eq_ignore_ascii_case(b"v"))
+            .then_some(Self::Obj)
     }
 
     fn parse(self, bytes: &[u8]) -> Result<Mesh, ParseError> {
@@ -186,6 +189,11 @@ impl Format {
             }
         }
     }
+}
+
+fn starts_with_any_case(bytes: &[u8], start: &[u8]) -> bool {
+    let first = bytes.get(..start.len());
+    first.is_some_and(|first| first.eq_ignore_ascii_case(start))
 }
 
 /// Reads TetGen's two files, given either.

@@ -2,7 +2,9 @@
 //!
 //! A file is binary if its length is the one its count announces (84 + 50 n bytes), even if it
 //! starts with `solid` as some programs have it; text if it starts with `solid` and no zero byte
-//! follows soon; binary with a wrong count otherwise. Equal corners (by bits, −0 as 0) become one
+//! follows soon; binary otherwise. What follows the last triangle of a binary file is passed over,
+//! unless it is further triangles: then the count is wrong. In text, tags are read in any case, and
+//! whatever follows one on its line is passed over. Equal corners (by bits, −0 as 0) become one
 //! vertex. Normals are passed over: the corners' order orients a triangle.
 
 use nalgebra::Point3;
@@ -40,14 +42,34 @@ pub fn is_binary(bytes: &[u8]) -> bool {
     announced(bytes).is_some_and(|count| bytes.len() == HEADER + RECORD * count)
 }
 
-fn is_text(bytes: &[u8]) -> bool {
+/// Whether a file could be binary STL with something after its last triangle: it is long enough and
+/// no text.
+pub(crate) fn may_be_binary(bytes: &[u8]) -> bool {
+    let is_long = announced(bytes).is_some_and(|count| bytes.len() >= HEADER + RECORD * count);
+    is_long && bytes[..HEADER + RECORD.min(bytes.len() - HEADER)].contains(&0)
+}
+
+/// Whether a file starts as text STL does.
+pub(crate) fn is_text(bytes: &[u8]) -> bool {
     let start = &bytes[..bytes.len().min(HEADER + RECORD)];
-    bytes.trim_ascii_start().starts_with(b"solid") && !start.contains(&0)
+    let first = bytes.trim_ascii_start().get(..5).unwrap_or_default();
+    first.eq_ignore_ascii_case(b"solid") && !start.contains(&0)
 }
 
 fn announced(bytes: &[u8]) -> Option<usize> {
     let count = bytes.get(HEADER - 4..HEADER)?;
     Some(Scalar::UInt32.decode(count, false) as usize)
+}
+
+/// Whether what follows the last triangle is nothing but whole triangles.
+fn is_triangles(rest: &[u8]) -> bool {
+    let (records, remainder) = rest.as_chunks::<RECORD>();
+    let is_finite = |number: &[u8]| Scalar::Float32.decode(number, false).is_finite();
+    let is_triangle = |record: &[u8; RECORD]| {
+        let corners = &record[12..48];
+        corners.iter().any(|&byte| byte != 0) && corners.chunks_exact(4).all(is_finite)
+    };
+    !records.is_empty() && remainder.is_empty() && records.iter().all(is_triangle)
 }
 
 /// The number of triangles in the header, unless it contradicts the file's length.
@@ -59,7 +81,8 @@ fn checked_count(bytes: &[u8]) -> Result<usize, ParseError> {
             ErrorKind::Truncated { expected },
         ));
     };
-    if bytes.len() != HEADER + RECORD * announced {
+    let rest = bytes.get(HEADER + RECORD * announced..);
+    if rest.is_none_or(is_triangles) {
         let kind = ErrorKind::WrongCount {
             what: "triangles",
             announced,
@@ -90,26 +113,27 @@ fn parse_text(bytes: &[u8]) -> Result<SurfaceMesh, ParseError> {
     let mut words = Words::new(bytes, None);
     let mut soup = Soup::with_capacity(words.capacity_for(usize::MAX, 200));
     while let Some(word) = words.word() {
-        match word {
-            b"solid" => read_solid(&mut words, &mut soup)?,
-            _ => return Err(words.unexpected("solid", word)),
+        if !word.eq_ignore_ascii_case(b"solid") {
+            return Err(words.unexpected("solid", word));
         }
+        read_solid(&mut words, &mut soup)?;
     }
     Ok(soup.into_mesh())
 }
 
-/// Reads up to and including the line `endsolid`.
+/// Reads up to and including the line `endsolid`, also written `end solid`.
 fn read_solid(words: &mut Words<'_>, soup: &mut Soup) -> Result<(), ParseError> {
     words.next_line();
     loop {
-        let word = words.some_word("facet or endsolid")?;
-        match word {
-            b"facet" => read_facet(words, soup)?,
-            b"endsolid" => {
-                words.next_line();
-                return Ok(());
-            }
-            _ => return Err(words.unexpected("facet or endsolid", word)),
+        let expected = "facet or endsolid";
+        let word = words.some_word(expected)?;
+        if word.eq_ignore_ascii_case(b"facet") {
+            read_facet(words, soup)?;
+        } else if ends(words, word, b"solid") {
+            words.next_line();
+            return Ok(());
+        } else {
+            return Err(words.unexpected(expected, word));
         }
     }
 }
@@ -117,25 +141,73 @@ fn read_solid(words: &mut Words<'_>, soup: &mut Soup) -> Result<(), ParseError> 
 /// Reads a facet after its first word; exporters write NaN into the normals of slivers, so
 /// these are passed over.
 fn read_facet(words: &mut Words<'_>, soup: &mut Soup) -> Result<(), ParseError> {
-    words.next_line();
-    keyword(words, "outer")?;
-    keyword(words, "loop")?;
+    tag(words, "outer")?;
+    tag(words, "loop")?;
     for _ in 0..3 {
-        keyword(words, "vertex")?;
+        tag(words, "vertex")?;
         soup.corner(&words.point()?);
     }
-    keyword(words, "endloop")?;
-    keyword(words, "endfacet")?;
+    end_tag(words, "endloop")?;
+    end_tag(words, "endfacet")?;
+    // Text after the last tag, unless the next one stands on the same line.
+    let mut ahead = words.clone();
+    if !ahead.word_on_line().is_some_and(is_facet_or_end) {
+        words.next_line();
+    }
     words.check_limit("triangles", soup.corners.len() / 3)?;
     Ok(())
 }
 
-fn keyword(words: &mut Words<'_>, expected: &'static str) -> Result<(), ParseError> {
+fn is_facet_or_end(word: &[u8]) -> bool {
+    [&b"facet"[..], b"endsolid", b"end"]
+        .iter()
+        .any(|tag| word.eq_ignore_ascii_case(tag))
+}
+
+/// Reads `expected` in any case: after other text on this line, or first on a later one.
+fn tag(words: &mut Words<'_>, expected: &'static str) -> Result<(), ParseError> {
+    seek(words, expected, |_, word| {
+        word.eq_ignore_ascii_case(expected.as_bytes())
+    })
+}
+
+/// Reads `endloop` or `endfacet`, also written as two words.
+fn end_tag(words: &mut Words<'_>, expected: &'static str) -> Result<(), ParseError> {
+    let what = expected.trim_start_matches("end").as_bytes();
+    seek(words, expected, |words, word| ends(words, word, what))
+}
+
+fn seek(
+    words: &mut Words<'_>,
+    expected: &'static str,
+    is_found: impl Fn(&mut Words<'_>, &[u8]) -> bool,
+) -> Result<(), ParseError> {
+    while let Some(word) = words.word_on_line() {
+        if is_found(words, word) {
+            return Ok(());
+        }
+    }
     let word = words.some_word(expected)?;
-    if word.eq_ignore_ascii_case(expected.as_bytes()) {
+    if is_found(words, word) {
         return Ok(());
     }
     Err(words.unexpected(expected, word))
+}
+
+/// Whether `word` is the tag `end…` of `what`; takes the second word if it is written as two.
+fn ends(words: &mut Words<'_>, word: &[u8], what: &[u8]) -> bool {
+    let is_what = |word: &[u8]| word.eq_ignore_ascii_case(what);
+    let Some((end, rest)) = word.split_at_checked(3) else {
+        return false;
+    };
+    if !end.eq_ignore_ascii_case(b"end") {
+        return false;
+    }
+    if rest.is_empty() && words.clone().word_on_line().is_some_and(is_what) {
+        words.word_on_line();
+        return true;
+    }
+    is_what(rest)
 }
 
 /// Corners without connection, welded as they come.

@@ -7,6 +7,7 @@ use nalgebra::Point3;
 
 use crate::mesh::formats::error::ParseError;
 use crate::mesh::formats::mesh::no_tetrahedron;
+use crate::mesh::formats::point_data::{PointData, vertex_data};
 use crate::mesh::formats::words::Words;
 use crate::mesh::tets::{TetMesh, VertexData};
 
@@ -19,6 +20,18 @@ pub struct Nodes {
     pub vertices: Vec<Point3<f64>>,
     /// The attributes.
     pub vertex_data: Vec<VertexData>,
+}
+
+impl Nodes {
+    /// The attributes, faults named by the numbers of the vertices of `tets`.
+    fn data_of(&mut self, tets: &[[u32; 4]]) -> Vec<VertexData> {
+        let (first, vertices) = (self.first, self.vertices.len());
+        let data = std::mem::take(&mut self.vertex_data).into_iter();
+        let data = data.map(|field| PointData::of(field.name, field.values, vertices));
+        vertex_data(data.collect(), tets, vertices, |vertex| {
+            format!("vertex {}", vertex as i64 + first)
+        })
+    }
 }
 
 /// Reads a `.node` file.
@@ -57,7 +70,7 @@ fn read_node(words: &mut Words<'_>, number: i64, nodes: &mut Nodes) -> Result<()
     let point = Point3::new(value()?, value()?, value()?);
     nodes.vertices.push(point);
     for field in &mut nodes.vertex_data {
-        field.values.push(words.number_on_line("an attribute")?);
+        field.values.push(words.value_on_line()?);
     }
     Ok(())
 }
@@ -67,7 +80,7 @@ fn read_node(words: &mut Words<'_>, number: i64, nodes: &mut Nodes) -> Result<()
 /// # Errors
 ///
 /// The line and what is wrong there.
-pub fn parse_elements(bytes: &[u8], nodes: Nodes) -> Result<TetMesh, ParseError> {
+pub fn parse_elements(bytes: &[u8], mut nodes: Nodes) -> Result<TetMesh, ParseError> {
     let mut words = Words::new(bytes, Some(b'#'));
     let count = words.size("the number of tetrahedra", "tetrahedra")?;
     let corners = words.count_on_line("4 corners per tetrahedron")?;
@@ -87,9 +100,9 @@ pub fn parse_elements(bytes: &[u8], nodes: Nodes) -> Result<TetMesh, ParseError>
         return Err(ParseError::missing("tetrahedra", "run TetGen again"));
     }
     Ok(TetMesh {
+        vertex_data: nodes.data_of(&tets),
         vertices: nodes.vertices,
         tets,
-        vertex_data: nodes.vertex_data,
     })
 }
 
@@ -105,10 +118,7 @@ fn read_layout(words: &mut Words<'_>) -> Result<Vec<VertexData>, ParseError> {
         Some(word) => words.parse_count(word, "the number of attributes")?,
     };
     let attributes = words.capacity_for(attributes, 2);
-    let field = |number| VertexData {
-        name: format!("attribute{number}"),
-        values: Vec::new(),
-    };
+    let field = |number| VertexData::new(&format!("attribute{number}"), Vec::new());
     Ok((1..=attributes).map(field).collect())
 }
 

@@ -1,15 +1,15 @@
 //! Legacy VTK in text: unstructured grids of tetrahedra (or surface cells), polygonal data.
 //!
 //! Scalars of the points (SCALARS and one-component arrays of FIELD) become vertex data; other
-//! attributes and all cell data are passed over. Both layouts of CELLS are read: counts before
+//! attributes and all cell data are passed over. Keywords are read in any case. Both layouts of CELLS are read: counts before
 //! each cell (versions up to 4.2) and OFFSETS with CONNECTIVITY (5.1). Format: "VTK File
 //! Formats", Kitware.
 
 use crate::mesh::formats::error::{ErrorKind, ParseError};
 use crate::mesh::formats::mesh::{Mesh, MeshParts, no_tetrahedron};
+use crate::mesh::formats::point_data::PointData;
 use crate::mesh::formats::words::{Words, shown};
 use crate::mesh::polygon::triangulate;
-use crate::mesh::tets::VertexData;
 
 /// VTK's number for polygons.
 const POLYGON: u32 = 7;
@@ -80,7 +80,7 @@ impl VtkFile<'_> {
 
     fn read_dataset(&mut self) -> Result<(), ParseError> {
         let kind = self.words.some_word("the kind of data set")?;
-        if [&b"UNSTRUCTURED_GRID"[..], b"POLYDATA"].contains(&kind) {
+        if is(kind, "UNSTRUCTURED_GRID") || is(kind, "POLYDATA") {
             return Ok(());
         }
         let what = format!("a VTK data set of kind {}", shown(kind));
@@ -103,7 +103,7 @@ impl VtkFile<'_> {
     fn read_cells(&mut self) -> Result<Vec<Vec<u32>>, ParseError> {
         let first = self.words.count("the number of cells")?;
         let second = self.words.count("the size of the cell list")?;
-        if self.words.peek() == Some(b"OFFSETS") {
+        if self.is_next("OFFSETS") {
             return self.read_offset_cells(first, second);
         }
         let mut cells = Vec::with_capacity(self.words.capacity_for(first, 4));
@@ -136,7 +136,7 @@ impl VtkFile<'_> {
             .map(|_| self.words.count("an offset"))
             .collect::<Result<_, _>>()?;
         let keyword = self.words.some_word("CONNECTIVITY")?;
-        if keyword != b"CONNECTIVITY" {
+        if !is(keyword, "CONNECTIVITY") {
             return Err(self.words.unexpected("CONNECTIVITY", keyword));
         }
         self.words.some_word_on_line("a number type")?;
@@ -169,18 +169,25 @@ impl VtkFile<'_> {
         };
         match keyword {
             b"SCALARS" => self.read_scalars(count),
-            b"VECTORS" | b"NORMALS" => self.skip_numbers(2, count, 3),
-            b"TENSORS" => self.skip_numbers(2, count, 9),
+            b"GLOBAL_IDS" | b"PEDIGREE_IDS" | b"EDGE_FLAGS" => self.skip_array(count, 1),
+            b"VECTORS" | b"NORMALS" => self.skip_array(count, 3),
+            b"TENSORS" => self.skip_array(count, 9),
+            b"TENSORS6" => self.skip_array(count, 6),
             b"LOOKUP_TABLE" => {
                 self.words.some_word_on_line("a table's name")?;
                 let size = self.words.count_on_line("a table's size")?;
-                self.skip_numbers(0, size, 4)
+                self.skip_values(b"", size, 4)
             }
-            b"TEXTURE_COORDINATES" | b"COLOR_SCALARS" => {
+            b"TEXTURE_COORDINATES" => {
                 self.words.some_word_on_line("a name")?;
                 let components = self.words.count_on_line("the number of components")?;
-                let types = usize::from(keyword == b"TEXTURE_COORDINATES");
-                self.skip_numbers(types, count, components)
+                self.words.some_word_on_line("a number type")?;
+                self.skip_values(b"", count, components)
+            }
+            b"COLOR_SCALARS" => {
+                self.words.some_word_on_line("a name")?;
+                let components = self.words.count_on_line("the number of components")?;
+                self.skip_values(b"", count, components)
             }
             _ => Err(self.words.unexpected("a kind of data", keyword)),
         }
@@ -188,16 +195,16 @@ impl VtkFile<'_> {
 
     fn read_scalars(&mut self, count: usize) -> Result<(), ParseError> {
         let name = shown(self.words.some_word_on_line("a name")?);
-        self.words.some_word_on_line("a number type")?;
+        let kind = self.words.some_word_on_line("a number type")?;
         let components = match self.words.word_on_line() {
             None => 1,
             Some(word) => self.words.parse_count(word, "the number of components")?,
         };
-        if self.words.peek() == Some(b"LOOKUP_TABLE") {
+        if self.is_next("LOOKUP_TABLE") {
             self.words.word();
             self.words.some_word_on_line("a table's name")?;
         }
-        self.read_array(name, components, count)
+        self.read_array(name, kind, components, count)
     }
 
     /// Reads the arrays of a FIELD, in or outside POINT_DATA and CELL_DATA.
@@ -205,49 +212,72 @@ impl VtkFile<'_> {
         self.words.some_word("a field's name")?;
         let arrays = self.words.count("the number of arrays")?;
         for _ in 0..arrays {
-            if self.words.peek() == Some(b"METADATA") {
+            if self.is_next("METADATA") {
                 self.skip_metadata();
             }
             let name = shown(self.words.some_word("an array's name")?);
             let components = self.words.count("the number of components")?;
             let count = self.words.count("the number of tuples")?;
-            self.words.some_word("a number type")?;
-            self.read_array(name, components, count)?;
+            let kind = self.words.some_word("a number type")?;
+            self.read_array(name, kind, components, count)?;
         }
         Ok(())
     }
 
-    /// Keeps one-component arrays with a value for every point.
+    /// Keeps one-component arrays of numbers of the points.
     fn read_array(
         &mut self,
         name: String,
+        kind: &[u8],
         components: usize,
         count: usize,
     ) -> Result<(), ParseError> {
         let of_points = self.tuples.is_some_and(|tuples| tuples.of_points);
-        if !of_points || components != 1 || count != self.mesh.vertices.len() {
-            return self.skip_numbers(0, count, components);
+        if !of_points || components != 1 || is_text(kind) {
+            return self.skip_values(kind, count, components);
         }
-        let values = (0..count)
-            .map(|_| self.words.number("a value"))
-            .collect::<Result<_, _>>()?;
-        self.mesh.vertex_data.push(VertexData { name, values });
+        let mut values = Vec::with_capacity(self.words.capacity_for(count, 2));
+        for _ in 0..count {
+            values.push(self.words.value()?);
+        }
+        let vertices = self.mesh.vertices.len();
+        let field = PointData::of(name, values, vertices);
+        self.mesh.point_data.push(field);
         Ok(())
     }
 
-    fn skip_numbers(
+    /// Passes over an attribute with a name, a type and its values.
+    fn skip_array(&mut self, count: usize, components: usize) -> Result<(), ParseError> {
+        self.words.some_word_on_line("a name")?;
+        let kind = self.words.some_word_on_line("a type")?;
+        self.skip_values(kind, count, components)
+    }
+
+    /// Passes over values of a type: text stands one value a line, which may be empty.
+    fn skip_values(
         &mut self,
-        words_before: usize,
+        kind: &[u8],
         count: usize,
         components: usize,
     ) -> Result<(), ParseError> {
-        for _ in 0..words_before {
-            self.words.some_word("a name or type")?;
+        let values = count.saturating_mul(components);
+        if is_text(kind) {
+            for _ in 0..=values {
+                if !self.words.next_line() {
+                    break;
+                }
+            }
+            return Ok(());
         }
-        for _ in 0..count.saturating_mul(components) {
+        for _ in 0..values {
             self.words.some_word("a value")?;
         }
         Ok(())
+    }
+
+    /// Whether the next word is this keyword.
+    fn is_next(&self, keyword: &str) -> bool {
+        self.words.peek().is_some_and(|word| is(word, keyword))
     }
 
     /// Moves past the empty line that ends a METADATA block.
@@ -263,8 +293,24 @@ impl VtkFile<'_> {
         for (cell, &kind) in self.cells.iter().zip(&self.kinds) {
             add_cell(&mut self.mesh, kind, cell).map_err(ParseError::whole)?;
         }
-        self.mesh.into_mesh()
+        self.mesh.into_mesh(point)
     }
+}
+
+/// A vertex as VTK's users know it.
+pub(crate) fn point(vertex: usize) -> String {
+    format!("point {vertex} (counted from 0)")
+}
+
+fn is(word: &[u8], keyword: &str) -> bool {
+    word.eq_ignore_ascii_case(keyword.as_bytes())
+}
+
+/// Whether values of this type are text, one a line.
+fn is_text(kind: &[u8]) -> bool {
+    ["string", "utf8_string", "unicode_string", "variant"]
+        .iter()
+        .any(|text| is(kind, text))
 }
 
 /// Adds a cell of VTK's type number `kind` over the vertices `cell`: tetrahedra (10), triangles

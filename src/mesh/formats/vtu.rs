@@ -17,10 +17,10 @@ use nalgebra::Point3;
 use crate::mesh::formats::binary::Scalar;
 use crate::mesh::formats::error::{ErrorKind, ParseError};
 use crate::mesh::formats::mesh::{Mesh, MeshParts};
-use crate::mesh::formats::vtk::{add_cell, cell_ranges};
-use crate::mesh::formats::words::{Words, shown};
-use crate::mesh::formats::xml::{Tag, line_of, next_tag};
-use crate::mesh::tets::VertexData;
+use crate::mesh::formats::point_data::PointData;
+use crate::mesh::formats::vtk::{add_cell, cell_ranges, point};
+use crate::mesh::formats::words::{Words, integer, line_of, shown};
+use crate::mesh::formats::xml::{Tag, next_tag};
 
 /// Reads tetrahedra, or the surface of a file without any.
 ///
@@ -39,8 +39,8 @@ pub fn parse(bytes: &[u8]) -> Result<Mesh, ParseError> {
         let tag = file.next_tag(position, "</UnstructuredGrid>")?;
         position = tag.end;
         match tag.name {
-            b"Piece" => piece = VtuPiece::default(),
-            b"/Piece" => file.add_piece(&std::mem::take(&mut piece), tag.end)?,
+            b"Piece" => piece = VtuPiece::of(&tag),
+            b"/Piece" => file.add_piece(&mut std::mem::take(&mut piece), tag.end)?,
             b"Points" | b"Cells" | b"PointData" | b"CellData" => section = tag.name,
             b"/Points" | b"/Cells" | b"/PointData" | b"/CellData" => section = b"",
             b"DataArray" => file.read_array(section, &tag, &encoding, &mut piece)?,
@@ -57,7 +57,32 @@ struct VtuPiece {
     connectivity: Vec<f64>,
     offsets: Vec<f64>,
     types: Vec<f64>,
-    data: Vec<VertexData>,
+    /// Fields of the points, or why they cannot be read.
+    data: Vec<(String, Result<Vec<f64>, String>)>,
+    announced_points: Option<usize>,
+    announced_cells: Option<usize>,
+}
+
+impl VtuPiece {
+    /// An empty piece that announces the counts in its tag.
+    fn of(tag: &Tag<'_>) -> Self {
+        let announced = |name| {
+            let count = integer(tag.attribute(name)?.trim_ascii())?;
+            usize::try_from(count).ok()
+        };
+        Self {
+            announced_points: announced("NumberOfPoints"),
+            announced_cells: announced("NumberOfCells"),
+            ..Self::default()
+        }
+    }
+
+    fn check_counts(&self) -> Result<(), ErrorKind> {
+        let points = self.points.len() / 3;
+        ErrorKind::check_count("points", self.announced_points.unwrap_or(points), points)?;
+        let cells = self.types.len();
+        ErrorKind::check_count("cells", self.announced_cells.unwrap_or(cells), cells)
+    }
 }
 
 struct VtuFile<'a> {
@@ -106,11 +131,8 @@ impl<'a> VtuFile<'a> {
             (b"Cells", b"offsets") => piece.offsets = decoded()?,
             (b"Cells", b"types") => piece.types = decoded()?,
             (b"PointData", _) if components == b"1" && tag.attribute("type") != Some(b"String") => {
-                let values = decoded()?;
-                piece.data.push(VertexData {
-                    name: shown(name),
-                    values,
-                });
+                let values = decoded().map_err(|error| error.kind.to_string());
+                piece.data.push((shown(name), values));
             }
             _ => {}
         }
@@ -118,7 +140,7 @@ impl<'a> VtuFile<'a> {
     }
 
     /// Adds a finished piece, which ends at `end`.
-    fn add_piece(&mut self, piece: &VtuPiece, end: usize) -> Result<(), ParseError> {
+    fn add_piece(&mut self, piece: &mut VtuPiece, end: usize) -> Result<(), ParseError> {
         let at_piece = |kind| ParseError::on_line(line_of(self.bytes, end), kind);
         let (points, rest) = piece.points.as_chunks::<3>();
         if !rest.is_empty() {
@@ -128,9 +150,8 @@ impl<'a> VtuFile<'a> {
                 found,
             )));
         }
-        let finite = |number: &&f64| !number.is_finite();
-        let values = piece.data.iter().flat_map(|field| &field.values);
-        if let Some(number) = piece.points.iter().chain(values).find(finite) {
+        piece.check_counts().map_err(at_piece)?;
+        if let Some(number) = piece.points.iter().find(|number| !number.is_finite()) {
             let found = number.to_string();
             return Err(at_piece(ErrorKind::NotFinite { found }));
         }
@@ -143,12 +164,8 @@ impl<'a> VtuFile<'a> {
         add_cells(&mut self.mesh, piece, base).map_err(at_piece)
     }
 
-    fn into_mesh(mut self) -> Result<Mesh, ParseError> {
-        let count = self.mesh.vertices.len();
-        self.mesh
-            .vertex_data
-            .retain(|field| field.values.len() == count);
-        self.mesh.into_mesh()
+    fn into_mesh(self) -> Result<Mesh, ParseError> {
+        self.mesh.into_mesh(point)
     }
 
     fn error(&self, position: usize, kind: ErrorKind) -> ParseError {
@@ -156,28 +173,43 @@ impl<'a> VtuFile<'a> {
     }
 }
 
-/// Continues the fields that all pieces so far had.
-fn add_data(mesh: &mut MeshParts, piece: &VtuPiece, base: usize) {
-    for VertexData { name, values } in &piece.data {
-        let known = mesh
-            .vertex_data
-            .iter_mut()
-            .find(|field| field.name == *name);
-        match known {
-            Some(field) if field.values.len() == base => field.values.extend(values),
-            None if base == 0 => {
-                let (name, values) = (name.clone(), values.clone());
-                mesh.vertex_data.push(VertexData { name, values });
-            }
-            _ => {}
-        }
+/// Continues the fields of the pieces so far, of which the mesh had `base` points. A field that a
+/// piece lacks is at fault.
+fn add_data(mesh: &mut MeshParts, piece: &mut VtuPiece, base: usize) {
+    let count = mesh.vertices.len() - base;
+    if count == 0 {
+        return;
     }
+    let mut fresh: Vec<PointData> = Vec::new();
+    for (name, values) in piece.data.drain(..) {
+        fresh.push(match values {
+            Ok(values) => PointData::of(name, values, count),
+            Err(fault) => PointData::faulty(name, fault),
+        });
+    }
+    if base == 0 {
+        mesh.point_data.append(&mut fresh);
+        return;
+    }
+    let lacking = |name: &str| {
+        let fault = "a piece of the file lacks it".to_owned();
+        PointData::faulty(name.to_owned(), fault)
+    };
+    for field in &mut mesh.point_data {
+        let at = fresh.iter().position(|other| other.name() == field.name());
+        field.append(at.map_or_else(|| lacking(field.name()), |at| fresh.remove(at)));
+    }
+    let late = fresh.iter().map(|field| lacking(field.name()));
+    mesh.point_data.extend(late);
 }
 
 fn add_cells(mesh: &mut MeshParts, piece: &VtuPiece, base: usize) -> Result<(), ErrorKind> {
-    let offsets: Vec<usize> = std::iter::once(0)
-        .chain(piece.offsets.iter().map(|&offset| offset as usize))
-        .collect();
+    let mut offsets = vec![0];
+    for &offset in &piece.offsets {
+        offsets.push(whole(offset).ok_or_else(|| {
+            ErrorKind::expected("an offset into the list of vertices", offset.to_string())
+        })?);
+    }
     ErrorKind::check_count("cell types", piece.offsets.len(), piece.types.len())?;
     let size = piece.connectivity.len();
     let disorder = || {
@@ -192,16 +224,25 @@ fn add_cells(mesh: &mut MeshParts, piece: &VtuPiece, base: usize) -> Result<(), 
         for &vertex in &piece.connectivity[start..end] {
             cell.push(base as u32 + vertex_index(vertex, vertices)?);
         }
-        add_cell(mesh, kind as u32, &cell)?;
+        // Fractions and negative numbers are no types.
+        let kind = whole(kind).and_then(|kind| u32::try_from(kind).ok());
+        add_cell(mesh, kind.unwrap_or(u32::MAX), &cell)?;
     }
     Ok(())
 }
 
+/// A non-negative integer.
+fn whole(number: f64) -> Option<usize> {
+    (number >= 0.0 && number.fract() == 0.0).then_some(number as usize)
+}
+
 fn vertex_index(number: f64, vertices: usize) -> Result<u32, ErrorKind> {
-    // Casts saturate: a number out of range stays out of range; NaN, cast to 0, becomes −1.
-    let index = number as i64;
-    let index = if number >= 0.0 { index } else { index.min(-1) };
-    ErrorKind::check_vertex(index, vertices, 0)
+    let Some(index) = whole(number) else {
+        let found = number.to_string();
+        return Err(ErrorKind::expected("a vertex index", found));
+    };
+    // Casts saturate: a number out of range stays out of range.
+    ErrorKind::check_vertex(i64::try_from(index).unwrap_or(i64::MAX), vertices, 0)
 }
 
 /// The encoding common to all arrays: attributes of the tag `VTKFile`, and the appended data.
@@ -267,7 +308,7 @@ fn read_text(content: &[u8], line: usize) -> Result<Vec<f64>, ParseError> {
     let mut words = Words::new(content, None).on_line(line);
     let mut numbers = Vec::with_capacity(content.len() / 4);
     while let Some(word) = words.word() {
-        numbers.push(words.parse_number(word, "a number")?);
+        numbers.push(words.parse_value(word)?);
     }
     Ok(numbers)
 }

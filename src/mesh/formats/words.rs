@@ -1,7 +1,8 @@
 //! Words and numbers of a text file, with line numbers.
 //!
-//! Words are separated by blanks; an optional comment mark hides the rest of its line. No word
-//! is copied: a file of two million triangles is read in a fraction of a second.
+//! Words are separated by blanks; an optional comment mark hides the rest of its line. A line
+//! ends with LF, CR LF or CR, in every file that is read. No word is copied: a file of two million
+//! triangles is read in a fraction of a second.
 
 use nalgebra::Point3;
 
@@ -57,7 +58,7 @@ impl<'a> Words<'a> {
         let start = rest.iter().position(|&byte| !is_blank(byte))?;
         self.position += start;
         let rest = &rest[start..];
-        if rest[0] == b'\n' || Some(rest[0]) == self.comment {
+        if is_line_end(rest[0]) || Some(rest[0]) == self.comment {
             return None;
         }
         let comment = self.comment;
@@ -95,13 +96,10 @@ impl<'a> Words<'a> {
     /// Moves to the start of the next line; false when there is none.
     pub(crate) fn next_line(&mut self) -> bool {
         let rest = &self.bytes[self.position..];
-        if let Some(end) = rest.iter().position(|&byte| byte == b'\n') {
-            self.position += end + 1;
-            self.line += 1;
-            return true;
-        }
-        self.position = self.bytes.len();
-        false
+        let (end, next) = line_end(rest);
+        self.position += next;
+        self.line += usize::from(next > end);
+        next > end
     }
 
     /// The next word, which must be there.
@@ -186,6 +184,30 @@ impl<'a> Words<'a> {
         }
         let found = shown(word);
         Err(self.error(ErrorKind::NotFinite { found }))
+    }
+
+    /// A number on this or a later line that need not be finite, for data that may not be used: NaN
+    /// also for what C and Fortran print for such, as `-nan(ind)`, `1.#QNAN` or `Infinity`.
+    pub(crate) fn value(&mut self) -> Result<f64, ParseError> {
+        let word = self.some_word("a value")?;
+        self.parse_value(word)
+    }
+
+    /// [`Words::value`] on this line.
+    pub(crate) fn value_on_line(&mut self) -> Result<f64, ParseError> {
+        let word = self.some_word_on_line("a value")?;
+        self.parse_value(word)
+    }
+
+    /// `word` as a number that need not be finite.
+    pub(crate) fn parse_value(&self, word: &[u8]) -> Result<f64, ParseError> {
+        let text = std::str::from_utf8(word).unwrap_or_default();
+        let unsigned = text.trim_start_matches(['+', '-']).to_ascii_lowercase();
+        let number = text.parse::<f64>().ok();
+        let is_none = || (["nan", "inf", "1.#"].iter()).any(|none| unsigned.starts_with(none));
+        number
+            .or_else(|| is_none().then_some(f64::NAN))
+            .ok_or_else(|| self.unexpected("a value", word))
     }
 
     /// Three coordinates, on this or later lines.
@@ -299,6 +321,46 @@ pub(crate) fn shown(word: &[u8]) -> String {
     text
 }
 
+/// The lines of a text, without their ends.
+pub(crate) fn lines(text: &str) -> impl Iterator<Item = &str> {
+    let mut rest = text;
+    std::iter::from_fn(move || {
+        if rest.is_empty() {
+            return None;
+        }
+        let (end, next) = line_end(rest.as_bytes());
+        let line = &rest[..end];
+        rest = &rest[next..];
+        Some(line)
+    })
+}
+
+/// The one-based line of a byte.
+pub(crate) fn line_of(bytes: &[u8], position: usize) -> usize {
+    let mut words = Words::new(&bytes[..position], None);
+    while words.next_line() {}
+    words.line()
+}
+
+/// Where the first line ends and where the next one starts: both at the end of the text if it has
+/// no other line.
+fn line_end(text: &[u8]) -> (usize, usize) {
+    let Some(end) = text.iter().position(|&byte| is_line_end(byte)) else {
+        return (text.len(), text.len());
+    };
+    let width = match text[end..] {
+        [b'\r', b'\n', ..] => 2,
+        // Text files that were converted from LF to CR LF twice.
+        [b'\r', b'\r', b'\n', ..] => 3,
+        _ => 1,
+    };
+    (end, end + width)
+}
+
+fn is_line_end(byte: u8) -> bool {
+    byte == b'\n' || byte == b'\r'
+}
+
 fn is_blank(byte: u8) -> bool {
-    byte != b'\n' && byte.is_ascii_whitespace()
+    !is_line_end(byte) && byte.is_ascii_whitespace()
 }

@@ -69,14 +69,6 @@ pub(crate) fn next_tag(bytes: &[u8], mut position: usize) -> Option<Tag<'_>> {
     }
 }
 
-/// The one-based line of a byte.
-pub(crate) fn line_of(bytes: &[u8], position: usize) -> usize {
-    1 + bytes[..position]
-        .iter()
-        .filter(|&&byte| byte == b'\n')
-        .count()
-}
-
 /// The first `>` outside quotes.
 fn closing_bracket(bytes: &[u8]) -> Option<usize> {
     let mut quote = None;

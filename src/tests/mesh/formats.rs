@@ -35,8 +35,8 @@ fn solid_tets() -> TetMesh {
         .iter()
         .map(|p| 1.0 + p.x / 3.0 + 7e-9 * p.y)
         .collect();
-    let name = "density".into();
-    mesh.vertex_data.push(VertexData { name, values });
+    let name = "density";
+    mesh.vertex_data.push(VertexData::new(name, values));
     mesh
 }
 
@@ -239,10 +239,7 @@ fn polygons_of_every_format_close_the_cube() {
 fn a_file_cut_anywhere_is_refused_or_a_smaller_mesh() {
     let mut mesh = shapes::unit_cube_five_tets();
     let values = (0..8).map(f64::from).collect();
-    mesh.vertex_data.push(VertexData {
-        name: "density".into(),
-        values,
-    });
+    mesh.vertex_data.push(VertexData::new("density", values));
     let mut all = samples::surfaces(&small_surface());
     all.push(("stl", samples::stl_binary(&small_surface())));
     all.extend(samples::tets(&mesh));
@@ -307,7 +304,7 @@ proptest! {
         damage in proptest::collection::vec((any::<prop::sample::Index>(), prop_oneof![any::<u8>(), Just(b'9'), Just(b'-'), Just(b'\n'), Just(b'<')]), 1..6),
     ) {
         let mut mesh = shapes::unit_cube_five_tets();
-        mesh.vertex_data.push(VertexData { name: "density".into(), values: vec![1.0; 8] });
+        mesh.vertex_data.push(VertexData::new("density", vec![1.0; 8]));
         let mut all = samples::surfaces(&small_surface());
         all.push(("stl", samples::stl_binary(&small_surface())));
         all.extend(samples::tets(&mesh));

@@ -1,5 +1,6 @@
 //! Meshes: every format gives the same solid, every defect a clear outcome.
 
+mod dialects;
 mod faults;
 mod formats;
 mod samples;

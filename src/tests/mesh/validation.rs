@@ -390,10 +390,8 @@ fn crossing_parts_are_told_touching_ones_not() {
 fn tetrahedra_are_turned_dropped_and_told() {
     let mut mesh = shapes::unit_cube_tets(2);
     let count = mesh.tets.len();
-    mesh.vertex_data.push(VertexData {
-        name: "density".into(),
-        values: (0..27).map(f64::from).collect(),
-    });
+    let values = (0..27).map(f64::from).collect();
+    mesh.vertex_data.push(VertexData::new("density", values));
     mesh.vertices.insert(0, Point3::new(9.0, 9.0, 9.0));
     mesh.vertex_data[0].values.insert(0, -1.0);
     mesh.tets
