@@ -1,6 +1,6 @@
 //! The convex polyhedron given by half-spaces, as a domain.
 
-use nalgebra::Point3;
+use nalgebra::{Point3, Vector3};
 
 use crate::domain::error::DomainError;
 use crate::domain::facet_kind::FacetKind;
@@ -155,5 +155,13 @@ impl DomainShape for ConvexPolyhedron {
 
     fn start(&self, site: &Point3<f64>, _index: u32, cell: &mut Polyhedron) {
         cell.assign_translated(&self.solid, &-site.coords);
+    }
+
+    fn wall_ahead(&self, site: &Point3<f64>, step: &Vector3<f64>) -> Option<(f64, Vector3<f64>)> {
+        let ahead = self.half_spaces.iter().filter_map(|wall| {
+            let (climb, room) = (wall.normal.dot(step), (-wall.excess(site)).max(0.0));
+            (climb > room).then(|| (room / climb, wall.normal))
+        });
+        ahead.min_by(|a, b| a.0.total_cmp(&b.0))
     }
 }

@@ -87,6 +87,10 @@ impl DomainShape for Cuboid {
         [0, 1, 2].map(|axis| self.periodic[axis].then_some(extent[axis]))
     }
 
+    fn is_box(&self) -> bool {
+        true
+    }
+
     fn start(&self, site: &Point3<f64>, index: u32, cell: &mut Polyhedron) {
         let mut around = Bounds::empty();
         let mut labels = [0; 6];

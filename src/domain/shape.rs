@@ -113,6 +113,18 @@ pub trait DomainShape: Debug + Send + Sync + 'static {
     fn first_exit(&self, _site: &Point3<f64>, _step: &Vector3<f64>) -> f64 {
         f64::INFINITY
     }
+
+    /// Whether the walls are those of [`bounds`](Self::bounds).
+    fn is_box(&self) -> bool {
+        false
+    }
+
+    /// The share of `step` after which the way from `site` first leaves Ω through a wall, and that
+    /// wall's outward unit normal; none where it stays in Ω.
+    fn wall_ahead(&self, site: &Point3<f64>, step: &Vector3<f64>) -> Option<(f64, Vector3<f64>)> {
+        let exit = self.first_exit(site, step);
+        exit.is_finite().then(|| (exit, step.normalize()))
+    }
 }
 
 /// The memory of [`DomainShape::pieces`], to be reused from one cell to the next.

@@ -17,6 +17,8 @@
 //! * The first model is `θ I` with the `θ` of the options, or that which moves the farthest
 //!   group by `first_step`, not the identity: sites in a unit cube have gradients of about a cell's volume.
 //! * The whole step is shortened so that no group moves farther than `largest_step`.
+//! * In a set that is no box the caller bends steps along its walls ([`lbfgsb_within`]); the bent step
+//!   must lead down, else the pairs are dropped, and from `θ I` every group's bent step does.
 //! * If a model is singular or its search fails, the pairs are dropped and the step is tried
 //!   once more from `θ I`, as in the authors' code.
 //!
@@ -63,10 +65,29 @@ pub(crate) struct LbfgsbEnd {
 /// [`LbfgsbError`] if lengths differ, a bound is NaN, a lower bound exceeds its upper one, or an
 /// option makes no sense.
 pub(crate) fn lbfgsb(
-    mut objective: impl FnMut(&[f64], &mut [f64]) -> f64,
+    objective: impl FnMut(&[f64], &mut [f64]) -> f64,
     state: LbfgsbState,
     lower: &[f64],
     upper: &[f64],
+    options: &LbfgsbOptions,
+    observer: impl FnMut(&mut LbfgsbState, f64) -> ControlFlow<()>,
+) -> Result<LbfgsbEnd, LbfgsbError> {
+    lbfgsb_within(objective, state, [lower, upper], None, options, observer)
+}
+
+/// Bends a step from a point so that the straight way along it stays in the set of allowed points, and
+/// says whether it did. A bent step makes no group's descent an ascent.
+pub(crate) type Bend<'a> = &'a dyn Fn(&[f64], &mut [f64]) -> bool;
+
+/// As [`lbfgsb`] over the points of the box `[lower, upper]` to which `bend` holds all steps.
+///
+/// # Errors
+/// As [`lbfgsb`].
+pub(crate) fn lbfgsb_within(
+    mut objective: impl FnMut(&[f64], &mut [f64]) -> f64,
+    state: LbfgsbState,
+    [lower, upper]: [&[f64]; 2],
+    bend: Option<Bend<'_>>,
     options: &LbfgsbOptions,
     observer: impl FnMut(&mut LbfgsbState, f64) -> ControlFlow<()>,
 ) -> Result<LbfgsbEnd, LbfgsbError> {
@@ -75,6 +96,7 @@ pub(crate) fn lbfgsb(
         bounded: BoxProblem {
             lower,
             upper,
+            bend,
             options,
         },
         observer,
@@ -95,13 +117,14 @@ pub(crate) fn lbfgsb(
 /// argmin's bookkeeping: whether the run is over.
 type Bookkeeping = IterState<(), (), (), (), (), f64>;
 
-/// The box and the options of a run.
-#[derive(Clone, Copy, Debug)]
+/// The box, what holds steps to other sets, and the options of a run.
+#[derive(Clone, Copy)]
 struct BoxProblem<'a> {
     /// `l`.
     lower: &'a [f64],
     /// `u`.
     upper: &'a [f64],
+    bend: Option<Bend<'a>>,
     options: &'a LbfgsbOptions,
 }
 
@@ -132,6 +155,7 @@ where
             lower,
             upper,
             options,
+            ..
         } = self.bounded;
         let state = &mut self.state;
         if let (0, Some(objective)) = (state.evaluations, &mut problem.problem) {
@@ -217,12 +241,8 @@ impl<O: FnMut(&mut LbfgsbState, f64) -> ControlFlow<()>> Lbfgsb<'_, O> {
 
     /// Whether the run is over whatever the last step was.
     fn convergence(&self) -> Option<Termination> {
-        let BoxProblem {
-            lower,
-            upper,
-            options,
-        } = self.bounded;
-        let gradient = self.state.projected_gradient(lower, upper);
+        let options = self.bounded.options;
+        let gradient = self.bounded.projected_gradient(&self.state);
         if gradient <= options.gradient_tolerance * options.scale {
             Some(Termination::GradientSmall)
         } else if self.state.evaluations >= options.max_evaluations {
@@ -244,8 +264,9 @@ impl BoxProblem<'_> {
         objective: &mut impl FnMut(&[f64], &mut [f64]) -> f64,
         state: &mut LbfgsbState,
     ) -> Result<f64, Termination> {
-        let target = self.target(state).ok_or(Termination::NoDescent)?;
-        let mut line = LineToTarget::new(self, objective, state, target);
+        let mut target = self.target(state).ok_or(Termination::NoDescent)?;
+        let is_bent = self.bend_toward(&state.point, &mut target);
+        let mut line = LineToTarget::new(self, objective, state, target, is_bent);
         let displacement = largest_group(&line.direction, self.options.group);
         let search = line.search(displacement)?;
         let found = line_search(&search, &mut line);
@@ -263,13 +284,44 @@ impl BoxProblem<'_> {
         Ok(trial.fraction * displacement)
     }
 
+    /// Bends the step from `point` to `target`, if there is more than a box; says whether it did.
+    fn bend_toward(&self, point: &[f64], target: &mut [f64]) -> bool {
+        let Some(bend) = self.bend else { return false };
+        let mut step = difference(target, point);
+        let is_bent = bend(point, &mut step);
+        if is_bent {
+            for (target, (point, step)) in target.iter_mut().zip(point.iter().zip(step)) {
+                *target = point + step;
+            }
+        }
+        is_bent
+    }
+
+    /// The largest component of the gradient, without what pushes against bounds or walls: of
+    /// the first model's bent step, times its curvature.
+    fn projected_gradient(&self, state: &LbfgsbState) -> f64 {
+        let Some(bend) = self.bend else {
+            return state.projected_gradient(self.lower, self.upper);
+        };
+        let curvature = self.first_curvature(state);
+        let mut step: Vec<f64> = state.gradient.iter().map(|g| -g / curvature).collect();
+        if curvature > 0.0 && bend(&state.point, &mut step) {
+            return step.iter().fold(0.0, |size: f64, s| size.max(s.abs())) * curvature;
+        }
+        state.projected_gradient(self.lower, self.upper)
+    }
+
+    /// `θ` of the model without pairs.
+    fn first_curvature(&self, state: &LbfgsbState) -> f64 {
+        let options = self.options;
+        options
+            .first_curvature
+            .unwrap_or_else(|| largest_group(&state.gradient, options.group) / options.first_step)
+    }
+
     /// The minimizer of the model in the box, as far as \[B\] goes for it.
     fn target(&self, state: &LbfgsbState) -> Option<Vec<f64>> {
-        let options = self.options;
-        let first = options
-            .first_curvature
-            .unwrap_or_else(|| largest_group(&state.gradient, options.group) / options.first_step);
-        let model = CompactBfgs::new(&state.history, first);
+        let model = CompactBfgs::new(&state.history, self.first_curvature(state));
         let place = BoxedPoint {
             point: &state.point,
             gradient: &state.gradient,
@@ -293,6 +345,8 @@ struct LineToTarget<'a, F> {
     start: &'a LbfgsbState,
     target: Vec<f64>,
     direction: Vec<f64>,
+    /// Whether walls lie right behind the target.
+    is_bent: bool,
     trial_gradient: Vec<f64>,
     kept_gradient: Vec<f64>,
     evaluations: u64,
@@ -304,6 +358,7 @@ impl<'a, F: FnMut(&[f64], &mut [f64]) -> f64> LineToTarget<'a, F> {
         objective: &'a mut F,
         start: &'a LbfgsbState,
         target: Vec<f64>,
+        is_bent: bool,
     ) -> Self {
         Self {
             bounded,
@@ -311,6 +366,7 @@ impl<'a, F: FnMut(&[f64], &mut [f64]) -> f64> LineToTarget<'a, F> {
             start,
             direction: difference(&target, &start.point),
             target,
+            is_bent,
             trial_gradient: vec![0.0; start.point.len()],
             kept_gradient: vec![0.0; start.point.len()],
             evaluations: start.evaluations,
@@ -342,8 +398,12 @@ impl<'a, F: FnMut(&[f64], &mut [f64]) -> f64> LineToTarget<'a, F> {
         })
     }
 
-    /// The fraction at which the first variable leaves the box; at least 1, where the target is.
+    /// The fraction at which the first variable leaves the box; at least 1, where the target is, and no
+    /// more along walls.
     fn longest_in_box(&self) -> f64 {
+        if self.is_bent {
+            return 1.0;
+        }
         let mut longest = f64::INFINITY;
         for (i, &d) in self
             .direction

@@ -1,18 +1,19 @@
 //! Quasi-Newton descent of the global objective (\[LL\] section 4) by L-BFGS-B.
 //!
 //! L-BFGS-B keeps the sites in the domain's box (periodic axes have no bounds; sites are wrapped
-//! back where their cells are built). In a domain that is not a box a trial that takes a site
-//! outside has no diagram: it counts as infinitely high, and the search along the step retreats.
+//! back where their cells are built). In every other domain each site's step is bent along the walls
+//! that it would cross, for itself: one site at a wall holds up no other. A trial that has no diagram
+//! all the same counts as infinitely high, and the search along the step retreats.
 //!
 //! argmin's executor drives a whole descent; the observer of each accepted step may end it.
 
 use std::cell::RefCell;
 use std::ops::ControlFlow;
 
-use nalgebra::Point;
+use nalgebra::{Point, SVector};
 
 use crate::minimize::history::History;
-use crate::minimize::lbfgsb::{LbfgsbEnd, lbfgsb};
+use crate::minimize::lbfgsb::{Bend, LbfgsbEnd, lbfgsb_within};
 use crate::minimize::lbfgsb_state::{LbfgsbError, LbfgsbOptions, LbfgsbState};
 use crate::relax::record::{Totals, optimal_side};
 use crate::relax::relaxation_space::{ObjectiveValue, RelaxationSpace};
@@ -100,7 +101,10 @@ pub(crate) fn descend<const D: usize, S: RelaxationSpace<D>>(
     };
     let (lower, upper) = box_bounds(space, count);
     let solver = solver_options(space, options, count);
-    lbfgsb(objective, state, &lower, &upper, &solver, |state, _| {
+    let bend = |point: &[f64], step: &mut [f64]| bend_along_walls(space, point, step);
+    let walls: Option<Bend<'_>> = if space.is_box() { None } else { Some(&bend) };
+    let within = [&*lower, &*upper];
+    lbfgsb_within(objective, state, within, walls, &solver, |state, _| {
         let trials = std::mem::take(&mut *trials.borrow_mut());
         let is_taken = |trial: &&Totals| trial.energy.to_bits() == state.value().to_bits();
         match trials.iter().rev().find(is_taken) {
@@ -108,6 +112,25 @@ pub(crate) fn descend<const D: usize, S: RelaxationSpace<D>>(
             None => ControlFlow::Break(()),
         }
     })
+}
+
+/// Bends every site's step along the walls in its way and says whether there were any.
+fn bend_along_walls<const D: usize>(
+    space: &impl RelaxationSpace<D>,
+    point: &[f64],
+    step: &mut [f64],
+) -> bool {
+    let mut is_bent = false;
+    for (site, step) in point.chunks_exact(D).zip(step.chunks_exact_mut(D)) {
+        let wanted = SVector::from_column_slice(step);
+        let site = space.wrap(&Point::from_slice(site));
+        let bent = space.along_walls(&site, wanted);
+        if bent != wanted {
+            step.copy_from_slice(bent.as_slice());
+            is_bent = true;
+        }
+    }
+    is_bent
 }
 
 /// The scales of a descent of `count` sites. The first model is [`FIRST_CURVATURE`] times
@@ -134,14 +157,18 @@ fn solver_options<const D: usize>(
     }
 }
 
-/// The bounds of all variables: the domain's box, none along periodic axes.
+/// The bounds of all variables: the domain's box, none along periodic axes and none where the walls are
+/// not those of a box.
 fn box_bounds<const D: usize>(
     space: &impl RelaxationSpace<D>,
     count: usize,
 ) -> (Vec<f64>, Vec<f64>) {
     let (bounds, periods) = (space.bounds(), space.periods());
     let bound = |end: &Point<f64, D>, open: f64| {
-        let of_axis: [f64; D] = std::array::from_fn(|k| periods[k].map_or(end[k], |_| open));
+        let of_axis: [f64; D] = std::array::from_fn(|k| match periods[k] {
+            None if space.is_box() => end[k],
+            _ => open,
+        });
         of_axis.repeat(count)
     };
     (

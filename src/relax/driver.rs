@@ -28,6 +28,10 @@ const BETTER: f64 = 1e-8;
 /// last descent does the rest. Far more than the gain that a round must bring.
 const PERFECT: f64 = 1e-7;
 
+/// A move of Lloyd's out of a stalled descent must gain at least this share of the energy: less is
+/// rounding.
+const LEAST_GAIN: f64 = 1e-12;
+
 /// Why a run ended.
 ///
 /// # Examples
@@ -274,8 +278,36 @@ impl<const D: usize, S: RelaxationSpace<D>> Driver<'_, '_, D, S> {
         })?;
         self.state.evaluations += ((end.state.evaluations() - counted) * count) as f64;
         self.state.descent = Some(end.state);
-        self.is_converged = end.ended != Termination::Stopped;
-        Ok(flow)
+        match end.ended {
+            Termination::NoDescent if flow.is_continue() => self.lloyd_out_of_stall(),
+            ended => {
+                self.is_converged = ended != Termination::Stopped;
+                Ok(flow)
+            }
+        }
+    }
+
+    /// One of Lloyd's moves where the descent's search finds nothing lower although the gradient says that
+    /// there is; the end of the descent if that gains nothing either.
+    fn lloyd_out_of_stall(&mut self) -> Flow<S::Error> {
+        let (space, spec) = (self.space, self.plan.spec);
+        let Some(stalled) = self.state.descent.take() else {
+            return Ok(ControlFlow::Continue(()));
+        };
+        let cells = space
+            .assess(self.sites, spec)
+            .map_err(RelaxationError::Space)?;
+        let evaluations: u64 = cells.iter().map(|cell| u64::from(cell.evaluations)).sum();
+        self.state.evaluations += evaluations as f64;
+        let targets: Vec<_> = cells.iter().map(|cell| cell.target).collect();
+        let totals = self.evaluate(targets.clone())?;
+        if totals.energy < stalled.value() * (1.0 - LEAST_GAIN) {
+            self.state.moves += 1;
+            return Ok(self.moved_to(targets, &totals, None));
+        }
+        self.state.descent = Some(stalled);
+        self.is_converged = true;
+        Ok(ControlFlow::Continue(()))
     }
 
     /// The move after a descent: a perturbation, the return to the best sites or a finer level; none

@@ -24,7 +24,7 @@
 
 use std::collections::BTreeMap;
 
-use nalgebra::{Matrix3, Point3, Rotation3, Vector3};
+use nalgebra::{Matrix3, Point3, Rotation3, Unit, Vector3};
 use rayon::prelude::*;
 
 use crate::domain::facet_kind::FacetKind;
@@ -82,6 +82,10 @@ const WALL_WEIGHT: f64 = 10.0;
 /// How often all frames take a step together: enough for fifty layers of cells to agree.
 const SWEEPS: usize = 50;
 
+/// A wall whose area is at most this share of the largest facet's is what rounding leaves of signed
+/// pieces that cancel: it has no direction.
+const NO_WALL: f64 = 1e-12;
+
 /// Walls fix a frame if those of at least this share of their area are more than so far from the
 /// main one's normal (as the cosine): sixty degrees, above what curved walls do within a cell.
 const CREASE: (f64, f64) = (0.05, 0.5);
@@ -132,6 +136,8 @@ fn facets_of(domain: &dyn Domain, cell: &Cell<'_>, scratch: &mut PieceScratch) -
         },
     );
     let mut facets = CellFacets::default();
+    let largest = areas.values().map(Vector3::norm).fold(0.0, f64::max);
+    areas.retain(|_, area| area.norm() > NO_WALL * largest);
     for (label, area) in areas {
         match FacetKind::of(label) {
             FacetKind::Neighbor { site, .. } => facets.neighbors.push((site, area.norm())),
@@ -222,7 +228,14 @@ fn aligned(cell: &CellFacets) -> Rotation3<f64> {
 /// `frame` turned by the smallest angle that brings one of its axes onto ± the unit vector.
 fn toward(frame: &Rotation3<f64>, unit: &Vector3<f64>) -> Rotation3<f64> {
     let axis = nearest_axis(frame, unit);
-    Rotation3::rotation_between(&axis, unit).map_or(*frame, |turn| turn * frame)
+    let around = axis.cross(unit);
+    let sine = around.norm();
+    // The angle by both sine and cosine: of nearly equal directions rounding lifts the cosine past 1.
+    let angle = sine.atan2(axis.dot(unit));
+    match Unit::try_new(around, f64::EPSILON) {
+        Some(around) => Rotation3::from_axis_angle(&around, angle) * frame,
+        None => *frame,
+    }
 }
 
 /// The one of the frame's six directions that is nearest to a vector.
@@ -303,6 +316,32 @@ fn rotation_of(matrix: &Matrix3<f64>) -> Option<Rotation3<f64>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Walls 45° off the axes, whose directions after the first turn are an axis but for rounding: in one
+    /// such cell of a model the cosine of the second turn was 1 + 2⁻⁵² and the frame not a number.
+    #[test]
+    fn walls_at_right_angles_give_rotations_whatever_the_rounding() {
+        for number in 0..2000_u32 {
+            let angle = f64::from(number) * 0.0123;
+            let tilt = Rotation3::from_euler_angles(0.3 * angle, angle, 0.7 * angle);
+            let wall = |x: f64, y: f64, z: f64| tilt * Vector3::new(x, y, z);
+            let size = 1e-3 * f64::from(number + 1);
+            let cell = CellFacets {
+                neighbors: Vec::new(),
+                walls: vec![
+                    wall(size, 0.0, size),
+                    wall(-0.1 * size, 1e-19, 0.100_000_1 * size),
+                ],
+            };
+            let frame = aligned(&cell);
+            let off = (frame.matrix() * frame.matrix().transpose() - Matrix3::identity()).norm();
+            assert!(off < 1e-12, "{number}: {frame}");
+            for wall in &cell.walls {
+                let along = (frame.inverse() * wall.normalize()).amax();
+                assert!(along > 1.0 - 1e-9, "{number}: {along}");
+            }
+        }
+    }
 
     #[test]
     fn the_cube_has_twenty_four_rotations() {

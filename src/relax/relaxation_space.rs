@@ -9,7 +9,7 @@ use crate::geometry::bounds::Bounds;
 use crate::minimize::lbfgsb_state::LbfgsbError;
 
 /// A displacement that leaves the domain is halved at most so often, then given up.
-const HALVINGS: u32 = 8;
+pub(crate) const HALVINGS: u32 = 8;
 
 /// The distance whose energy a site minimizes over its cell.
 ///
@@ -157,6 +157,19 @@ pub trait RelaxationSpace<const D: usize>: Sync {
     fn beyond(&self, site: &Point<f64, D>, target: &Point<f64, D>, factor: f64) -> Point<f64, D> {
         let moved = self.displaced(site, self.displacement(site, target) * factor);
         if moved == *site { *target } else { moved }
+    }
+
+    /// Whether the walls are those of the domain's box.
+    fn is_box(&self) -> bool {
+        true
+    }
+
+    /// `step`, or what is left of it where walls that are not those of the box stand in its way: it goes
+    /// half of the way to such a wall and on along it. The straight way from `site` along what is left
+    /// stays in the domain, and forms no obtuse angle with `step`.
+    fn along_walls(&self, site: &Point<f64, D>, step: SVector<f64, D>) -> SVector<f64, D> {
+        let _ = site;
+        step
     }
 
     /// The total energy of the cells of `sites`.

@@ -67,8 +67,9 @@ impl IndexedSurface {
         self.bounds.contains(point) && self.winding(point).is_none_or(|winding| winding > 0)
     }
 
-    /// The share of `step` after which the way from `from` first crosses the surface outward.
-    pub(crate) fn ray_exit(&self, from: &Point3<f64>, step: &Vector3<f64>) -> f64 {
+    /// The share of `step` after which the way from `from` first crosses the surface outward, and the
+    /// triangle where it does.
+    pub(crate) fn ray_exit(&self, from: &Point3<f64>, step: &Vector3<f64>) -> Option<(f64, u32)> {
         ray_exit(&self.mesh, &self.bvh, from, step)
     }
 

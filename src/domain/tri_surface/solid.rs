@@ -150,6 +150,13 @@ impl DomainShape for SurfaceSolid {
     }
 
     fn first_exit(&self, site: &Point3<f64>, step: &Vector3<f64>) -> f64 {
-        self.surface.ray_exit(site, step)
+        let exit = self.surface.ray_exit(site, step);
+        exit.map_or(f64::INFINITY, |(share, _)| share)
+    }
+
+    fn wall_ahead(&self, site: &Point3<f64>, step: &Vector3<f64>) -> Option<(f64, Vector3<f64>)> {
+        let (share, triangle) = self.surface.ray_exit(site, step)?;
+        let [a, b, c] = self.surface.mesh.corners(triangle as usize);
+        Some((share, (b - a).cross(&(c - a)).normalize()))
     }
 }

@@ -35,7 +35,7 @@ pub(crate) fn winding(surface: &SurfaceMesh, tree: &Bvh, point: &Point3<f64>) ->
 }
 
 /// The share of `step` after which the way from `from`, a point of the solid, first crosses the
-/// surface outward; infinity where it does not. Touching an edge counts as crossing. `tree` holds
+/// surface outward, and the triangle; none where it does not. Touching an edge counts as crossing. `tree` holds
 /// the triangles' bounds.
 #[must_use]
 pub(crate) fn ray_exit(
@@ -43,16 +43,19 @@ pub(crate) fn ray_exit(
     tree: &Bvh,
     from: &Point3<f64>,
     step: &Vector3<f64>,
-) -> f64 {
+) -> Option<(f64, u32)> {
     let to = from + step;
     let around = Bounds::of([from, &to]);
-    let mut first = f64::INFINITY;
+    let mut first: Option<(f64, u32)> = None;
     let near = |bounds: &Bounds<3>| bounds.overlaps(&around);
     tree.visit(near, |triangle| {
         let corners = surface.corners(triangle as usize);
         let (before, after) = (depth(&corners, from), depth(&corners, &to));
         if before >= 0.0 && after < 0.0 && passes(&corners, from, &to) {
-            first = first.min(before / (before - after));
+            let share = before / (before - after);
+            if first.is_none_or(|(least, _)| share < least) {
+                first = Some((share, triangle));
+            }
         }
     });
     first
