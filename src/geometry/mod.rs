@@ -9,6 +9,7 @@ pub(crate) mod bounds;
 pub(crate) mod brep;
 pub(crate) mod bvh;
 pub(crate) mod clip;
+pub(crate) mod double_double;
 pub(crate) mod facet_polygons;
 pub(crate) mod half_plane;
 pub(crate) mod half_space;
