@@ -67,6 +67,12 @@ pub enum DomainError {
     /// A mesh that bounds or fills no solid.
     #[error("the mesh {0}")]
     Mesh(#[from] Refusal),
+    /// A surface that encloses something more than once, or negatively.
+    #[error("the surface {reason}")]
+    Overlap {
+        /// What is wrong with it.
+        reason: String,
+    },
     /// Tetrahedra whose boundary bounds no solid.
     #[error("the boundary of the tetrahedra {reason}")]
     Boundary {

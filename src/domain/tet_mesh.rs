@@ -49,11 +49,10 @@ impl TetSolid {
         let refused = |reason: String| DomainError::Boundary { reason };
         let validated = validate_surface(&mesh.boundary());
         let (surface, report) = validated.map_err(|refusal| refused(refusal.to_string()))?;
-        let crossings = report.crossings.map_or(0, |tally| tally.count);
-        if crossings > 0 {
+        if let Some(overlap) = report.repeated.or(report.negative) {
             let remedy = "tetrahedra overlap there, remove the overlapping ones";
             return Err(refused(format!(
-                "crosses itself in {crossings} pairs of triangles: {remedy}"
+                "encloses {overlap} more than once: {remedy}"
             )));
         }
         let boundary = SurfaceSolid::new(&surface)?;

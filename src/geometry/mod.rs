@@ -10,6 +10,7 @@ pub(crate) mod brep;
 pub(crate) mod bvh;
 pub(crate) mod clip;
 pub(crate) mod cover;
+pub(crate) mod double_double;
 pub(crate) mod facet_polygons;
 pub(crate) mod half_plane;
 pub(crate) mod half_space;

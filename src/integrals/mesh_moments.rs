@@ -12,14 +12,20 @@
 //! Tonon, *Explicit exact formulas for the 3-D tetrahedron inertia tensor*, 2004), or polynomials.
 //! Time is linear in the simplices, times (n + 5 choose 3) for a polynomial of degree n.
 //!
+//! The cones of a thin solid are far larger than itself. Where its volume is less than a fiftieth of
+//! the third power of its reach, the volumes of its cones are computed to the last digit (the
+//! `double_double` file of `geometry`), which takes some times as long: a diagonal rod of length 1 and
+//! width w keeps its volume, center and moments to about 10⁻¹⁶/w of their size.
+//!
 //! All routines panic if a simplex names a vertex, or a density, that is not there.
 
 use nalgebra::{Point3, Vector3};
 use std::ops::Add;
 
 use crate::geometry::brep::Piece;
+use crate::geometry::double_double::six_volume;
 use crate::geometry::moments::Moments;
-use crate::geometry::simd::sum as sum_of_lanes;
+use crate::geometry::simd::{dot, sum as sum_of_lanes};
 use crate::integrals::lanes::{
     CONSTANT, LINEAR, LanePoint, Lanes, Sums, WIDTH, gathered, named, six_volumes, splat,
 };
@@ -55,14 +61,11 @@ pub fn volume<const K: usize>(
     simplices: &[[u32; K]],
     origin: &Point3<f64>,
 ) -> f64 {
-    let origin = splat(origin);
-    let six = sum_by_halves(simplices.len(), &|range| {
-        let volumes = simplices[range].chunks(WIDTH).map(|block| {
-            six_volumes(&named(block).map(|named| gathered(vertices, named, &origin)))
-        });
-        sum_of_lanes(volumes.fold(Lanes::ZERO, |sum, volume| sum + volume))
-    });
-    six / 6.0
+    let plain = size(vertices, simplices, origin, Precision::Single);
+    if plain.is_thin() {
+        return size(vertices, simplices, origin, Precision::Double).six_volume / 6.0;
+    }
+    plain.six_volume / 6.0
 }
 
 /// The ten moments at density 1, measured from `origin`: \[M\] eq. 18-27.
@@ -72,9 +75,13 @@ pub fn constant<const K: usize>(
     simplices: &[[u32; K]],
     origin: &Point3<f64>,
 ) -> Moments {
-    summed(vertices, simplices, origin, CONSTANT, |sums, corners, _| {
-        sums.add_constant(six_volumes(corners), corners)
-    })
+    summed(
+        vertices,
+        simplices,
+        origin,
+        CONSTANT,
+        |sums, six, corners, _| sums.add_constant(six, corners),
+    )
 }
 
 /// The ten moments at a density linear in space, measured from `origin`: \[BL\] eq. 1-4.
@@ -90,10 +97,16 @@ pub fn linear<const K: usize>(
     let apex = if K == 3 { value } else { Lanes::ZERO };
     let density_at =
         |y: &LanePoint| value + (gradient[0] * y[0] + gradient[1] * y[1] + gradient[2] * y[2]);
-    summed(vertices, simplices, origin, LINEAR, |sums, corners, _| {
-        let densities = corners.each_ref().map(density_at);
-        sums.add_linear(six_volumes(corners), corners, &densities, apex);
-    })
+    summed(
+        vertices,
+        simplices,
+        origin,
+        LINEAR,
+        |sums, six, corners, _| {
+            let densities = corners.each_ref().map(density_at);
+            sums.add_linear(six, corners, &densities, apex);
+        },
+    )
 }
 
 /// The ten moments of tetrahedra in which the density is linear, measured from `origin`;
@@ -107,10 +120,16 @@ pub fn at_vertices(
     origin: &Point3<f64>,
 ) -> Moments {
     let density_at = |named: [usize; WIDTH]| Lanes::from(named.map(|vertex| densities[vertex]));
-    summed(vertices, tets, origin, LINEAR, |sums, corners, named| {
-        let values = named.map(density_at);
-        sums.add_linear(six_volumes(corners), corners, &values, Lanes::ZERO);
-    })
+    summed(
+        vertices,
+        tets,
+        origin,
+        LINEAR,
+        |sums, six, corners, named| {
+            let values = named.map(density_at);
+            sums.add_linear(six, corners, &values, Lanes::ZERO);
+        },
+    )
 }
 
 /// The ten moments at a polynomial density, measured from `origin`; `density` is a polynomial in
@@ -122,7 +141,14 @@ pub fn polynomial<const K: usize>(
     density: &Polynomial,
     origin: &Point3<f64>,
 ) -> Moments {
-    by_monomials(vertices, simplices, &density.relative_to(origin), origin)
+    let precision = Precision::for_solid(vertices, simplices, origin);
+    by_monomials(
+        vertices,
+        simplices,
+        &density.relative_to(origin),
+        origin,
+        precision,
+    )
 }
 
 /// The ten moments of a piece at a polynomial density, both about the origin of its coordinates.
@@ -134,26 +160,162 @@ pub fn of_piece(piece: Piece<'_>, density: &Polynomial) -> Moments {
         corners.extend(triangle.map(Point3::from));
         triangles.push([first, first + 1, first + 2]);
     });
-    by_monomials(&corners, &triangles, density, &Point3::origin())
+    let origin = Point3::origin();
+    by_monomials(&corners, &triangles, density, &origin, Precision::Single)
 }
 
-/// Sums what `add` adds for every block of simplices: their corners, and the vertices they are.
+/// The ten sums over all simplices, where `add` adds those of a block: six times the volumes, the
+/// corners, and the vertices they are. In double precision if the solid is thin.
 fn summed<const K: usize>(
     vertices: &[Point3<f64>],
     simplices: &[[u32; K]],
     origin: &Point3<f64>,
     factors: [f64; 3],
-    add: impl Fn(&mut Sums, &[LanePoint; K], &[[usize; WIDTH]; K]) + Sync,
+    add: impl Fn(&mut Sums, Lanes, &[LanePoint; K], &[[usize; WIDTH]; K]) + Sync,
 ) -> Moments {
-    let origin = splat(origin);
-    sum_by_halves(simplices.len(), &|range| {
-        let mut sums = Sums::default();
-        for block in simplices[range].chunks(WIDTH) {
-            let named = named(block);
-            let corners = named.map(|named| gathered(vertices, named, &origin));
-            add(&mut sums, &corners, &named);
+    let total = |precision| {
+        sum_by_halves(simplices.len(), &|range| {
+            let (size, sums) = blocks(vertices, &simplices[range], origin, precision, &add);
+            Measured(size, sums.moments(factors))
+        })
+    };
+    let Measured(size, moments) = total(Precision::Single);
+    if size.is_thin() {
+        return total(Precision::Double).1;
+    }
+    moments
+}
+
+/// How the volumes of cones are computed.
+#[derive(Clone, Copy, Debug)]
+enum Precision {
+    /// As determinants of rounded differences, with an error of some roundings of the third power of
+    /// the distance from the origin.
+    Single,
+    /// To the last digit.
+    Double,
+}
+
+/// A solid whose volume is less than this share of the third power of its reach is thin: plain cones
+/// would lose two digits or more to cancellation.
+const THIN: f64 = 0.02;
+
+/// The size of simplices seen from the origin.
+#[derive(Clone, Copy, Debug, Default)]
+struct Size {
+    /// Six times the signed volume (L³).
+    six_volume: f64,
+    /// The squared distance of the farthest first corner (L²).
+    reach_squared: f64,
+}
+
+impl Size {
+    fn is_thin(&self) -> bool {
+        self.six_volume.abs() < 6.0 * THIN * self.reach_squared.powf(1.5)
+    }
+}
+
+impl Add for Size {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self {
+            six_volume: self.six_volume + other.six_volume,
+            reach_squared: self.reach_squared.max(other.reach_squared),
         }
-        sums.moments(factors)
+    }
+}
+
+/// Moments with the size of what they are of.
+struct Measured(Size, Moments);
+
+impl Add for Measured {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self(self.0 + other.0, self.1 + other.1)
+    }
+}
+
+/// What `add` sums up of all blocks of some simplices, and their size.
+#[inline(always)]
+fn blocks<const K: usize, S: Default>(
+    vertices: &[Point3<f64>],
+    simplices: &[[u32; K]],
+    origin: &Point3<f64>,
+    precision: Precision,
+    add: &impl Fn(&mut S, Lanes, &[LanePoint; K], &[[usize; WIDTH]; K]),
+) -> (Size, S) {
+    let apex = splat(origin);
+    let (mut sums, mut six_volume, mut reach_squared) = (S::default(), Lanes::ZERO, Lanes::ZERO);
+    for block in simplices.chunks(WIDTH) {
+        let named = named(block);
+        let corners = named.map(|named| gathered(vertices, named, &apex));
+        let six = precision.six_volumes(vertices, origin, &named, &corners);
+        add(&mut sums, six, &corners, &named);
+        six_volume += six;
+        reach_squared = reach_squared.max(dot(&corners[0], &corners[0]));
+    }
+    let size = Size {
+        six_volume: sum_of_lanes(six_volume),
+        reach_squared: reach_squared.to_array().into_iter().fold(0.0, f64::max),
+    };
+    (size, sums)
+}
+
+impl Precision {
+    /// The precision that the signed sum of these simplices needs.
+    fn for_solid<const K: usize>(
+        vertices: &[Point3<f64>],
+        simplices: &[[u32; K]],
+        origin: &Point3<f64>,
+    ) -> Self {
+        if size(vertices, simplices, origin, Self::Single).is_thin() {
+            Self::Double
+        } else {
+            Self::Single
+        }
+    }
+
+    /// Six times the signed volumes of four simplices, given by their vertices and by their corners
+    /// relative to the origin.
+    #[inline(always)]
+    fn six_volumes<const K: usize>(
+        self,
+        vertices: &[Point3<f64>],
+        origin: &Point3<f64>,
+        named: &[[usize; WIDTH]; K],
+        corners: &[LanePoint; K],
+    ) -> Lanes {
+        match self {
+            Self::Single => six_volumes(corners),
+            Self::Double => Lanes::from([0, 1, 2, 3].map(|lane| {
+                let corner = |k: usize| &vertices[named[k][lane]];
+                match K {
+                    3 => six_volume(origin, [corner(0), corner(1), corner(2)]),
+                    _ => six_volume(corner(0), [corner(1), corner(2), corner(3)]),
+                }
+            })),
+        }
+    }
+}
+
+/// The size of a signed sum of simplices.
+fn size<const K: usize>(
+    vertices: &[Point3<f64>],
+    simplices: &[[u32; K]],
+    origin: &Point3<f64>,
+    precision: Precision,
+) -> Size {
+    sum_by_halves(simplices.len(), &|range| {
+        blocks(
+            vertices,
+            &simplices[range],
+            origin,
+            precision,
+            &|_: &mut (), _, _, _| {},
+        )
+        .0
     })
 }
 
@@ -179,9 +341,10 @@ fn by_monomials<const K: usize>(
     simplices: &[[u32; K]],
     density: &Polynomial,
     origin: &Point3<f64>,
+    precision: Precision,
 ) -> Moments {
     let monomials = Monomials::up_to(density.degree() + 2);
-    let sums = monomial_sums(vertices, simplices, &monomials, origin);
+    let sums = monomial_sums(vertices, simplices, &monomials, origin, precision);
     let integral = |exponents: Exponents| {
         let place = monomials.place(exponents);
         place.map_or(0.0, |place| weight(3, exponents) / 6.0 * sums.0[place])
@@ -200,14 +363,16 @@ fn monomial_sums<const K: usize>(
     simplices: &[[u32; K]],
     monomials: &Monomials,
     origin: &Point3<f64>,
+    precision: Precision,
 ) -> Table {
-    let origin = splat(origin);
+    let apex = splat(origin);
     sum_by_halves(simplices.len(), &|range| {
         let mut sums = vec![Lanes::ZERO; monomials.exponents().len()];
         let mut table = Vec::new();
         for block in simplices[range].chunks(WIDTH) {
-            let corners = named(block).map(|named| gathered(vertices, named, &origin));
-            let six_volumes = six_volumes(&corners);
+            let named = named(block);
+            let corners = named.map(|named| gathered(vertices, named, &apex));
+            let six_volumes = precision.six_volumes(vertices, origin, &named, &corners);
             monomials.coefficients(&corners, &mut table);
             for (sum, coefficient) in sums.iter_mut().zip(&table) {
                 *sum += six_volumes * *coefficient;

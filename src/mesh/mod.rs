@@ -7,12 +7,14 @@
 //! Nothing here but `formats` touches files: `formats::read::load` reads, validates and puts
 //! the file's name into every message.
 
-pub mod crossings;
+pub(crate) mod contacts;
+pub(crate) mod cut;
 pub mod edges;
 #[cfg(feature = "files")]
 pub mod formats;
 pub(crate) mod nesting;
 pub(crate) mod orient;
+pub(crate) mod overlap;
 pub mod polygon;
 pub(crate) mod repair;
 pub mod report;
@@ -20,4 +22,6 @@ pub mod shapes;
 pub mod similarity;
 pub mod surface;
 pub mod tets;
+pub(crate) mod triangle_tree;
 pub mod validate;
+pub(crate) mod winding;

@@ -1,36 +1,86 @@
-//! Nesting of the components of a surface by winding numbers.
+//! The components of a surface: which belong together, which lie in which, which way they face.
 //!
-//! A component inside an even number of others bounds a part of the solid from outside, one
-//! inside an odd number bounds a cavity. Inside is decided by the winding number, the sum of
-//! the solid angles of the triangles over 4π: 1 inside and 0 outside an outward component, in
-//! between only on the surface itself.
+//! A component inside an odd number of others bounds a cavity. Inside is where the exact winding
+//! number of the other component is not 0, at a point a few roundings within the one that is asked
+//! about: there it makes no difference whether the two touch.
+
+use std::collections::HashMap;
 
 use nalgebra::Point3;
 
 use crate::geometry::bounds::Bounds;
-use crate::mesh::orient::{EdgePlaces, Orientation};
+use crate::geometry::bvh::Bvh;
+use crate::geometry::double_double::six_volume;
+use crate::mesh::edges::EdgeTable;
+use crate::mesh::orient::{EdgePlaces, Orientation, direction};
 use crate::mesh::report::SurfaceReport;
-use crate::mesh::surface::{SurfaceMesh, cone_volume};
+use crate::mesh::surface::{SurfaceMesh, triangle_area};
+use crate::mesh::winding::visit_turns;
 
-/// The number of vertices of a component that are tested at most. One suffices unless it lies on the
-/// other component: then the one whose winding number is nearest an integer decides.
-const PROBES: usize = 5;
+/// The distance of a component's probe from its surface, in the greatest coordinate.
+const STEP: f64 = 64.0 * f64::EPSILON;
 
-/// Turns the closed, consistently oriented components of `surface` outward, cavities inward,
-/// and reports how many there are of each.
+/// Joins the components that are not closed by themselves at edges of more than two triangles.
+pub(crate) fn join_open(triangles: &[[u32; 3]], edges: &EdgeTable, orientation: &mut Orientation) {
+    let mut joined: Vec<u32> = (0..orientation.components as u32).collect();
+    for edge in edges.iter().filter(|edge| edge.sides.len() > 2) {
+        let mut sums: Vec<(u32, i32)> = Vec::new();
+        for &side in edge.sides {
+            let triangle = side as usize / 3;
+            let component = root(&joined, orientation.component[triangle]);
+            let turn = direction(triangles[triangle], edge.vertices);
+            match sums.iter_mut().find(|(other, _)| *other == component) {
+                Some((_, sum)) => *sum += turn,
+                None => sums.push((component, turn)),
+            }
+        }
+        let open: Vec<u32> = sums.iter().filter(|s| s.1 != 0).map(|s| s.0).collect();
+        let first = open.iter().copied().min().unwrap_or_default();
+        for component in open {
+            joined[component as usize] = first;
+        }
+    }
+    let mut numbers = HashMap::new();
+    for component in &mut orientation.component {
+        let count = numbers.len() as u32;
+        *component = *numbers.entry(root(&joined, *component)).or_insert(count);
+    }
+    orientation.components = numbers.len();
+}
+
+/// The component that stands for `component`: links lead to lower numbers.
+fn root(joined: &[u32], mut component: u32) -> u32 {
+    while joined[component as usize] != component {
+        component = joined[component as usize];
+    }
+    component
+}
+
+/// Turns the components that contradicted themselves as read (`mixed`) outward, cavities inward;
+/// then everything if the volume is negative. Reports how many components and cavities there are.
 pub(crate) fn turn_outward(
     surface: &mut SurfaceMesh,
     places: &EdgePlaces<'_>,
     orientation: &Orientation,
     report: &mut SurfaceReport,
 ) {
-    let Sides { volumes, cavities } = sides(surface, orientation);
+    let mut volumes = volumes(surface, orientation);
+    let mut turned = turned_by_nesting(surface, orientation, &volumes);
+    let flip = |volumes: &mut [f64], turned: &[bool]| {
+        let wrong = volumes.iter_mut().zip(turned).filter(|&(_, &turn)| turn);
+        wrong.for_each(|(volume, _)| *volume = -*volume);
+    };
+    flip(&mut volumes, &turned);
+    if volumes.iter().sum::<f64>() < 0.0 {
+        turned.iter_mut().for_each(|turn| *turn = !*turn);
+        volumes.iter_mut().for_each(|volume| *volume = -*volume);
+    }
     report.components = orientation.components;
-    report.cavities = cavities.iter().filter(|&&is_cavity| is_cavity).count();
+    report.cavities = volumes.iter().filter(|&&volume| volume < 0.0).count();
     let mut reported = vec![false; orientation.components];
     for (at, triangle) in surface.triangles.iter_mut().enumerate() {
         let component = orientation.component[at] as usize;
-        if (volumes[component] < 0.0) != cavities[component] {
+        if turned[component] {
             triangle.swap(1, 2);
             if !std::mem::replace(&mut reported[component], true) {
                 report.inverted.add(places.numbers[at]);
@@ -39,91 +89,59 @@ pub(crate) fn turn_outward(
     }
 }
 
-/// The signed volume of every component and whether it is a cavity.
-struct Sides {
-    volumes: Vec<f64>,
-    cavities: Vec<bool>,
-}
-
-fn sides(surface: &SurfaceMesh, orientation: &Orientation) -> Sides {
-    if orientation.components == 1 {
-        let (volumes, cavities) = (vec![surface.volume()], vec![false]);
-        return Sides { volumes, cavities };
+/// The components' signed volumes (L³).
+fn volumes(surface: &SurfaceMesh, orientation: &Orientation) -> Vec<f64> {
+    let apex = surface.bounds().center();
+    let mut volumes = vec![0.0; orientation.components];
+    for (corners, &number) in surface.all_corners().zip(&orientation.component) {
+        volumes[number as usize] += six_volume(&apex, corners.each_ref()) / 6.0;
     }
-    let parts = parts(surface, orientation);
-    let depth = |part: &SurfacePart| parts.iter().filter(|outer| outer.encloses(part)).count();
-    Sides {
-        volumes: parts.iter().map(|part| part.volume).collect(),
-        cavities: parts.iter().map(|part| depth(part) % 2 == 1).collect(),
+    volumes
+}
+
+/// Which of the mixed components face the wrong way.
+fn turned_by_nesting(
+    surface: &SurfaceMesh,
+    orientation: &Orientation,
+    volumes: &[f64],
+) -> Vec<bool> {
+    let mut mixed = vec![false; orientation.components];
+    for (&component, &turned) in orientation.component.iter().zip(&orientation.turned) {
+        mixed[component as usize] |= turned;
     }
-}
-
-/// One component.
-struct SurfacePart {
-    triangles: Vec<[Point3<f64>; 3]>,
-    bounds: Bounds<3>,
-    volume: f64,
-}
-
-fn parts(mesh: &SurfaceMesh, orientation: &Orientation) -> Vec<SurfacePart> {
-    let mut triangles = vec![Vec::new(); orientation.components];
-    for (corners, &number) in mesh.all_corners().zip(&orientation.component) {
-        triangles[number as usize].push(corners);
+    if orientation.components == 1 || !mixed.contains(&true) {
+        return vec![false; orientation.components];
     }
-    triangles.into_iter().map(SurfacePart::of).collect()
+    let tree = Bvh::new(surface.all_corners().map(|corners| Bounds::of(&corners)));
+    let probes = probes(surface, orientation, volumes);
+    let is_wrong = |component: usize| {
+        let mut windings = vec![0; orientation.components];
+        visit_turns(surface, &tree, &probes[component], |triangle, turns| {
+            windings[orientation.component[triangle as usize] as usize] += turns;
+        });
+        windings[component] = 0;
+        let depth = windings.iter().filter(|&&winding| winding != 0).count();
+        (volumes[component] < 0.0) != (depth % 2 == 1)
+    };
+    (0..mixed.len())
+        .map(|component| mixed[component] && is_wrong(component))
+        .collect()
 }
 
-impl SurfacePart {
-    fn of(triangles: Vec<[Point3<f64>; 3]>) -> Self {
-        let bounds = Bounds::of(triangles.iter().flatten());
-        let apex = bounds.center();
-        let volume = triangles
-            .iter()
-            .map(|corners| cone_volume(&apex, corners))
-            .sum();
-        Self {
-            triangles,
-            bounds,
-            volume,
+/// For every component a point just within it, beside its greatest triangle.
+fn probes(surface: &SurfaceMesh, orientation: &Orientation, volumes: &[f64]) -> Vec<Point3<f64>> {
+    let Bounds { min, max } = surface.bounds();
+    let step = STEP * min.coords.amax().max(max.coords.amax());
+    let mut greatest = vec![(0.0, Point3::origin()); orientation.components];
+    for (corners, &number) in surface.all_corners().zip(&orientation.component) {
+        let area = triangle_area(&corners);
+        let (most, probe) = &mut greatest[number as usize];
+        if area > *most {
+            let [a, b, c] = corners;
+            let outward = (b - a).cross(&(c - a)).normalize() * volumes[number as usize].signum();
+            let middle = Point3::from((a.coords + b.coords + c.coords) / 3.0);
+            (*most, *probe) = (area, middle - outward * step);
         }
     }
-
-    /// Whether `inner`, another component, lies inside this one.
-    fn encloses(&self, inner: &Self) -> bool {
-        if std::ptr::eq(self, inner) || !holds(&self.bounds, &inner.bounds) {
-            return false;
-        }
-        let stride = inner.triangles.len().div_ceil(PROBES);
-        let probes = inner
-            .triangles
-            .iter()
-            .step_by(stride)
-            .map(|corners| corners[0]);
-        let windings = probes.map(|probe| self.winding(&probe).abs());
-        let unclear = |winding: &f64| (winding - winding.round()).abs();
-        let clearest = windings.min_by(|one, other| unclear(one).total_cmp(&unclear(other)));
-        clearest.is_some_and(|winding| winding > 0.5)
-    }
-
-    fn winding(&self, point: &Point3<f64>) -> f64 {
-        let angles = self
-            .triangles
-            .iter()
-            .map(|corners| solid_angle(point, corners));
-        angles.sum::<f64>() / (4.0 * std::f64::consts::PI)
-    }
-}
-
-fn holds(outer: &Bounds<3>, inner: &Bounds<3>) -> bool {
-    outer.contains(&inner.min) && outer.contains(&inner.max)
-}
-
-/// The signed solid angle of a triangle seen from `point`: van Oosterom & Strackee, "The solid
-/// angle of a plane triangle", IEEE Trans. Biomed. Eng. 30 (1983), eq. 8.
-fn solid_angle(point: &Point3<f64>, corners: &[Point3<f64>; 3]) -> f64 {
-    let [a, b, c] = corners.map(|corner| corner - point);
-    let [la, lb, lc] = [a.norm(), b.norm(), c.norm()];
-    let height = a.dot(&b.cross(&c));
-    let base = la * lb * lc + a.dot(&b) * lc + b.dot(&c) * la + c.dot(&a) * lb;
-    2.0 * height.atan2(base)
+    greatest.into_iter().map(|(_, probe)| probe).collect()
 }

@@ -125,29 +125,39 @@ pub(crate) fn turn_to_neighbors(
     Ok(tally)
 }
 
+/// The edges of more than two triangles.
+pub(crate) fn touching(edges: &EdgeTable, places: &EdgePlaces<'_>) -> Tally<EdgePlace> {
+    let overfull = edges.iter().filter(|edge| edge.sides.len() > 2);
+    overfull.map(|edge| places.of_side(edge.sides[0])).collect()
+}
+
 /// Refuses edges of more than two triangles unless each component runs along them as often
-/// forward as backward; returns those that are so. `triangles` are turned already, `edges` are
-/// those from before, whose sides still name the right triangles.
+/// forward as backward. `triangles` are turned already, `edges` are those from before, whose sides
+/// still name the right triangles.
 pub(crate) fn check_balance(
     triangles: &[[u32; 3]],
     edges: &EdgeTable,
     orientation: &Orientation,
     places: &EdgePlaces<'_>,
-) -> Result<Tally<EdgePlace>, Refusal> {
+) -> Result<(), Refusal> {
     let overfull = edges.iter().filter(|edge| edge.sides.len() > 2);
-    let (balanced, others): (Vec<_>, Vec<_>) =
-        overfull.partition(|edge| is_balanced(triangles, edge, orientation));
-    let tally = |edges: Vec<SurfaceEdge<'_>>| {
-        edges
-            .iter()
-            .map(|edge| places.of_side(edge.sides[0]))
-            .collect()
-    };
-    let Tally { count, first } = tally(others);
+    let wrong = overfull.filter(|edge| !is_balanced(triangles, edge, orientation));
+    let Tally { count, first } = wrong.map(|edge| places.of_side(edge.sides[0])).collect();
     match first {
         Some(first) => Err(Refusal::NonManifold { count, first }),
-        None => Ok(tally(balanced)),
+        None => Ok(()),
     }
+}
+
+/// Whether every edge is run along as often in one direction as in the other.
+pub(crate) fn is_closed(triangles: &[[u32; 3]], edges: &EdgeTable) -> bool {
+    edges.iter().all(|edge| {
+        let sides = edge.sides.iter().map(|&side| side as usize / 3);
+        sides
+            .map(|t| direction(triangles[t], edge.vertices))
+            .sum::<i32>()
+            == 0
+    })
 }
 
 fn is_balanced(triangles: &[[u32; 3]], edge: &SurfaceEdge<'_>, orientation: &Orientation) -> bool {
@@ -165,7 +175,7 @@ fn is_balanced(triangles: &[[u32; 3]], edge: &SurfaceEdge<'_>, orientation: &Ori
 }
 
 /// +1 if the triangle runs from the first to the second vertex, −1 if back.
-fn direction([a, b, c]: [u32; 3], edge: [u32; 2]) -> i32 {
+pub(crate) fn direction([a, b, c]: [u32; 3], edge: [u32; 2]) -> i32 {
     let runs_along = [[a, b], [b, c], [c, a]].contains(&edge);
     if runs_along { 1 } else { -1 }
 }

@@ -1,8 +1,11 @@
 //! Repairs of a surface: collapsed, duplicate and wall triangles dropped, equal vertices merged.
 
+use std::collections::HashMap;
+
 use nalgebra::Point3;
 
 use crate::mesh::edges::EdgeTable;
+use crate::mesh::orient::is_closed;
 use crate::mesh::report::Tally;
 
 /// Triangles under repair, each with its number in the mesh as read.
@@ -106,11 +109,60 @@ fn spread(pairs: &[[usize; 2]], marked: &mut [bool]) {
     }
 }
 
-/// Merges vertices with equal coordinates; returns how many were merged away.
-pub(crate) fn weld(vertices: &mut Vec<Point3<f64>>, triangles: &mut Triangles) -> usize {
+/// Of a surface whose every edge is balanced, drops twins: triangles on the same vertices, in pairs
+/// of opposite winding, which cancel; then those that repeat others, unless that opens the surface.
+/// Returns the former and the latter.
+pub(crate) fn drop_twins(triangles: &mut Triangles, vertices: usize) -> (Tally<u32>, Tally<u32>) {
+    let groups = coincident_groups(&triangles.corners);
+    let mut marked = vec![false; triangles.corners.len()];
+    let mut repeats = vec![false; triangles.corners.len()];
+    for group in &groups {
+        let is_even = |&at: &u32| {
+            let [a, b, c] = triangles.corners[at as usize];
+            (a < b) ^ (b < c) ^ (c < a)
+        };
+        let (one, other): (Vec<u32>, Vec<u32>) = group.iter().copied().partition(is_even);
+        let pairs = one.len().min(other.len());
+        for &at in one[..pairs].iter().chain(&other[..pairs]) {
+            marked[at as usize] = true;
+        }
+        for &at in one[pairs..].iter().chain(&other[pairs..]).skip(1) {
+            repeats[at as usize] = true;
+        }
+    }
+    let mut kept = repeats.iter().zip(&marked);
+    let repeats: Vec<bool> = kept
+        .by_ref()
+        .filter_map(|(&repeat, &marked)| (!marked).then_some(repeat))
+        .collect();
+    let cancelled = triangles.drop_marked(&marked);
+    let mut once = triangles.clone();
+    let dropped = once.drop_marked(&repeats);
+    let edges = EdgeTable::of(&once.corners, vertices);
+    if dropped.count == 0 || !is_closed(&once.corners, &edges) {
+        return (cancelled, Tally::default());
+    }
+    *triangles = once;
+    (cancelled, dropped)
+}
+
+/// Merges vertices nearer than `distance` (L) in every coordinate, 0 for equal ones, into the first of
+/// them; returns how many were merged away, and the greatest distance between two merged.
+pub(crate) fn weld(
+    vertices: &mut Vec<Point3<f64>>,
+    triangles: &mut Triangles,
+    distance: f64,
+) -> (usize, f64) {
     let mut welder = Welder::with_capacity(vertices.len());
-    let new_index: Vec<u32> = vertices.iter().map(|vertex| welder.index(vertex)).collect();
-    let welded = welder.into_points();
+    let equal: Vec<u32> = vertices.iter().map(|vertex| welder.index(vertex)).collect();
+    let (mut welded, mut apart) = (welder.into_points(), 0.0);
+    let new_index = if distance > 0.0 {
+        let near: Vec<u32>;
+        (welded, near, apart) = merge_near(&welded, distance);
+        equal.iter().map(|&vertex| near[vertex as usize]).collect()
+    } else {
+        equal
+    };
     let merged = vertices.len() - welded.len();
     if merged > 0 {
         *vertices = welded;
@@ -118,7 +170,42 @@ pub(crate) fn weld(vertices: &mut Vec<Point3<f64>>, triangles: &mut Triangles) -
             *vertex = new_index[*vertex as usize];
         }
     }
-    merged
+    (merged, apart)
+}
+
+/// The points without those within `distance` of an earlier one, the new number of each, and the
+/// greatest distance between two merged. A grid of cells four distances wide holds the kept ones.
+fn merge_near(points: &[Point3<f64>], distance: f64) -> (Vec<Point3<f64>>, Vec<u32>, f64) {
+    let cell = |x: f64| (x / (4.0 * distance)).floor() as i64;
+    let mut grid: HashMap<[i64; 3], Vec<u32>> = HashMap::new();
+    let (mut kept, mut farthest) = (Vec::<Point3<f64>>::new(), 0.0_f64);
+    let mut new_index = Vec::with_capacity(points.len());
+    for point in points {
+        let low = [0, 1, 2].map(|k| cell(point[k] - distance));
+        let high = [0, 1, 2].map(|k| cell(point[k] + distance));
+        let near = (0..8).find_map(|corner: usize| {
+            let key = [0, 1, 2].map(|k| {
+                if corner >> k & 1 == 0 {
+                    low[k]
+                } else {
+                    high[k]
+                }
+            });
+            let is_near = |&&at: &&u32| (kept[at as usize] - point).amax() <= distance;
+            grid.get(&key)?.iter().find(is_near).copied()
+        });
+        if let Some(at) = near {
+            farthest = farthest.max((kept[at as usize] - point).norm());
+            new_index.push(at);
+            continue;
+        }
+        let at = kept.len() as u32;
+        kept.push(*point);
+        new_index.push(at);
+        let key = [0, 1, 2].map(|k| cell(point[k]));
+        grid.entry(key).or_default().push(at);
+    }
+    (kept, new_index, farthest)
 }
 
 /// The groups of two or more triangles on the same three vertices, ascending in each.

@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use nalgebra::Point3;
 use thiserror::Error;
 
 /// The count of a finding, and its first place.
@@ -70,6 +71,10 @@ pub struct SurfaceReport {
     pub genus: i64,
     /// Coincident vertices that were merged because the surface was open without.
     pub welded: usize,
+    /// The greatest distance between merged vertices (L); 0 where all were equal.
+    pub welded_apart: f64,
+    /// Triangles that lie on others of opposite winding: both were dropped, they cancel.
+    pub cancelled: Tally<u32>,
     /// Triangles with a repeated vertex, dropped.
     pub collapsed: Tally<u32>,
     /// Triangles on the same three vertices as another, dropped.
@@ -84,9 +89,44 @@ pub struct SurfaceReport {
     pub touching: Tally<EdgePlace>,
     /// Vertices no triangle uses, dropped.
     pub isolated: Tally<u32>,
-    /// Pairs of triangles that cross, kept: the part enclosed twice counts twice. `None`: not
-    /// searched for in a surface this large.
-    pub crossings: Option<Tally<[u32; 2]>>,
+    /// What is enclosed more than once: parts that overlap, cross or lie in others. It counts as
+    /// often as it is enclosed.
+    pub repeated: Option<Overlap>,
+    /// What is subtracted where nothing is: parts inside out, cavities that reach outside.
+    pub negative: Option<Overlap>,
+}
+
+/// A volume that a mesh counts wrongly.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Overlap {
+    /// The volume (L³); what is enclosed three times counts twice here.
+    pub volume: f64,
+    /// A point of it.
+    pub place: Point3<f64>,
+    /// The triangle or tetrahedron beside this point, as read.
+    pub element: u32,
+}
+
+impl fmt::Display for Overlap {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let volume = brief(self.volume);
+        let [x, y, z] = [self.place.x, self.place.y, self.place.z].map(brief);
+        let element = self.element;
+        write!(
+            out,
+            "a volume of {volume} around ({x}, {y}, {z}) beside element {element}"
+        )
+    }
+}
+
+/// A number with six digits.
+fn brief(number: f64) -> String {
+    let rounded = format!("{number:.5e}").parse::<f64>().unwrap_or(number);
+    if rounded != 0.0 && !(1e-4..1e7).contains(&rounded.abs()) {
+        format!("{rounded:e}")
+    } else {
+        format!("{}", rounded + 0.0)
+    }
 }
 
 impl SurfaceReport {
@@ -95,23 +135,31 @@ impl SurfaceReport {
     pub fn notes(&self) -> Vec<String> {
         let collapsed = "triangles with a repeated vertex were dropped";
         let reoriented = "triangles were turned to agree with their neighbors";
+        let cancelled = "triangles that lie on each other in opposite directions were dropped";
         let notes = [
             self.welded_note(),
             note(self.collapsed, collapsed),
             note(self.duplicates, "duplicate triangles were dropped"),
+            note(self.cancelled, cancelled),
             note(self.reoriented, reoriented),
             note(self.inverted, "components were turned inside out"),
             note(self.flat, "triangles have no area; kept"),
             unused_note(self.isolated),
             self.touching_note(),
-            self.crossings_note(),
+            repeated_note(self.repeated),
+            self.negative_note(),
         ];
         notes.into_iter().flatten().collect()
     }
 
     fn welded_note(&self) -> Option<String> {
         let count = self.welded;
-        (count > 0).then(|| format!("{count} coincident vertices were merged to close the surface"))
+        let what = if self.welded_apart > 0.0 {
+            format!("vertices up to {} apart", brief(self.welded_apart))
+        } else {
+            "coincident vertices".to_owned()
+        };
+        (count > 0).then(|| format!("{count} {what} were merged to close the surface"))
     }
 
     fn touching_note(&self) -> Option<String> {
@@ -122,12 +170,21 @@ impl SurfaceReport {
         ))
     }
 
-    fn crossings_note(&self) -> Option<String> {
-        let Tally { count, first } = self.crossings?;
-        let [one, other] = first?;
+    fn negative_note(&self) -> Option<String> {
+        let negative = self.negative?;
         Some(format!(
-            "{count} pairs of triangles cross, the first {one} and {other}; what is enclosed twice counts twice, mend the overlap with a Boolean union"
+            "a part is inside out or a cavity reaches outside: where nothing else is, {negative} is subtracted; turn or move that part"
         ))
+    }
+
+    /// Why the surface is no domain although it has a volume.
+    pub(crate) fn no_domain(&self) -> Option<String> {
+        let repeated = self.repeated.map(|overlap| {
+            format!(
+                "crosses itself or its parts overlap: it encloses {overlap} more than once; unite the parts with a Boolean union, in Blender or MeshLab"
+            )
+        });
+        repeated.or_else(|| self.negative_note())
     }
 }
 
@@ -139,10 +196,12 @@ pub struct TetReport {
     pub inverted: Tally<u32>,
     /// Tetrahedra without volume, dropped.
     pub flat: Tally<u32>,
-    /// Tetrahedra on the same four vertices as another, dropped.
+    /// Tetrahedra on the same four corners as another, dropped.
     pub duplicates: Tally<u32>,
     /// Vertices no tetrahedron uses, dropped.
     pub isolated: Tally<u32>,
+    /// What tetrahedra fill more than once.
+    pub repeated: Option<Overlap>,
 }
 
 impl TetReport {
@@ -154,9 +213,17 @@ impl TetReport {
             note(self.flat, "tetrahedra without volume were dropped"),
             note(self.duplicates, "duplicate tetrahedra were dropped"),
             unused_note(self.isolated),
+            repeated_note(self.repeated),
         ];
         notes.into_iter().flatten().collect()
     }
+}
+
+fn repeated_note(repeated: Option<Overlap>) -> Option<String> {
+    Some(format!(
+        "parts cross or overlap: what is enclosed more than once is counted as often, {}; unite the parts with a Boolean union",
+        repeated?
+    ))
 }
 
 fn note(tally: Tally<u32>, what: &str) -> Option<String> {

@@ -3,6 +3,7 @@
 use nalgebra::Point3;
 
 use crate::geometry::bounds::Bounds;
+use crate::geometry::double_double::six_volume;
 
 /// A triangulated surface as it was read: perhaps open, perhaps badly oriented. What bounds a
 /// solid is a [`crate::mesh::validate::ValidSurface`].
@@ -38,15 +39,15 @@ impl SurfaceMesh {
     }
 
     /// The enclosed volume (L³) by the divergence theorem: the signed volumes of the cones
-    /// from the box's center, which keeps digits far from the origin. Independent of the apex
-    /// only if the surface is closed.
+    /// from the box's center, each to full precision, so that thin solids far from the origin keep
+    /// their digits. Independent of the apex only if the surface is closed.
     #[must_use]
     pub fn volume(&self) -> f64 {
         let apex = self.bounds().center();
         let cones = self
             .all_corners()
-            .map(|corners| cone_volume(&apex, &corners));
-        cones.sum()
+            .map(|corners| six_volume(&apex, corners.each_ref()));
+        cones.sum::<f64>() / 6.0
     }
 
     /// The sum of the triangles' areas (L²).
@@ -56,13 +57,6 @@ impl SurfaceMesh {
             .map(|corners| triangle_area(&corners))
             .sum()
     }
-}
-
-/// The signed volume of the tetrahedron (apex, a, b, c): positive where a, b, c turn
-/// counter-clockwise seen from the side away from the apex.
-#[must_use]
-pub fn cone_volume(apex: &Point3<f64>, [a, b, c]: &[Point3<f64>; 3]) -> f64 {
-    (a - apex).dot(&(b - apex).cross(&(c - apex))) / 6.0
 }
 
 /// The area of a triangle.

@@ -3,6 +3,7 @@
 use nalgebra::Point3;
 
 use crate::geometry::bounds::Bounds;
+use crate::geometry::double_double::six_volume;
 use crate::mesh::surface::SurfaceMesh;
 
 /// The corners of the four facets of a tetrahedron of positive volume, counter-clockwise seen
@@ -108,6 +109,11 @@ impl TetMesh {
     /// use, in the order of the tetrahedra.
     #[must_use]
     pub fn boundary(&self) -> SurfaceMesh {
+        self.boundary_facets().0
+    }
+
+    /// The boundary, and for each of its triangles 4 · tetrahedron + facet.
+    pub(crate) fn boundary_facets(&self) -> (SurfaceMesh, Vec<u32>) {
         let mut facets = self.facets();
         facets.sort_unstable();
         let single =
@@ -120,7 +126,7 @@ impl TetMesh {
             triangles,
         };
         compact(&mut surface.vertices, &mut surface.triangles);
-        surface
+        (surface, facets)
     }
 
     /// (sorted vertices, 4 · tetrahedron + facet) of all facets.
@@ -138,7 +144,7 @@ impl TetMesh {
     }
 
     /// A facet by number, oriented outward.
-    fn facet(&self, facet: u32) -> [u32; 3] {
+    pub(crate) fn facet(&self, facet: u32) -> [u32; 3] {
         let tet = facet as usize / 4;
         let [a, b, c] = FACETS[facet as usize % 4].map(|corner| self.tets[tet][corner]);
         if tet_volume(&self.corners(tet)) < 0.0 {
@@ -148,10 +154,11 @@ impl TetMesh {
     }
 }
 
-/// The signed volume of a tetrahedron: positive where d sees a, b, c counter-clockwise.
+/// The signed volume of a tetrahedron, to full precision however flat it is: positive where d sees
+/// a, b, c counter-clockwise.
 #[must_use]
 pub fn tet_volume([a, b, c, d]: &[Point3<f64>; 4]) -> f64 {
-    (b - a).dot(&(c - a).cross(&(d - a))) / 6.0
+    six_volume(a, [b, c, d]) / 6.0
 }
 
 /// For every vertex, whether an element uses it.

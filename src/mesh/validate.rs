@@ -1,37 +1,51 @@
 //! Validated meshes: surfaces that bound a solid and tetrahedra that fill one.
 //!
-//! A surface is accepted if, after the repairs that need no guess, every edge is run along as
-//! often in one direction as in the other within each component: then the signed cones from
-//! any apex to its triangles fill the solid, whatever its genus, cavities or components.
+//! A surface is accepted if every edge is run along as often in one direction as in the other: then
+//! the signed cones from any apex to its triangles fill a solid, whatever its genus, cavities or
+//! components. Where that holds as read, only twins are dropped (triangles on the same corners, which
+//! cancel or repeat each other), and everything is turned if the volume is negative.
 //!
-//! Repairs, each counted in the report: triangles with a repeated vertex and duplicates are
-//! dropped; coincident vertices are merged if the surface is open without; triangles are
-//! turned to agree with their neighbors; components are turned outward or, inside an odd
-//! number of others, inward. Holes are not closed and walls not removed: that is refused.
+//! Other surfaces are repaired where that needs no guess, each repair counted in the report:
+//! triangles with a repeated vertex and duplicates are dropped; vertices are merged if the surface is
+//! open without, first equal ones, then those nearer than the rounding of their coordinates;
+//! triangles are turned to agree with their neighbors, components so repaired are turned outward or,
+//! inside an odd number of others, inward. Holes are not closed: that is refused.
+//!
+//! What an accepted surface encloses more than once or negatively is reported (`overlap`).
 //!
 //! Of tetrahedra, inverted ones are turned, flat and duplicate ones dropped, unused vertices
-//! removed with their data, each counted in the report. A facet of more than two tetrahedra is
-//! refused. Other overlaps are not searched for.
+//! removed with their data, each counted in the report. A facet of more than two tetrahedra, or of
+//! two on one side, is refused. What they fill more than once is reported.
 
 use nalgebra::Point3;
 
-use crate::mesh::crossings::crossings;
+use crate::geometry::bounds::Bounds;
 use crate::mesh::edges::EdgeTable;
-use crate::mesh::nesting::turn_outward;
-use crate::mesh::orient::{EdgePlaces, check_balance, orient, turn_to_neighbors};
-use crate::mesh::repair::{Triangles, drop_collapsed, drop_duplicates, weld};
-use crate::mesh::report::{Refusal, SurfaceReport, Tally, TetReport};
+use crate::mesh::nesting::{join_open, turn_outward};
+use crate::mesh::orient::{
+    EdgePlaces, check_balance, is_closed, orient, touching, turn_to_neighbors,
+};
+use crate::mesh::overlap::overlaps;
+use crate::mesh::repair::{Triangles, Welder, drop_collapsed, drop_duplicates, drop_twins, weld};
+use crate::mesh::report::{Overlap, Refusal, SurfaceReport, Tally, TetReport};
 use crate::mesh::similarity::Similarity;
 use crate::mesh::surface::{SurfaceMesh, triangle_area};
-use crate::mesh::tets::{TetMesh, compact, tet_volume, used_vertices};
+use crate::mesh::tets::{FACETS, TetMesh, compact, tet_volume, used_vertices};
 
 /// A triangle whose area is below this share of its longest edge squared is called flat: the
 /// cross product's own rounding.
 const FLAT_TRIANGLE: f64 = 1e-14;
 
-/// A tetrahedron whose volume is below this share of its longest edge cubed is flat: less than
-/// the determinant's own rounding.
-const FLAT_TET: f64 = 1e-15;
+/// A tetrahedron is flat if its height over its greatest facet is below this share of its greatest
+/// coordinate: what the rounding of coordinates makes of four points in a plane.
+const FLAT_TET: f64 = 16.0 * f64::EPSILON;
+
+/// Vertices of an open surface are merged if they are nearer than so many roundings of its greatest
+/// coordinate: a sine or a product of some factors, where another file wrote 0 or a plain number.
+const WELD_ROUNDINGS: f64 = 32.0;
+
+/// The same for a surface whose coordinates are all single-precision numbers.
+const WELD_ROUNDINGS_SINGLE: f64 = 4.0;
 
 /// A mesh that was checked. Only [`validate_surface`] and [`validate_tets`] make one.
 #[derive(Clone, Debug, PartialEq)]
@@ -106,13 +120,21 @@ impl Solid {
 pub fn validate_surface(mesh: &SurfaceMesh) -> Result<(ValidSurface, SurfaceReport), Refusal> {
     check_elements(&mesh.vertices, &mesh.triangles, "triangles")?;
     let mut report = SurfaceReport::default();
-    let (vertices, mut triangles, edges) = closed_triangles(mesh, &mut report)?;
-    let orientation = orient(&triangles.corners, &edges);
+    let closed = closed_surface(mesh, &mut report)?;
+    let (mut triangles, edges) = (closed.triangles, closed.edges);
+    if triangles.corners.is_empty() {
+        return Err(Refusal::Flat);
+    }
+    let mut orientation = orient(&triangles.corners, &edges);
     let places = EdgePlaces::of(mesh, &triangles.numbers);
-    report.reoriented = turn_to_neighbors(&mut triangles.corners, &orientation, &places)?;
-    report.touching = check_balance(&triangles.corners, &edges, &orientation, &places)?;
+    if !closed.is_balanced {
+        report.reoriented = turn_to_neighbors(&mut triangles.corners, &orientation, &places)?;
+        check_balance(&triangles.corners, &edges, &orientation, &places)?;
+    }
+    report.touching = touching(&edges, &places);
+    join_open(&triangles.corners, &edges, &mut orientation);
     let mut surface = SurfaceMesh {
-        vertices,
+        vertices: closed.vertices,
         triangles: triangles.corners,
     };
     turn_outward(&mut surface, &places, &orientation, &mut report);
@@ -121,7 +143,9 @@ pub fn validate_surface(mesh: &SurfaceMesh) -> Result<(ValidSurface, SurfaceRepo
     report.isolated = unused(mesh);
     compact(&mut surface.vertices, &mut surface.triangles);
     check_volume(&surface)?;
-    report.crossings = crossings(&surface).map(|tally| as_read(tally, &triangles.numbers));
+    let found = overlaps(&surface, &edges);
+    report.repeated = as_read(found.repeated, &triangles.numbers);
+    report.negative = as_read(found.negative, &triangles.numbers);
     Ok((Valid { mesh: surface }, report))
 }
 
@@ -154,47 +178,92 @@ fn check_elements<const N: usize>(
     Ok(())
 }
 
-/// The vertices, the triangles without collapsed and duplicate ones, and their edges, none of
-/// them a boundary; welded only if need be.
-fn closed_triangles(
-    mesh: &SurfaceMesh,
-    report: &mut SurfaceReport,
-) -> Result<(Vec<Point3<f64>>, Triangles, EdgeTable), Refusal> {
-    let mut vertices = mesh.vertices.clone();
-    let mut triangles = Triangles::of(&mesh.triangles);
-    let edges = cleaned(&mut triangles, vertices.len(), report);
-    let Some(refusal) = open(&edges, mesh, &triangles) else {
-        return Ok((vertices, triangles, edges));
-    };
-    triangles = Triangles::of(&mesh.triangles);
-    report.welded = weld(&mut vertices, &mut triangles);
-    if report.welded == 0 {
-        return Err(refusal);
-    }
-    let edges = cleaned(&mut triangles, vertices.len(), report);
-    match open(&edges, mesh, &triangles) {
-        None if triangles.corners.is_empty() => Err(Refusal::Flat),
-        None => Ok((vertices, triangles, edges)),
-        Some(refusal) => Err(refusal),
-    }
+/// A surface without boundary edges, under repair.
+struct ClosedSurface {
+    vertices: Vec<Point3<f64>>,
+    triangles: Triangles,
+    edges: EdgeTable,
+    /// Whether every edge is run along as often forward as backward, as read.
+    is_balanced: bool,
 }
 
-fn cleaned(triangles: &mut Triangles, vertices: usize, report: &mut SurfaceReport) -> EdgeTable {
-    report.collapsed = drop_collapsed(triangles);
-    let edges = EdgeTable::of(&triangles.corners, vertices);
-    // A duplicate gives its edges more than two sides, unless the whole component is duplicated:
-    // that encloses no volume.
-    if edges.iter().all(|edge| edge.sides.len() <= 2) {
-        return edges;
+/// The surface without collapsed triangles, duplicates and inner walls. Vertices are merged only if
+/// it is open without: equal ones, then those that differ by rounding.
+fn closed_surface(
+    mesh: &SurfaceMesh,
+    report: &mut SurfaceReport,
+) -> Result<ClosedSurface, Refusal> {
+    let as_read = (mesh.vertices.clone(), Triangles::of(&mesh.triangles));
+    let closed = cleaned(as_read, report);
+    let Some(mut refusal) = open(&closed, mesh) else {
+        return Ok(closed);
+    };
+    for distance in weld_distances(mesh) {
+        let mut welded = (mesh.vertices.clone(), Triangles::of(&mesh.triangles));
+        let (merged, apart) = weld(&mut welded.0, &mut welded.1, distance);
+        if merged == report.welded {
+            continue;
+        }
+        let mut attempt = SurfaceReport {
+            welded: merged,
+            welded_apart: apart,
+            ..SurfaceReport::default()
+        };
+        let closed = cleaned(welded, &mut attempt);
+        let is_guess = distance > 0.0 && attempt.collapsed.count > report.collapsed.count;
+        match open(&closed, mesh) {
+            None if !is_guess => {
+                *report = attempt;
+                return Ok(closed);
+            }
+            Some(open) if distance == 0.0 => (refusal, *report) = (open, attempt),
+            _ => {}
+        }
     }
-    report.duplicates = drop_duplicates(triangles, vertices);
-    EdgeTable::of(&triangles.corners, vertices)
+    Err(refusal)
+}
+
+/// Within which distances (L) vertices are merged, one after the other: equal ones, those that differ
+/// by the rounding of coordinates of this size, and the same for single precision if all of them are.
+fn weld_distances(mesh: &SurfaceMesh) -> Vec<f64> {
+    let Bounds { min, max } = mesh.bounds();
+    let size = min.coords.amax().max(max.coords.amax());
+    let single = |x: &f64| f64::from(*x as f32).to_bits() == x.to_bits();
+    let mut distances = vec![0.0, WELD_ROUNDINGS * f64::EPSILON * size];
+    if mesh.vertices.iter().all(|vertex| vertex.iter().all(single)) {
+        distances.push(WELD_ROUNDINGS_SINGLE * f64::from(f32::EPSILON) * size);
+    }
+    distances
+}
+
+fn cleaned(
+    (vertices, mut triangles): (Vec<Point3<f64>>, Triangles),
+    report: &mut SurfaceReport,
+) -> ClosedSurface {
+    report.collapsed = drop_collapsed(&mut triangles);
+    let mut edges = EdgeTable::of(&triangles.corners, vertices.len());
+    let mut is_balanced = is_closed(&triangles.corners, &edges);
+    if is_balanced {
+        (report.cancelled, report.duplicates) = drop_twins(&mut triangles, vertices.len());
+        edges = EdgeTable::of(&triangles.corners, vertices.len());
+    } else if edges.iter().any(|edge| edge.sides.len() > 2) {
+        // A duplicate gives its edges more than two sides.
+        report.duplicates = drop_duplicates(&mut triangles, vertices.len());
+        edges = EdgeTable::of(&triangles.corners, vertices.len());
+        is_balanced = is_closed(&triangles.corners, &edges);
+    }
+    ClosedSurface {
+        vertices,
+        triangles,
+        edges,
+        is_balanced,
+    }
 }
 
 /// The refusal of edges with a single triangle, if there are any.
-fn open(edges: &EdgeTable, mesh: &SurfaceMesh, triangles: &Triangles) -> Option<Refusal> {
-    let places = EdgePlaces::of(mesh, &triangles.numbers);
-    let boundary = edges.iter().filter(|edge| edge.sides.len() == 1);
+fn open(closed: &ClosedSurface, mesh: &SurfaceMesh) -> Option<Refusal> {
+    let places = EdgePlaces::of(mesh, &closed.triangles.numbers);
+    let boundary = closed.edges.iter().filter(|edge| edge.sides.len() == 1);
     let Tally { count, first } = boundary.map(|edge| places.of_side(edge.sides[0])).collect();
     first.map(|first| Refusal::Open { count, first })
 }
@@ -242,11 +311,12 @@ fn check_volume(surface: &SurfaceMesh) -> Result<(), Refusal> {
     }
 }
 
-fn as_read(tally: Tally<[u32; 2]>, numbers: &[u32]) -> Tally<[u32; 2]> {
-    let first = tally
-        .first
-        .map(|pair| pair.map(|triangle| numbers[triangle as usize]));
-    Tally { first, ..tally }
+/// The overlap with its element's number as read.
+fn as_read(overlap: Option<Overlap>, numbers: &[u32]) -> Option<Overlap> {
+    overlap.map(|overlap| Overlap {
+        element: numbers[overlap.element as usize],
+        ..overlap
+    })
 }
 
 /// Checks and, where no guess is needed, repairs `mesh`.
@@ -264,6 +334,7 @@ pub fn validate_tets(mesh: &TetMesh) -> Result<(ValidTetMesh, TetReport), Refusa
         return Err(Refusal::Flat);
     }
     check_facets(&mesh, &numbers)?;
+    report.repeated = repeated(&mesh, &numbers);
     report.isolated = drop_unused(&mut mesh);
     Ok((Valid { mesh }, report))
 }
@@ -288,7 +359,7 @@ fn check_data(mesh: &TetMesh) -> Result<(), Refusal> {
 /// Turns inverted tetrahedra, drops flat and duplicate ones; returns the numbers as read of
 /// those kept.
 fn keep_positive(mesh: &mut TetMesh, report: &mut TetReport) -> Vec<u32> {
-    let duplicate = duplicates(&mesh.tets);
+    let duplicate = duplicates(mesh);
     let mut numbers = Vec::with_capacity(mesh.tets.len());
     let mut kept = Vec::with_capacity(mesh.tets.len());
     for (number, (&tet, duplicate)) in (0..).zip(mesh.tets.iter().zip(duplicate)) {
@@ -296,7 +367,7 @@ fn keep_positive(mesh: &mut TetMesh, report: &mut TetReport) -> Vec<u32> {
         let volume = tet_volume(&corners);
         if duplicate {
             report.duplicates.add(number);
-        } else if volume.abs() <= FLAT_TET * longest_edge(&corners).powi(3) {
+        } else if is_flat(volume, &corners) {
             report.flat.add(number);
         } else {
             let [a, b, c, d] = tet;
@@ -311,36 +382,58 @@ fn keep_positive(mesh: &mut TetMesh, report: &mut TetReport) -> Vec<u32> {
     numbers
 }
 
-/// Marks of the tetrahedra on the same four vertices as an earlier one.
-fn duplicates(tets: &[[u32; 4]]) -> Vec<bool> {
-    let sorted = |mut tet: [u32; 4]| {
-        tet.sort_unstable();
-        tet
+/// Marks of the tetrahedra on the same four corners as an earlier one, with the same vertices or others.
+fn duplicates(mesh: &TetMesh) -> Vec<bool> {
+    let mut welder = Welder::with_capacity(mesh.vertices.len());
+    let place: Vec<u32> = mesh.vertices.iter().map(|v| welder.index(v)).collect();
+    let sorted = |tet: &[u32; 4]| {
+        let mut places = tet.map(|vertex| place[vertex as usize]);
+        places.sort_unstable();
+        places
     };
-    let mut keys: Vec<([u32; 4], u32)> = tets.iter().map(|&tet| sorted(tet)).zip(0..).collect();
+    let mut keys: Vec<([u32; 4], u32)> = mesh.tets.iter().map(sorted).zip(0..).collect();
     keys.sort_unstable();
-    let mut marked = vec![false; tets.len()];
+    let mut marked = vec![false; mesh.tets.len()];
     for pair in keys.windows(2).filter(|pair| pair[0].0 == pair[1].0) {
         marked[pair[1].1 as usize] = true;
     }
     marked
 }
 
-fn longest_edge(corners: &[Point3<f64>; 4]) -> f64 {
-    let pairs = [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)];
-    let lengths = pairs.map(|(from, to)| (corners[to] - corners[from]).norm());
-    lengths.into_iter().fold(0.0, f64::max)
+fn is_flat(volume: f64, corners: &[Point3<f64>; 4]) -> bool {
+    let areas = FACETS.map(|facet| triangle_area(&facet.map(|corner| corners[corner])));
+    let size = corners.iter().map(|c| c.coords.amax()).fold(0.0, f64::max);
+    3.0 * volume.abs() <= FLAT_TET * size * areas.into_iter().fold(0.0, f64::max)
 }
 
+/// Refuses facets of more than two tetrahedra, and of two on the same side.
 fn check_facets(mesh: &TetMesh, numbers: &[u32]) -> Result<(), Refusal> {
     let mut facets = mesh.facets();
     facets.sort_unstable();
     let groups = facets.chunk_by(|one, other| one.0 == other.0);
-    let overfull = groups.filter(|group| group.len() > 2);
-    let Tally { count, first } = overfull
+    let side = |facet: &([u32; 3], u32)| {
+        let [a, b, c] = mesh.facet(facet.1);
+        (a < b) ^ (b < c) ^ (c < a)
+    };
+    let wrong = groups.filter(|group| match group {
+        [_] => false,
+        [one, other] => side(one) == side(other),
+        _ => true,
+    });
+    let Tally { count, first } = wrong
         .map(|group| numbers[group[0].1 as usize / 4])
         .collect();
     first.map_or(Ok(()), |first| Err(Refusal::Overlap { count, first }))
+}
+
+/// What the tetrahedra fill more than once: what their boundary encloses more than once.
+fn repeated(mesh: &TetMesh, numbers: &[u32]) -> Option<Overlap> {
+    let (boundary, facets) = mesh.boundary_facets();
+    let edges = EdgeTable::of(&boundary.triangles, boundary.vertices.len());
+    let overlap = overlaps(&boundary, &edges).repeated?;
+    let tet = facets[overlap.element as usize] as usize / 4;
+    let element = numbers[tet];
+    Some(Overlap { element, ..overlap })
 }
 
 /// Drops unused vertices with their data.

@@ -81,14 +81,14 @@ impl MeshDomain {
         let notes = solid.notes();
         let surface = match solid {
             Solid::Surface(surface, report) => {
-                self.refuse_crossings(&report)?;
+                self.refuse_overlaps(&report)?;
                 surface
             }
             Solid::Tets(tets, _) => {
                 let boundary = validate_surface(&tets.mesh().boundary());
                 let (boundary, report) =
                     boundary.map_err(|refusal| self.refused(refusal.to_string()))?;
-                self.refuse_crossings(&report)?;
+                self.refuse_overlaps(&report)?;
                 boundary
             }
         };
@@ -115,15 +115,11 @@ impl MeshDomain {
         }
     }
 
-    /// Refuses a surface that crosses itself: what it encloses twice would be a domain twice.
-    fn refuse_crossings(&self, report: &SurfaceReport) -> Result<(), Error> {
-        let first = report.crossings.and_then(|tally| tally.first);
-        first.map_or(Ok(()), |[one, other]| {
-            let count = report.crossings.map_or(0, |tally| tally.count);
-            Err(self.refused(format!(
-                "the surface crosses itself: {count} pairs of triangles, the first {one} and \
-                 {other}; unite its parts with a Boolean union, in Blender or MeshLab"
-            )))
+    /// Refuses a surface whose winding is not 0 or 1: what it encloses twice would be a domain twice.
+    fn refuse_overlaps(&self, report: &SurfaceReport) -> Result<(), Error> {
+        let reason = report.no_domain();
+        reason.map_or(Ok(()), |reason| {
+            Err(self.refused(format!("the surface {reason}")))
         })
     }
 

@@ -6,13 +6,13 @@ use crate::domain::candidates::visit_candidates;
 use crate::domain::facet_kind::FacetKind;
 use crate::domain::tri_surface::distance::DistanceGrid;
 use crate::domain::tri_surface::triangle::{Border, Corner, Origin};
-use crate::domain::tri_surface::winding::{ray_exit, winding};
 use crate::geometry::bounds::Bounds;
 use crate::geometry::bvh::Bvh;
 use crate::geometry::label::Label;
 use crate::geometry::polyhedron::Polyhedron;
 use crate::mesh::edges::EdgeTable;
 use crate::mesh::surface::SurfaceMesh;
+use crate::mesh::winding::{ray_exit, winding};
 
 /// Neighboring triangles whose unit normals differ by less than this lie in one plane.
 const COPLANAR: f64 = 1e-9;

@@ -6,7 +6,7 @@
 //! parts of the cell's facets, found edge by edge (`edges`), to one solid, whatever its shape. Where
 //! rounding or a coincidence prevents that, [`signed_prisms`] gives the same set as a signed sum of
 //! convex pieces that needs no case analysis, and `outline` undoes the coincidence for files and
-//! pictures. [`winding`] computes exactly whether a point is inside, and where a ray leaves.
+//! pictures. [`crate::mesh::winding`] computes exactly whether a point is inside, and where a ray leaves.
 
 pub(crate) mod clip_cell;
 pub(crate) mod distance;
@@ -16,4 +16,3 @@ pub(crate) mod outline;
 pub(crate) mod signed_prisms;
 pub(crate) mod solid;
 pub(crate) mod triangle;
-pub(crate) mod winding;

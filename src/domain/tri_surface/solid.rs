@@ -53,7 +53,8 @@ impl SurfaceSolid {
     /// guess (winding, duplicates) is repaired.
     ///
     /// # Errors
-    /// [`DomainError::Mesh`] when the triangles bound no solid.
+    /// [`DomainError::Mesh`] when the triangles bound no solid, [`DomainError::Overlap`] when they
+    /// enclose a part of it more than once.
     ///
     /// # Examples
     /// ```
@@ -73,7 +74,11 @@ impl SurfaceSolid {
             vertices: vertices.iter().map(|&vertex| vertex.into()).collect(),
             triangles: triangles.to_vec(),
         };
-        Self::new(&validate_surface(&mesh)?.0)
+        let (surface, report) = validate_surface(&mesh)?;
+        match report.no_domain() {
+            Some(reason) => Err(DomainError::Overlap { reason }),
+            None => Self::new(&surface),
+        }
     }
 
     /// The surface.

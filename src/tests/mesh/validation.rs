@@ -78,8 +78,59 @@ fn a_surface_inside_out_is_turned() {
     );
 }
 
+/// Four cubes, one in the other and one beside, that are all closed: nothing is turned but everything
+/// at once, the volume is the signed sum, and what is enclosed twice or negatively is found.
 #[test]
-fn cavities_and_islands_keep_their_parity_however_they_are_turned() {
+fn closed_parts_stay_as_they_are_turned() {
+    let cubes = [
+        (cube([0.0; 3], 5.0), 125.0),
+        (cube([0.1; 3], 3.0), 27.0),
+        (cube([0.2; 3], 1.0), 1.0),
+        (cube([9.0, 0.0, 0.0], 2.0), 8.0),
+    ];
+    for mask in 0..16 {
+        let signs = [0, 1, 2, 3].map(|k: usize| if mask >> k & 1 == 1 { -1 } else { 1 });
+        let parts = cubes.iter().zip(signs).map(|((mesh, _), sign)| {
+            if sign < 0 {
+                turned(mesh.clone())
+            } else {
+                mesh.clone()
+            }
+        });
+        let (closed, report) = validate_surface(&together(&parts.collect::<Vec<_>>())).unwrap();
+        let sum: f64 = cubes
+            .iter()
+            .zip(signs)
+            .map(|(cube, s)| cube.1 * f64::from(s))
+            .sum();
+        assert!(near(closed.mesh().volume(), sum.abs()));
+        assert_eq!((report.components, report.genus), (4, 0));
+        assert_eq!(report.inverted.count, if sum < 0.0 { 4 } else { 0 });
+        // The winding numbers of the four regions and their volumes.
+        let [a, b, c, d] = signs.map(|sign| if sum < 0.0 { -sign } else { sign });
+        let regions = [(a, 98.0), (a + b, 26.0), (a + b + c, 1.0), (d, 8.0)];
+        let excess = |f: fn(i32) -> i32| -> f64 {
+            regions
+                .iter()
+                .map(|&(w, volume)| f64::from(f(w)) * volume)
+                .sum()
+        };
+        for (found, expected) in [
+            (report.repeated, excess(|w| (w - 1).max(0))),
+            (report.negative, excess(|w| (-w).max(0))),
+        ] {
+            let volume = found.map_or(0.0, |overlap| overlap.volume);
+            assert!(
+                (volume - expected).abs() < 1e-12,
+                "{mask}: {volume} {expected}"
+            );
+        }
+    }
+}
+
+/// Parts that contradict themselves, however they are mixed, are turned as they lie in each other.
+#[test]
+fn mixed_parts_are_turned_by_their_nesting() {
     let cubes = [
         cube([0.0; 3], 5.0),
         cube([0.1; 3], 3.0),
@@ -88,24 +139,23 @@ fn cavities_and_islands_keep_their_parity_however_they_are_turned() {
     ];
     for mask in 0..16 {
         let turn = |(k, mesh): (usize, &SurfaceMesh)| {
+            let mut mesh = mesh.clone();
+            mesh.triangles[k].swap(0, 1);
             if mask >> k & 1 == 1 {
-                turned(mesh.clone())
+                turned(mesh)
             } else {
-                mesh.clone()
+                mesh
             }
         };
         let parts: Vec<SurfaceMesh> = cubes.iter().enumerate().map(turn).collect();
         let (closed, report) = validate_surface(&together(&parts)).unwrap();
-        assert_eq!(
-            (report.components, report.cavities, report.genus),
-            (4, 1, 0)
-        );
+        assert_eq!((report.components, report.cavities), (4, 1));
         assert!(near(closed.mesh().volume(), 125.0 - 27.0 + 1.0 + 8.0));
+        assert_eq!(report.repeated.or(report.negative), None);
         // Right as given: every cube outward but the cavity.
-        assert_eq!(
-            report.inverted.count,
-            (mask ^ 0b10_usize).count_ones() as usize
-        );
+        let inverted = (mask ^ 0b10_usize).count_ones() as usize;
+        assert_eq!(report.inverted.count, inverted);
+        assert_eq!(report.reoriented.count, 4);
     }
 }
 
@@ -160,7 +210,7 @@ fn two_cubes_glued_by_a_doubled_wall_become_one_solid() {
         .map(|corners| corners.each_ref().map(find))
         .collect();
     let (closed, report) = validate_surface(&text).unwrap();
-    assert_eq!((report.components, report.duplicates.count), (1, 16));
+    assert_eq!((report.components, report.cancelled.count), (1, 16));
     assert!(near(closed.mesh().volume(), 1.0));
 }
 
@@ -345,19 +395,35 @@ fn surfaces_without_inside_are_refused() {
 
 #[test]
 fn crossing_parts_are_told_touching_ones_not() {
-    let pairs = |center| {
-        validate_surface(&together(&[cube([0.0; 3], 2.0), cube(center, 2.0)]))
-            .unwrap()
-            .1
-            .crossings
-            .unwrap()
-            .count
+    let report = |mesh: &SurfaceMesh| validate_surface(mesh).unwrap().1;
+    let common = |center: [f64; 3]| {
+        let report = report(&together(&[cube([0.0; 3], 2.0), cube(center, 2.0)]));
+        assert_eq!(report.negative, None);
+        let volume = report.repeated.map_or(0.0, |overlap| overlap.volume);
+        let expected: f64 = center
+            .iter()
+            .map(|shift| (2.0 - shift.abs()).max(0.0))
+            .product();
+        assert!((volume - expected).abs() < 1e-14, "{volume} {expected}");
+        report.repeated
     };
-    assert_eq!(pairs([2.0, 0.3, 0.1]), 0);
-    assert_eq!(pairs([5.0, 0.0, 0.0]), 0);
-    assert!(pairs([0.7, 0.3, 0.1]) > 0);
-    // Edges pass through the diagonals of sides only.
-    assert!(pairs([1.0, 1.0, 1.0]) > 0);
+    for apart in [[2.0, 0.3, 0.1], [2.0, 0.0, 0.0], [2.0; 3], [5.0, 0.0, 0.0]] {
+        assert_eq!(common(apart), None);
+    }
+    for near in [
+        [0.7, 0.3, 0.1],
+        [1.0; 3],
+        [0.5, 0.0, 0.0],
+        [0.0, 1.0, 1.0],
+        [0.0; 3],
+    ] {
+        let place = common(near).unwrap().place;
+        let inside = |at: f64, shift: f64| at.abs() < 1.0 && (at - shift).abs() < 1.0;
+        assert!(
+            (0..3).all(|axis| inside(place[axis], near[axis])),
+            "{place}"
+        );
+    }
     // A ridge on a ridge.
     let turned = |mut mesh: SurfaceMesh, turn: fn([f64; 3]) -> [f64; 3]| {
         for vertex in &mut mesh.vertices {
@@ -371,19 +437,11 @@ fn crossing_parts_are_told_touching_ones_not() {
     let upper = turned(cube([0.0; 3], 2.0), |[x, y, z]| {
         [4.0 * y, z - x, x + z + 2.0]
     });
-    let ridges = validate_surface(&together(&[lower, upper])).unwrap().1;
-    assert_eq!(ridges.crossings.unwrap().count, 0);
-    assert_eq!(
-        validate_surface(&shapes::trefoil(0.4, 120, 12))
-            .unwrap()
-            .1
-            .crossings
-            .unwrap()
-            .count,
-        0
-    );
-    let (_, report) = validate_surface(&shapes::trefoil(0.9, 120, 12)).unwrap();
-    assert!(report.crossings.unwrap().count > 0 && report.notes()[0].contains("Boolean union"));
+    assert_eq!(report(&together(&[lower, upper])).repeated, None);
+    assert_eq!(report(&shapes::trefoil(0.4, 120, 12)).repeated, None);
+    let crossed = report(&shapes::trefoil(0.9, 120, 12));
+    assert!(crossed.repeated.unwrap().volume > 0.0);
+    assert!(crossed.notes()[0].contains("Boolean union"));
 }
 
 #[test]

@@ -16,22 +16,35 @@ use crate::mesh::surface::SurfaceMesh;
 /// holds the triangles' bounds.
 #[must_use]
 pub(crate) fn winding(surface: &SurfaceMesh, tree: &Bvh, point: &Point3<f64>) -> Option<i32> {
+    let mut sum = 0;
+    let on_surface = visit_turns(surface, tree, point, |_, turns| sum += turns);
+    (!on_surface).then_some(sum)
+}
+
+/// Visits the triangles ahead of `point` along +x, each with the number by which it changes the
+/// winding number; returns whether the point lies on the surface.
+pub(crate) fn visit_turns(
+    surface: &SurfaceMesh,
+    tree: &Bvh,
+    point: &Point3<f64>,
+    mut visit: impl FnMut(u32, i32),
+) -> bool {
     let ahead = |bounds: &Bounds<3>| {
         let beside =
             |axis: usize| bounds.min[axis] <= point[axis] && point[axis] <= bounds.max[axis];
         bounds.max.x >= point.x && beside(1) && beside(2)
     };
-    let (mut sum, mut on_surface) = (0, false);
+    let mut on_surface = false;
     tree.visit(ahead, |triangle| {
         let corners = surface.corners(triangle as usize);
         let depth = depth(&corners, point);
         on_surface |= depth == 0.0 && holds(&corners, point);
         let turns = turns(&corners, point);
         if depth * f64::from(turns) > 0.0 {
-            sum += turns;
+            visit(triangle, turns);
         }
     });
-    (!on_surface).then_some(sum)
+    on_surface
 }
 
 /// The share of `step` after which the way from `from`, a point of the solid, first crosses the
