@@ -9,8 +9,8 @@
 //! ```text
 //!     simplex                    powers of one linear function
 //!     series                     all monomials up to a degree, on any simplex
-//!        │      polynomial ← polynomial_text
-//!        │          │ └─────── bernstein     bounds in a box
+//!        │      polynomial ← formula (double_double) ← polynomial_text
+//!        │          │             └ bernstein  bounds in a box
 //!     mesh_moments  ┘          the ten moments of a surface, of tetrahedra, of a piece
 //!        │
 //!      lanes                   four simplices at a time
@@ -24,6 +24,8 @@
 //! [`Moments::translated`](crate::geometry::moments::Moments::translated).
 
 pub mod bernstein;
+mod double_double;
+pub mod formula;
 pub mod lanes;
 pub mod mesh_moments;
 pub mod pairwise;

@@ -38,6 +38,13 @@ impl Polynomial {
         })
     }
 
+    /// The sum of terms of different exponents.
+    pub(crate) fn from_sorted(terms: impl Iterator<Item = (Exponents, f64)>) -> Self {
+        Self {
+            terms: terms.collect(),
+        }
+    }
+
     /// A constant.
     #[must_use]
     pub fn constant(value: f64) -> Self {

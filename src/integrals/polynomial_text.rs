@@ -9,7 +9,9 @@
 //!
 //! Columns in messages count characters from one.
 
+use crate::integrals::formula::{Formula, Step};
 use crate::integrals::polynomial::Polynomial;
+use nalgebra::Point3;
 use std::str::FromStr;
 
 /// Densities of higher degree than this are refused: their moments would need factorials beyond
@@ -65,7 +67,7 @@ pub enum PolynomialError {
     },
 }
 
-impl FromStr for Polynomial {
+impl FromStr for Formula {
     type Err = PolynomialError;
 
     fn from_str(text: &str) -> Result<Self, PolynomialError> {
@@ -73,63 +75,84 @@ impl FromStr for Polynomial {
             text,
             rest: text,
             depth: 0,
+            steps: Vec::new(),
         };
-        let polynomial = reader.sum()?;
+        reader.sum()?;
         if reader.next().is_some() {
             return Err(reader.unexpected("an operator or the end"));
         }
-        if polynomial.terms().any(|(_, value)| !value.is_finite()) {
+        let formula = Self::of_steps(reader.steps);
+        let expanded = formula.about(&Point3::origin());
+        if expanded.terms().any(|(_, value)| !value.is_finite()) {
             return Err(PolynomialError::Overflow);
         }
-        Ok(polynomial)
+        Ok(formula)
     }
 }
 
+impl FromStr for Polynomial {
+    type Err = PolynomialError;
+
+    /// The formula multiplied out about the origin: far from it, terms cancel that [`Formula`] keeps.
+    fn from_str(text: &str) -> Result<Self, PolynomialError> {
+        Ok(text.parse::<Formula>()?.about(&Point3::origin()))
+    }
+}
+
+/// Every rule appends its steps and returns the degree of what they leave.
 struct Reader<'a> {
     text: &'a str,
     rest: &'a str,
     depth: usize,
+    steps: Vec<Step>,
 }
 
 impl<'a> Reader<'a> {
-    fn sum(&mut self) -> Result<Polynomial, PolynomialError> {
-        let mut sum = match self.taken(&['+', '-']) {
-            Some('-') => -self.product()?,
-            _ => self.product()?,
-        };
+    fn sum(&mut self) -> Result<u32, PolynomialError> {
+        let sign = self.taken(&['+', '-']);
+        let mut degree = self.signed_product(sign)?;
         while let Some(sign) = self.taken(&['+', '-']) {
-            let product = self.product()?;
-            sum = sum + if sign == '-' { -product } else { product };
+            degree = degree.max(self.signed_product(Some(sign))?);
+            self.steps.push(Step::Add);
         }
-        Ok(sum)
+        Ok(degree)
     }
 
-    fn product(&mut self) -> Result<Polynomial, PolynomialError> {
-        let mut product = self.power()?;
+    fn signed_product(&mut self, sign: Option<char>) -> Result<u32, PolynomialError> {
+        let degree = self.product()?;
+        if sign == Some('-') {
+            self.steps.push(Step::Negate);
+        }
+        Ok(degree)
+    }
+
+    fn product(&mut self) -> Result<u32, PolynomialError> {
+        let mut degree = self.power()?;
         while let Some(operator) = self.taken(&['*', '/']) {
             let column = self.column();
-            let factor = if operator == '*' {
-                self.power()?
+            if operator == '*' {
+                degree += self.power()?;
+                self.steps.push(Step::Multiply);
             } else {
-                Polynomial::constant(self.reciprocal()?)
-            };
-            check_degree(column, u64::from(product.degree() + factor.degree()))?;
-            product = product * factor;
+                let divisor = self.divisor()?;
+                self.steps.push(Step::DivideBy(divisor));
+            }
+            check_degree(column, u64::from(degree))?;
         }
-        Ok(product)
+        Ok(degree)
     }
 
-    fn reciprocal(&mut self) -> Result<f64, PolynomialError> {
+    fn divisor(&mut self) -> Result<f64, PolynomialError> {
         let column = self.column();
         let divisor = self.number()?;
         if divisor.abs() > 0.0 {
-            Ok(1.0 / divisor)
+            Ok(divisor)
         } else {
             Err(PolynomialError::DivisionByZero { column })
         }
     }
 
-    fn power(&mut self) -> Result<Polynomial, PolynomialError> {
+    fn power(&mut self) -> Result<u32, PolynomialError> {
         let base = self.atom()?;
         if self.taken(&['^']).is_none() {
             return Ok(base);
@@ -140,42 +163,45 @@ impl<'a> Reader<'a> {
             return Err(self.unexpected("a whole number after `^`"));
         }
         let exponent = digits.parse::<u32>().unwrap_or(u32::MAX);
-        check_degree(
-            column,
-            u64::from(base.degree().max(1)) * u64::from(exponent),
-        )?;
-        Ok(base.power(exponent))
+        check_degree(column, u64::from(base.max(1)) * u64::from(exponent))?;
+        self.steps.push(Step::Power(exponent));
+        Ok(base * exponent)
     }
 
-    fn atom(&mut self) -> Result<Polynomial, PolynomialError> {
+    fn atom(&mut self) -> Result<u32, PolynomialError> {
         match self.next() {
-            Some('x' | 'X') => Ok(self.variable([1, 0, 0])),
-            Some('y' | 'Y') => Ok(self.variable([0, 1, 0])),
-            Some('z' | 'Z') => Ok(self.variable([0, 0, 1])),
+            Some('x' | 'X') => Ok(self.variable(0)),
+            Some('y' | 'Y') => Ok(self.variable(1)),
+            Some('z' | 'Z') => Ok(self.variable(2)),
             Some('(') => self.parenthesis(),
-            Some('0'..='9' | '.') => self.number().map(Polynomial::constant),
+            Some('0'..='9' | '.') => {
+                let number = self.number()?;
+                self.steps.push(Step::Number(number));
+                Ok(0)
+            }
             _ => Err(self.unexpected("a number, `x`, `y`, `z` or `(`")),
         }
     }
 
-    fn variable(&mut self, exponents: [u32; 3]) -> Polynomial {
+    fn variable(&mut self, axis: usize) -> u32 {
         self.rest = &self.rest[1..];
-        Polynomial::monomial(1.0, exponents)
+        self.steps.push(Step::Coordinate(axis));
+        1
     }
 
-    fn parenthesis(&mut self) -> Result<Polynomial, PolynomialError> {
+    fn parenthesis(&mut self) -> Result<u32, PolynomialError> {
         self.depth += 1;
         if self.depth > DEEPEST {
             let column = self.column();
             return Err(PolynomialError::Depth { column });
         }
         self.rest = &self.rest[1..];
-        let inside = self.sum()?;
+        let degree = self.sum()?;
         if self.taken(&[')']).is_none() {
             return Err(self.unexpected("an operator or `)`"));
         }
         self.depth -= 1;
-        Ok(inside)
+        Ok(degree)
     }
 
     /// Digits, a point, an exponent such as `e-3`.
