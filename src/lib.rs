@@ -29,7 +29,7 @@
 //! floor 6   scene/        export/      plot/    input, files, pictures (`scene`, `files`, `cli`)
 //! floor 5   relax/                              the driver, its moves and records
 //! floor 4   voronoi/      energy/               cells of sites │ energies of cells
-//! floor 3   domain/                    mass/    pieces of cells in solids │ mass properties
+//! floor 3   domain/        gcode/      mass/    pieces of cells in solids │ prints │ mass properties
 //! floor 2   mesh/         integrals/            surfaces and tetrahedra │ closed forms
 //! floor 1   geometry/     minimize/             polyhedra and clipping │ Newton, L-BFGS-B
 //! ```
@@ -115,6 +115,8 @@ pub mod scene;
 mod cli;
 mod domain;
 mod energy;
+#[cfg(feature = "files")]
+mod gcode;
 mod geometry;
 mod minimize;
 #[cfg(feature = "cli")]

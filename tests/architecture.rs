@@ -5,13 +5,14 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Folder → the folders from which it may import. What is not listed is a mistake.
-const MAY_IMPORT: [(&str, &[&str]); 13] = [
+const MAY_IMPORT: [(&str, &[&str]); 14] = [
     ("geometry", &[]),
     ("minimize", &[]),
     ("mesh", &["geometry"]),
     ("integrals", &["geometry"]),
     ("domain", &["geometry", "mesh", "integrals"]),
     ("mass", &["geometry", "integrals", "mesh"]),
+    ("gcode", &["geometry"]),
     ("voronoi", &["geometry", "domain", "integrals"]),
     ("energy", &["geometry", "integrals", "minimize"]),
     (
@@ -34,8 +35,8 @@ const MAY_IMPORT: [(&str, &[&str]); 13] = [
     (
         "cli",
         &[
-            "geometry", "mesh", "domain", "mass", "voronoi", "energy", "relax", "scene", "export",
-            "plot",
+            "geometry", "mesh", "domain", "mass", "gcode", "voronoi", "energy", "relax", "scene",
+            "export", "plot",
         ],
     ),
 ];

@@ -3,7 +3,6 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use nalgebra::{Matrix3, Point3, Vector3};
 use serde::Serialize;
 
 use crate::geometry::bounds::Bounds;
@@ -14,14 +13,20 @@ use crate::mesh::formats::read::load;
 use crate::mesh::validate::Solid;
 
 use crate::cli::failure::{Failure, print};
+use crate::cli::mass_gcode::{self, Asked, GcodeOptions, is_gcode};
+use crate::cli::mass_report::{AxisMoment, MassProperties, MassTotals, axis, figure, positive};
 
-/// Print mass, center of mass and inertia of solids of any density, exactly
+/// The density of parts that are given none.
+const DEFAULT_DENSITY: &str = "1";
+
+/// Print mass, center of mass and inertia of solids of any density, or of a sliced print, exactly
 ///
 /// Several files are parts of one body. Surfaces must be closed; nothing is voxelized or
-/// tetrahedralized.
+/// tetrahedralized. Of a G-code file, in mm, the part is what is printed without skirt, brim, raft,
+/// support, tower, purge and start code; `deposited` is everything.
 #[derive(Debug, Args)]
 pub(crate) struct MassOptions {
-    /// Closed surfaces or tetrahedral meshes
+    /// Closed surfaces or tetrahedral meshes, or one G-code file
     #[arg(required = true, value_name = "MESH")]
     files: Vec<PathBuf>,
     /// A number, a polynomial such as '1 + 2*x - 0.5*y*z', 'linear:axis=z,from=0,to=1' (over the
@@ -30,7 +35,7 @@ pub(crate) struct MassOptions {
     #[arg(
         long,
         value_name = "D",
-        default_value = "1",
+        default_value = DEFAULT_DENSITY,
         allow_hyphen_values = true
     )]
     density: Vec<String>,
@@ -46,6 +51,8 @@ pub(crate) struct MassOptions {
     /// Print one JSON object instead of a table
     #[arg(long)]
     json: bool,
+    #[command(flatten)]
+    gcode: GcodeOptions,
 }
 
 /// What is printed, in this order.
@@ -54,14 +61,7 @@ struct Report {
     #[serde(skip_serializing_if = "Option::is_none")]
     units: Option<String>,
     #[serde(flatten)]
-    totals: MassTotals,
-    inertia_origin: [[f64; 3]; 3],
-    inertia_center: [[f64; 3]; 3],
-    principal_moments: [f64; 3],
-    /// One axis per row, in the order of the moments.
-    principal_axes: [[f64; 3]; 3],
-    #[serde(skip_serializing_if = "Option::is_none")]
-    moment_about_axis: Option<f64>,
+    properties: MassProperties,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     parts: Vec<MassPart>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -75,34 +75,13 @@ struct MassPart {
     totals: MassTotals,
 }
 
-/// What parts and the whole have in common.
-#[derive(Debug, Serialize)]
-struct MassTotals {
-    volume: f64,
-    surface_area: f64,
-    mass: f64,
-    center_of_mass: [f64; 3],
-}
-
-impl From<&Body> for MassTotals {
-    fn from(body: &Body) -> Self {
-        Self {
-            volume: body.volume,
-            surface_area: body.surface_area,
-            mass: body.mass,
-            center_of_mass: body.center_of_mass().into(),
-        }
-    }
-}
-
-/// A line in space.
-#[derive(Clone, Copy, Debug)]
-struct AxisMoment {
-    through: Point3<f64>,
-    along: Vector3<f64>,
-}
-
 pub(crate) fn run(options: &MassOptions) -> Result<(), Failure> {
+    if let Some(file) = options.files.iter().find(|file| is_gcode(file)) {
+        return run_gcode(file, options);
+    }
+    if let Some(option) = options.gcode.first_given() {
+        return Err(Failure::input(format!("{option} is for G-code files")));
+    }
     let densities = one_for_each("density", &options.density, options.files.len())?;
     if !options.mass.is_empty() && options.mass.len() != options.files.len() {
         return Err(miscounted("mass", options.mass.len(), options.files.len()));
@@ -132,6 +111,29 @@ pub(crate) fn run(options: &MassOptions) -> Result<(), Failure> {
         return print(text + "\n");
     }
     print(report.table())
+}
+
+/// One G-code file, which cannot stand beside others.
+fn run_gcode(file: &Path, options: &MassOptions) -> Result<(), Failure> {
+    let name = file.display();
+    if options.files.len() > 1 {
+        let message = format!("{name}: a G-code file is weighed alone, one at a time");
+        return Err(Failure::input(message));
+    }
+    if options.density != [DEFAULT_DENSITY] {
+        let message = "--density is for solids; for G-code there is --material-density";
+        return Err(Failure::input(format!("{name}: {message}")));
+    }
+    if options.mass.len() > 1 {
+        return Err(miscounted("mass", options.mass.len(), 1));
+    }
+    let asked = Asked {
+        mass: options.mass.first().copied(),
+        axis: options.axis,
+        units: options.units.as_deref(),
+        json: options.json,
+    };
+    mass_gcode::run(file, &options.gcode, asked)
 }
 
 /// One density per part, from one for all or one each.
@@ -172,7 +174,6 @@ fn extent(solids: &[Solid]) -> Bounds<3> {
 }
 
 fn report(options: &MassOptions, solids: &[Solid], bodies: &[Body], body: &Body) -> Report {
-    let principal = body.principal();
     let named = |file: &Path| file.display().to_string();
     let parts = options
         .files
@@ -188,14 +189,7 @@ fn report(options: &MassOptions, solids: &[Solid], bodies: &[Body], body: &Body)
     });
     Report {
         units: options.units.clone(),
-        totals: body.into(),
-        inertia_origin: rows(&body.inertia_origin()),
-        inertia_center: rows(&body.inertia_center()),
-        principal_moments: principal.moments.into(),
-        principal_axes: principal.axes.map(Into::into),
-        moment_about_axis: options
-            .axis
-            .map(|axis| body.moment_about_axis(&axis.through, &axis.along)),
+        properties: MassProperties::of(body, options.axis),
         parts: if bodies.len() > 1 {
             parts.collect()
         } else {
@@ -205,38 +199,9 @@ fn report(options: &MassOptions, solids: &[Solid], bodies: &[Body], body: &Body)
     }
 }
 
-fn rows(matrix: &Matrix3<f64>) -> [[f64; 3]; 3] {
-    [0, 1, 2].map(|row| [0, 1, 2].map(|column| matrix[(row, column)]))
-}
-
 impl Report {
     fn table(&self) -> String {
-        let mut text = String::new();
-        let mut line = |name: &str, numbers: &[f64]| {
-            let numbers: String = numbers.iter().map(|&number| figure(number)).collect();
-            text += &format!("{name:<24}{numbers}\n");
-        };
-        let totals = &self.totals;
-        line("volume", &[totals.volume]);
-        line("surface area", &[totals.surface_area]);
-        line("mass", &[totals.mass]);
-        line("center of mass", &totals.center_of_mass);
-        let tensors = [
-            ("inertia about origin", &self.inertia_origin),
-            ("inertia about center", &self.inertia_center),
-        ];
-        for (name, [first, second, third]) in tensors {
-            line(name, first);
-            line("", second);
-            line("", third);
-        }
-        line("principal moments", &self.principal_moments);
-        for (name, axis) in ["principal axes", "", ""].iter().zip(&self.principal_axes) {
-            line(name, axis);
-        }
-        if let Some(moment) = self.moment_about_axis {
-            line("moment about the axis", &[moment]);
-        }
+        let mut text = self.properties.table();
         if let Some(units) = &self.units {
             text += &format!("{:<24}  {units}\n", "units");
         }
@@ -249,51 +214,5 @@ impl Report {
             text += &format!("note: {note}\n");
         }
         text
-    }
-}
-
-/// A number in 20 columns, ten digits of it.
-fn figure(number: f64) -> String {
-    let size = number.abs();
-    let shown = if size > 0.0 && !(1e-3..1e9).contains(&size) {
-        format!("{number:.9e}")
-    } else {
-        let leading = if size > 0.0 {
-            size.log10().floor()
-        } else {
-            0.0
-        };
-        format!("{number:.*}", (9.0 - leading) as usize)
-    };
-    format!("{shown:>20}")
-}
-
-fn positive(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(number) if number > 0.0 && number.is_finite() => Ok(number),
-        _ => Err("a positive number is needed".into()),
-    }
-}
-
-fn axis(text: &str) -> Result<AxisMoment, String> {
-    let numbers: Vec<f64> = text
-        .split(',')
-        .map(|number| {
-            number
-                .trim()
-                .parse::<f64>()
-                .ok()
-                .filter(|number| number.is_finite())
-        })
-        .collect::<Option<_>>()
-        .ok_or("six numbers separated by commas are needed")?;
-    let &[px, py, pz, dx, dy, dz] = &numbers[..] else {
-        return Err(format!("six numbers are needed, not {}", numbers.len()));
-    };
-    let (through, along) = (Point3::new(px, py, pz), Vector3::new(dx, dy, dz));
-    if along.norm() > 0.0 && along.norm().is_finite() {
-        Ok(AxisMoment { through, along })
-    } else {
-        Err("the direction (the last three numbers) has no length".into())
     }
 }

@@ -9,6 +9,8 @@ pub(crate) mod describe;
 pub(crate) mod failure;
 pub(crate) mod fragments;
 pub(crate) mod mass;
+pub(crate) mod mass_gcode;
+pub(crate) mod mass_report;
 pub(crate) mod measure;
 pub(crate) mod options;
 pub(crate) mod plot;

@@ -1,0 +1,29 @@
+//! G-code files read as a printer reads them: the plastic they deposit, bead by bead.
+//!
+//! ```text
+//! lines      bytes → lines with their numbers and ends
+//! words      a line → its command and words, each with its place in the line
+//! comments   a comment → the slicer's mark: feature type, layer, object, …
+//! settings   comments → diameter and density of each tool's filament
+//! survey     the whole file once, for what stands at its end or decides how the rest is read
+//! machine    commands → motion and plastic pushed: modes, units, registers, retraction
+//! arc, bead  a motion that deposits → its ten moments, in closed form
+//! layers     heights of beads, from marks or from differences of z
+//! weigh      the whole file once more: moments by type, tool and object
+//! ```
+//!
+//! Memory does not grow with the file: one line, and one sum for each combination of type, tool and
+//! object, are held.
+
+pub(crate) mod arc;
+pub(crate) mod bead;
+pub(crate) mod comments;
+pub(crate) mod error;
+pub(crate) mod labels;
+pub(crate) mod layers;
+pub(crate) mod lines;
+pub(crate) mod machine;
+pub(crate) mod settings;
+pub(crate) mod survey;
+pub(crate) mod weigh;
+pub(crate) mod words;
