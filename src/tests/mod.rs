@@ -9,6 +9,7 @@ mod fragments;
 mod frames;
 mod geometry;
 mod integrals;
+mod linf;
 mod mass;
 mod memory;
 mod mesh;

@@ -148,7 +148,7 @@ impl<'a> Diagram<'a> {
     }
 
     /// The k-d tree of the sites, built on first use.
-    fn tree(&self) -> &KdTree {
+    pub(crate) fn tree(&self) -> &KdTree {
         self.tree.get_or_init(|| {
             let wrapped = self.sites.par_iter().map(|site| self.domain.wrap(site));
             KdTree::new(wrapped, self.domain.periods())
@@ -208,11 +208,18 @@ impl<'a> Diagram<'a> {
         &self,
         of_cell: impl Fn(&mut Scratch, Cell<'_>) -> T + Sync,
     ) -> Result<Vec<T>, DiagramError> {
-        let tree = self.tree();
-        let one = |(builder, scratch): &mut (CellBuilder, Scratch), place: usize| {
-            let cell = builder.build(self.domain, tree, place)?;
+        let (domain, tree) = (self.domain, self.tree());
+        self.map_places(|(builder, scratch): &mut (CellBuilder, Scratch), place| {
+            let cell = builder.build(domain, tree, place)?;
             Ok(of_cell(scratch, cell))
-        };
+        })
+    }
+
+    /// Computes `one` for every place of the tree, in parallel, and returns the results in site order.
+    pub(crate) fn map_places<Memory: Default, T: Send>(
+        &self,
+        one: impl Fn(&mut Memory, usize) -> Result<T, Duplicate> + Sync,
+    ) -> Result<Vec<T>, DiagramError> {
         let mut results = Vec::with_capacity(self.len());
         let mut duplicate = None;
         let mut batch: Vec<Result<T, Duplicate>> = Vec::new();
@@ -221,7 +228,7 @@ impl<'a> Diagram<'a> {
             (first..end)
                 .into_par_iter()
                 .with_min_len(CELLS_PER_TASK)
-                .map_init(Default::default, one)
+                .map_init(Memory::default, &one)
                 .collect_into_vec(&mut batch);
             for result in batch.drain(..) {
                 match result {
@@ -233,7 +240,7 @@ impl<'a> Diagram<'a> {
         if let Some(duplicate) = duplicate {
             return Err(self.duplicate(duplicate));
         }
-        bring_into_order(&mut results, tree.sites().to_vec());
+        bring_into_order(&mut results, self.tree().sites().to_vec());
         Ok(results)
     }
 

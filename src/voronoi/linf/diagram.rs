@@ -1,0 +1,47 @@
+//! The L∞ Voronoi diagram of all sites: cells visited in parallel, results in site order.
+
+use nalgebra::Point3;
+
+use crate::voronoi::diagram::{Diagram, DiagramError};
+use crate::voronoi::linf::cell::{LinfCell, LinfCellBuilder, Ties};
+use crate::voronoi::linf::search::nearest;
+
+impl Diagram<'_> {
+    /// As [`Diagram::map`], for the L∞ cells.
+    ///
+    /// # Errors
+    /// [`DiagramError::Duplicate`] for the first pair of sites in one place.
+    pub(crate) fn map_linf<Scratch: Default, T: Send>(
+        &self,
+        ties: Ties,
+        of_cell: impl Fn(&mut Scratch, LinfCell<'_>) -> T + Sync,
+    ) -> Result<Vec<T>, DiagramError> {
+        let (domain, tree) = (self.domain(), self.tree());
+        self.map_places(
+            |(builder, scratch): &mut (LinfCellBuilder, Scratch), place| {
+                let cell = builder.build(domain, tree, place, ties)?;
+                Ok(of_cell(scratch, cell))
+            },
+        )
+    }
+
+    /// The site nearest to a point in the Chebyshev distance, which is that whose L∞ cell holds it; of
+    /// several the one with the least index. `None` outside the domain.
+    ///
+    /// # Examples
+    /// ```
+    /// use chebloyd::{Cuboid, Diagram};
+    ///
+    /// let cube = Cuboid::unit();
+    /// let diagram = Diagram::new(&cube, &[[0.1, 0.1, 0.5], [0.9, 0.5, 0.5]])?;
+    /// // Equally far in the Euclidean distance, but not in the Chebyshev distance.
+    /// assert_eq!(diagram.locate_linf([0.48, 0.1, 0.5]), Some(0));
+    /// # Ok::<(), chebloyd::DiagramError>(())
+    /// ```
+    #[must_use]
+    pub fn locate_linf(&self, point: impl Into<Point3<f64>>) -> Option<usize> {
+        let point = self.domain().wrap(&point.into());
+        let is_inside = self.domain().contains(&point);
+        is_inside.then(|| nearest(self.tree(), &point) as usize)
+    }
+}
