@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Folder → the folders from which it may import. What is not listed is a mistake.
-const MAY_IMPORT: [(&str, &[&str]); 13] = [
+const MAY_IMPORT: [(&str, &[&str]); 14] = [
     ("geometry", &[]),
     ("minimize", &[]),
     ("mesh", &["geometry"]),
@@ -14,6 +14,7 @@ const MAY_IMPORT: [(&str, &[&str]); 13] = [
     ("mass", &["geometry", "integrals", "mesh"]),
     ("voronoi", &["geometry", "domain", "integrals"]),
     ("energy", &["geometry", "integrals", "minimize"]),
+    ("complex", &["geometry", "domain", "voronoi"]),
     (
         "relax",
         &[
