@@ -113,6 +113,7 @@ pub mod scene;
 
 #[cfg(feature = "cli")]
 mod cli;
+mod complex;
 mod domain;
 mod energy;
 #[cfg(feature = "files")]

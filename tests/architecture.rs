@@ -15,6 +15,7 @@ const MAY_IMPORT: [(&str, &[&str]); 14] = [
     ("gcode", &["geometry"]),
     ("voronoi", &["geometry", "domain", "integrals"]),
     ("energy", &["geometry", "integrals", "minimize"]),
+    ("complex", &["geometry", "domain", "voronoi"]),
     (
         "relax",
         &[

@@ -1,0 +1,157 @@
+//! `mesh.vtu`: a conforming mesh as a VTK file, points shared between cells.
+//!
+//! The format is that of `cells.vtu` (`export::vtu`): XML, version 1.0, arrays appended as raw
+//! little-endian binary. Hexahedra, prisms, pyramids and tetrahedra have VTK's own types (12, 13, 14,
+//! 10), other cells are polyhedra (42) with `faces` and `faceoffsets`.
+
+use std::io::{self, Write};
+use std::path::Path;
+
+use crate::complex::element::Element;
+use crate::complex::poly_mesh::{CellFaces, PolyMesh};
+use crate::export::atomic_write;
+
+/// Numbers for every cell.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum CellColumn {
+    /// Whole numbers.
+    Integers(Vec<i64>),
+    /// Real numbers.
+    Reals(Vec<f64>),
+}
+
+/// An array of the file: section, type, name, bytes.
+type FileArray = (&'static str, &'static str, String, Vec<u8>);
+
+/// Writes `mesh` with a column of numbers for each name. Unless `standard` types are wanted, all cells
+/// are polyhedra.
+///
+/// # Errors
+/// The error of the system; the file is then as it was before.
+pub(crate) fn write_mesh(
+    path: &Path,
+    mesh: &PolyMesh,
+    columns: &[(&str, CellColumn)],
+    standard: bool,
+) -> io::Result<()> {
+    let mut arrays = vec![(
+        "Points",
+        "Float64",
+        "Points".to_owned(),
+        real_bytes(mesh.points.iter().flat_map(|point| [point.x, point.y, point.z])),
+    )];
+    arrays.extend(cell_arrays(mesh, standard));
+    for (name, column) in columns {
+        let (kind, bytes) = match column {
+            CellColumn::Integers(all) => ("Int64", integer_bytes(all)),
+            CellColumn::Reals(all) => ("Float64", real_bytes(all.iter().copied())),
+        };
+        arrays.push(("CellData", kind, (*name).to_owned(), bytes));
+    }
+    atomic_write::write(path, |file| write_arrays(file, mesh, &arrays))
+}
+
+fn real_bytes(all: impl IntoIterator<Item = f64>) -> Vec<u8> {
+    all.into_iter().flat_map(f64::to_le_bytes).collect()
+}
+
+fn integer_bytes(all: &[i64]) -> Vec<u8> {
+    all.iter().flat_map(|value| value.to_le_bytes()).collect()
+}
+
+/// Connectivity, offsets, types, and the faces of polyhedra.
+fn cell_arrays(mesh: &PolyMesh, standard: bool) -> Vec<FileArray> {
+    let faces = mesh.cell_faces();
+    let (mut points, mut offsets, mut types) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut streams, mut stream_ends) = (Vec::new(), Vec::new());
+    for cell in 0..mesh.cell_count {
+        let element = match standard {
+            true => Element::of(mesh, &faces, cell),
+            false => Element::Polyhedron,
+        };
+        let (kind, corners): (u8, Vec<u32>) = match element {
+            Element::Tetrahedron(corners) => (10, corners.into()),
+            Element::Hexahedron(corners) => (12, corners.into()),
+            Element::Prism(corners) => (13, vtk_prism(corners).into()),
+            Element::Pyramid(corners) => (14, corners.into()),
+            Element::Polyhedron => (42, push_stream(mesh, &faces, cell, &mut streams)),
+        };
+        points.extend(corners.iter().map(|&corner| i64::from(corner)));
+        offsets.push(points.len() as i64);
+        types.push(kind);
+        stream_ends.push(if kind == 42 { streams.len() as i64 } else { -1 });
+    }
+    let integers = |name: &str, all: &[i64]| ("Cells", "Int64", name.to_owned(), integer_bytes(all));
+    let mut arrays = vec![
+        integers("connectivity", &points),
+        integers("offsets", &offsets),
+        ("Cells", "UInt8", "types".to_owned(), types),
+    ];
+    if !streams.is_empty() {
+        arrays.push(integers("faces", &streams));
+        arrays.push(integers("faceoffsets", &stream_ends));
+    }
+    arrays
+}
+
+/// VTK's wedge: the normal of its first triangle points out of it, against all other types.
+fn vtk_prism([a, b, c, d, e, f]: [u32; 6]) -> [u32; 6] {
+    [a, c, b, d, f, e]
+}
+
+/// Adds a polyhedron's faces, each as seen from outside, and returns its points in ascending order.
+fn push_stream(
+    mesh: &PolyMesh,
+    faces: &CellFaces,
+    cell: usize,
+    stream: &mut Vec<i64>,
+) -> Vec<u32> {
+    let mut points = Vec::new();
+    stream.push(faces.of(cell).len() as i64);
+    for (face, is_owner) in faces.of(cell) {
+        let corners = mesh.face(face);
+        points.extend_from_slice(corners);
+        stream.push(corners.len() as i64);
+        let start = stream.len();
+        stream.extend(corners.iter().map(|&corner| i64::from(corner)));
+        if !is_owner {
+            stream[start..].reverse();
+        }
+    }
+    points.sort_unstable();
+    points.dedup();
+    points
+}
+
+fn write_arrays(file: &mut impl Write, mesh: &PolyMesh, arrays: &[FileArray]) -> io::Result<()> {
+    let (points, cells) = (mesh.points.len(), mesh.cell_count);
+    write!(
+        file,
+        "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" \
+         byte_order=\"LittleEndian\" header_type=\"UInt64\">\n<UnstructuredGrid>\n\
+         <Piece NumberOfPoints=\"{points}\" NumberOfCells=\"{cells}\">\n"
+    )?;
+    let mut offset = 0;
+    for section in ["Points", "Cells", "CellData"] {
+        writeln!(file, "<{section}>")?;
+        for (_, kind, name, bytes) in arrays.iter().filter(|array| array.0 == section) {
+            let components = if section == "Points" { 3 } else { 1 };
+            writeln!(
+                file,
+                "<DataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"{components}\" \
+                 format=\"appended\" offset=\"{offset}\"/>"
+            )?;
+            offset += size_of::<u64>() + bytes.len();
+        }
+        writeln!(file, "</{section}>")?;
+    }
+    write!(
+        file,
+        "</Piece>\n</UnstructuredGrid>\n<AppendedData encoding=\"raw\">\n_"
+    )?;
+    for (_, _, _, bytes) in arrays {
+        file.write_all(&(bytes.len() as u64).to_le_bytes())?;
+        file.write_all(bytes)?;
+    }
+    write!(file, "\n</AppendedData>\n</VTKFile>\n")
+}

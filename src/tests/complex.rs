@@ -1,0 +1,254 @@
+//! Meshes of cells: conforming, closed, exact in volume, the same for any number of threads.
+
+use nalgebra::{Point3, Vector3};
+
+use crate::complex::assemble::{assemble, assemble_within};
+use crate::complex::element::Element;
+use crate::complex::face_geometry::MeshGeometry;
+use crate::complex::poly_mesh::PolyMesh;
+use crate::complex::quality::MeshQuality;
+use crate::domain::convex::ConvexPolyhedron;
+use crate::domain::cuboid::Cuboid;
+use crate::domain::domain::Domain;
+use crate::domain::shape::DomainShape;
+use crate::geometry::half_space::HalfSpace;
+use crate::geometry::random::Random;
+use crate::voronoi::diagram::Diagram;
+
+fn points(seed: u64, count: usize) -> Vec<Point3<f64>> {
+    let (unit, mut random) = (Cuboid::unit().bounds(), Random::new(seed));
+    (0..count).map(|_| random.point(&unit)).collect()
+}
+
+/// A k×k×k lattice in the unit cube, each coordinate moved by up to ± noise.
+fn lattice(k: usize, noise: f64) -> Vec<Point3<f64>> {
+    let (unit, mut random) = (Cuboid::unit().bounds(), Random::new(k as u64));
+    let site = |n: usize| {
+        let cell = Vector3::new((n % k) as f64, (n / k % k) as f64, (n / k / k) as f64);
+        let shift = random.point(&unit).coords.add_scalar(-0.5) * (2.0 * noise);
+        Point3::from(cell.add_scalar(0.5) / k as f64 + shift)
+    };
+    (0..k * k * k).map(site).collect()
+}
+
+/// Lattices with a second site in the middle of every cube, or with three in the middles of faces.
+fn centered(k: usize, offsets: &[[f64; 3]]) -> Vec<Point3<f64>> {
+    let moved = |site: &Point3<f64>| {
+        let shift =
+            |offset: &[f64; 3]| site + (Vector3::from(*offset) - Vector3::repeat(0.25)) / k as f64;
+        offsets.iter().map(shift).collect::<Vec<_>>()
+    };
+    lattice(k, 0.0).iter().flat_map(moved).collect()
+}
+
+fn octahedron() -> ConvexPolyhedron {
+    let sign = |signs: u32, axis: u32| if signs >> axis & 1 == 1 { -1.0 } else { 1.0 };
+    let wall = |signs: u32| HalfSpace {
+        normal: Vector3::new(sign(signs, 0), sign(signs, 1), sign(signs, 2)),
+        offset: 1.0,
+    };
+    ConvexPolyhedron::new(&(0..8).map(wall).collect::<Vec<_>>()).unwrap()
+}
+
+fn periodic(axes: [bool; 3]) -> Cuboid {
+    Cuboid::new(Cuboid::unit().bounds(), axes).unwrap()
+}
+
+fn mesh(domain: &dyn Domain, sites: &[Point3<f64>]) -> PolyMesh {
+    let diagram = Diagram::new(domain, sites).unwrap();
+    assemble(&diagram, &|wall| format!("wall{wall}")).unwrap()
+}
+
+fn quality(mesh: &PolyMesh) -> MeshQuality {
+    let cells = mesh.cell_faces();
+    MeshQuality::of(mesh, &cells, &MeshGeometry::of(mesh, &cells))
+}
+
+/// A mesh that is sound, closed, and as large as the domain.
+fn assert_conforms(domain: &dyn Domain, sites: &[Point3<f64>], what: &str) -> PolyMesh {
+    let diagram = Diagram::new(domain, sites).unwrap();
+    let mesh = assemble(&diagram, &|wall| format!("wall{wall}"));
+    let mesh = mesh.unwrap_or_else(|error| panic!("{what}: {error}"));
+    mesh.check()
+        .unwrap_or_else(|error| panic!("{what}: {error}"));
+    assert_eq!(mesh.cell_count, sites.len(), "{what}");
+    let quality = quality(&mesh);
+    let off = quality.volume / domain.volume() - 1.0;
+    assert!(off.abs() < 1e-12, "{what}: volume off by {off:e}");
+    assert_eq!(quality.open_cells, 0, "{what}");
+    mesh
+}
+
+#[test]
+fn random_cells_make_a_conforming_mesh_in_every_box() {
+    for count in [1, 2, 3, 5, 20, 300] {
+        for axes in 0..8 {
+            let domain = periodic([0, 1, 2].map(|axis| axes >> axis & 1 == 1));
+            let what = format!("{count} sites, periodic axes {axes:03b}");
+            assert_conforms(&domain, &points(count as u64, count), &what);
+        }
+    }
+    assert_conforms(&Cuboid::unit(), &points(9, 3000), "3000 sites");
+}
+
+#[test]
+fn half_spaces_hold_a_conforming_mesh() {
+    let solid = octahedron();
+    let sites = points(4, 2000)
+        .into_iter()
+        .map(|p| p * 2.0 - Vector3::repeat(1.0));
+    let sites: Vec<_> = sites
+        .map(Point3::from)
+        .filter(|p| solid.contains(p))
+        .collect();
+    let mesh = assert_conforms(&solid, &sites, "octahedron");
+    assert_eq!(mesh.patches.len(), 8);
+}
+
+#[test]
+fn lattices_with_and_without_noise_make_a_conforming_mesh() {
+    for k in [2, 5] {
+        for noise in [
+            0.0, 1e-16, 1e-14, 1e-12, 1e-10, 1e-8, 1e-7, 1e-6, 1e-5, 1e-3, 0.05,
+        ] {
+            let sites = lattice(k, noise / k as f64);
+            assert_conforms(
+                &Cuboid::unit(),
+                &sites,
+                &format!("cube {k}, noise {noise:e}"),
+            );
+            assert_conforms(
+                &periodic([true; 3]),
+                &sites,
+                &format!("torus {k}, noise {noise:e}"),
+            );
+        }
+    }
+    let body = [[0.0; 3], [0.5; 3]];
+    let face = [[0.0; 3], [0.5, 0.5, 0.0], [0.5, 0.0, 0.5], [0.0, 0.5, 0.5]];
+    for k in [3, 4] {
+        for offsets in [&body[..], &face[..]] {
+            let sites = centered(k, offsets);
+            assert_conforms(
+                &Cuboid::unit(),
+                &sites,
+                &format!("{} in {k}³", offsets.len()),
+            );
+            assert_conforms(
+                &periodic([true; 3]),
+                &sites,
+                &format!("periodic {} in {k}³", offsets.len()),
+            );
+        }
+    }
+}
+
+#[test]
+fn degenerate_sets_make_a_conforming_mesh() {
+    let on_plane = |p: Point3<f64>| Point3::new(p.x, p.y, 0.3);
+    let on_line = |p: Point3<f64>| Point3::new(p.x, 0.5 * p.x, 1.0 - p.x);
+    let on_wall = |p: Point3<f64>| Point3::new(p.x, p.y, p.z.round());
+    let clustered = |p: Point3<f64>| Point3::from(p.coords * 1e-4);
+    let on_sphere = |p: Point3<f64>| {
+        let direction = p.coords.add_scalar(-0.5).normalize();
+        Point3::from((direction * 0.4).add_scalar(0.5))
+    };
+    type Move<'a> = &'a dyn Fn(Point3<f64>) -> Point3<f64>;
+    let sets: [(&str, Move<'_>); 5] = [
+        ("coplanar", &on_plane),
+        ("collinear", &on_line),
+        ("on walls", &on_wall),
+        ("clustered", &clustered),
+        ("cospherical", &on_sphere),
+    ];
+    for (what, place) in sets {
+        let sites: Vec<_> = points(7, 200).into_iter().map(place).collect();
+        assert_conforms(&Cuboid::unit(), &sites, what);
+    }
+}
+
+#[test]
+fn an_exact_lattice_is_a_mesh_of_cubes() {
+    for noise in [0.0, 4e-10] {
+        let mesh = assert_conforms(&Cuboid::unit(), &lattice(10, noise), "lattice");
+        assert_eq!((mesh.points.len(), mesh.face_count()), (1331, 3300));
+        assert_eq!(mesh.neighbor.len(), 2700);
+        let counts: Vec<_> = mesh.patches.iter().map(|patch| patch.count).collect();
+        assert_eq!(counts, [100; 6]);
+        let cells = mesh.cell_faces();
+        let is_hexahedron =
+            |cell: usize| matches!(Element::of(&mesh, &cells, cell), Element::Hexahedron(_));
+        assert!((0..1000).all(is_hexahedron));
+        let quality = quality(&mesh);
+        assert!(quality.non_orthogonality_max < 1e-4, "{quality:?}");
+        assert!(quality.skewness_max < 1e-6 && quality.bad_pyramids == 0);
+        assert!((quality.edge_min - 0.1).abs() < 1e-7);
+    }
+}
+
+#[test]
+fn the_mesh_does_not_depend_on_the_resolution() {
+    let sets = [
+        ("lattice", lattice(6, 0.0)),
+        ("random", points(3, 400)),
+        ("bcc", centered(4, &[[0.0; 3], [0.5; 3]])),
+    ];
+    for (what, sites) in sets {
+        let domain = Cuboid::unit();
+        let diagram = Diagram::new(&domain, &sites).unwrap();
+        let name = |wall: u32| wall.to_string();
+        let expected = assemble(&diagram, &name).unwrap();
+        for resolution in [1e-12, 1e-11, 1e-10, 1e-9, 1e-8, 1e-7] {
+            let other = assemble_within(&diagram, resolution, &name).unwrap();
+            let same = (other.points.len(), other.owner, other.neighbor);
+            let expected = (
+                expected.points.len(),
+                expected.owner.clone(),
+                expected.neighbor.clone(),
+            );
+            assert!(same == expected, "{what} {resolution:e}");
+        }
+    }
+}
+
+#[test]
+fn a_periodic_mesh_has_pairs_of_patches_one_period_apart() {
+    let mesh = mesh(&periodic([true; 3]), &points(5, 200));
+    for (number, patch) in mesh.patches.iter().enumerate() {
+        let (partner, way) = patch.partner.expect("no walls");
+        let other = &mesh.patches[partner];
+        assert_eq!(other.partner.map(|(back, _)| back), Some(number));
+        assert_eq!(other.count, patch.count);
+        for face in 0..patch.count {
+            let here: Vec<_> = mesh.face_places(patch.start + face).collect();
+            let there: Vec<_> = mesh.face_places(other.start + face).collect();
+            for corner in 0..here.len() {
+                // The same corner, counted the other way round.
+                let back = (here.len() - corner) % here.len();
+                assert!((there[back] - way - here[corner]).norm() < 1e-14);
+            }
+        }
+    }
+    let names: Vec<_> = mesh
+        .patches
+        .iter()
+        .map(|patch| patch.name.as_str())
+        .collect();
+    assert!(
+        names.contains(&"xmax") && names.contains(&"xmin"),
+        "{names:?}"
+    );
+}
+
+#[test]
+fn any_number_of_threads_makes_the_same_mesh() {
+    let sites = points(8, 2000);
+    let make = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .unwrap();
+        pool.install(|| mesh(&periodic([true, false, false]), &sites))
+    };
+    assert_eq!(make(1), make(4));
+}
