@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Folder → the folders from which it may import. What is not listed is a mistake.
-const MAY_IMPORT: [(&str, &[&str]); 14] = [
+const MAY_IMPORT: [(&str, &[&str]); 15] = [
     ("geometry", &[]),
     ("minimize", &[]),
     ("mesh", &["geometry"]),
