@@ -259,11 +259,15 @@ impl GmshFile<'_> {
         field
     }
 
-    /// Reads the string tags; returns the first, the field's name, without quotes.
+    /// Reads the string tags, one a line; returns the first, the field's name, without quotes.
     fn read_name(&mut self) -> Result<String, ParseError> {
         let mut name = String::new();
-        for at in 0..self.words.count("the number of string tags")? {
-            self.words.next_line();
+        let tags = self.words.count("the number of string tags")?;
+        self.words.next_line();
+        for at in 0..tags {
+            if self.words.peek().is_none() {
+                return Err(self.words.truncated("a string tag"));
+            }
             let text = self.words.rest_of_line();
             if at == 0 {
                 let inside = text.strip_prefix(b"\"");

@@ -247,6 +247,9 @@ fn read_faces(
     source: &mut Source<'_>,
     polygons: &mut Polygons,
 ) -> Result<(), ParseError> {
+    if element.properties.is_empty() {
+        return Ok(());
+    }
     polygons.ends.reserve(source.capacity_for(element.count));
     for _ in 0..element.count {
         for property in &element.properties {

@@ -206,6 +206,8 @@ fn node_data_of_gmsh_with_gaps_or_repetitions_are_refused_by_node() {
     // A later step replaces the earlier, gaps and all.
     let steps = node_data(0, &["10 7"]) + &node_data(1, &whole);
     assert_eq!(gmsh_mass(&steps), Ok(0.5));
+    let two_names = node_data(0, &whole).replace("1\n\"rho\"", "2\n\"rho\"\n\"scheme\"");
+    assert_eq!(gmsh_mass(&two_names), Ok(0.5));
     let case = std::fs::read(case("msh22-node-data-for-three-of-four.msh")).unwrap();
     assert_says(mass(gmsh::parse(&case).unwrap()), "node 10 has no value");
     assert_says(
