@@ -6,10 +6,12 @@ use std::io::Write;
 use nalgebra::{Point, Point2, Point3};
 
 use crate::cli::failure::write_file;
+use crate::domain::facet_kind::FacetKind;
 use crate::domain::shape::PieceScratch;
 use crate::export::run::directory::RunDirectory;
 use crate::export::vtu::{CellGeometry, VtuWriter};
 use crate::geometry::bounds::Bounds;
+use crate::geometry::label::Label;
 use crate::geometry::shell::Shell;
 use crate::plot::color::ColorScale;
 use crate::plot::cutaway::{CutawayPicture, Removed};
@@ -23,7 +25,7 @@ use crate::relax::planar::Plane;
 use crate::relax::record::{optimal_energy, optimal_side};
 use crate::relax::relaxation_space::RelaxationSpace;
 use crate::relax::space::Space;
-use crate::relax::space::shell;
+use crate::relax::space::shells;
 use crate::scene::run::RunSpace;
 use crate::voronoi::diagram::Diagram;
 use crate::voronoi::planar::diagram::PlaneDiagram;
@@ -91,12 +93,17 @@ impl DrawCells<3> for Space {
         let removed = Removed::enough_of(&self.bounds(), sites);
         let (scale, title) = (colors.scale().clone(), removed.title());
         let mut cutaway = CutawayPicture::new(&self.bounds(), removed, scale, title)?;
+        let shown: Vec<bool> = sites.iter().map(|site| cutaway.shows(site)).collect();
         Diagram::borrowed(self.domain(), sites)?.stream(
-            |scratch: &mut PieceScratch, cell| shell(self.domain(), &cell, scratch),
-            |site, shell| {
+            |scratch: &mut PieceScratch, cell| {
+                let is_shown = shown[cell.site as usize];
+                let is_seen = |label| is_shown && !is_covered(label, &shown);
+                shells(self.domain(), &cell, scratch, is_seen)
+            },
+            |site, [shell, seen]| {
                 let value = Colors::value(&cells[site]);
                 patches.extend(cut.patch(&shell, value));
-                cutaway.push(&shell, &sites[site], value);
+                cutaway.push(&seen, &sites[site], value);
                 file.push(&geometry(site, shell, &cells[site]))?;
                 Ok::<(), Box<dyn Error>>(())
             },
@@ -106,6 +113,15 @@ impl DrawCells<3> for Space {
         let figure = picture(&patches, colors.scale(), &title);
         save_svg(&figure, patches.len(), directory)?;
         save_png(&cutaway.finish()?, directory)
+    }
+}
+
+/// Whether the cell on the other side of a facet is shown too: then nobody sees the facet. Filling it
+/// costs as many pixels as it has, for a wall-to-wall slab millions.
+fn is_covered(label: Label, shown: &[bool]) -> bool {
+    match FacetKind::of(label) {
+        FacetKind::Neighbor { site, image } => image == [0; 3] && shown[site as usize],
+        _ => false,
     }
 }
 

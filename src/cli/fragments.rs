@@ -6,30 +6,34 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use nalgebra::{Point3, Rotation3, Vector3};
 
-use crate::domain::facet_kind::FacetKind;
-use crate::domain::{domain::Domain, shape::PieceScratch};
-use crate::energy::evaluation::EnergyScratch;
-use crate::energy::evaluation::{SignedPiece, energy};
-use crate::energy::fragments::fragments_in_frame;
-use crate::energy::prepared::PreparedPiece;
-use crate::energy::sector::Sector;
-use crate::export::vtu::{CellGeometry, write_cells};
-use crate::geometry::polyhedron::Polyhedron;
-use crate::geometry::shell::Shell;
-use crate::plot::exploded::{Fragment, FragmentedCell, exploded};
-use crate::relax::relaxation_space::RelaxationSpace;
-use crate::relax::space::Space;
-use crate::scene::overrides::Overrides;
-use crate::scene::run::RunSpace;
-use crate::voronoi::diagram::Diagram;
-
 use crate::cli::failure::{Failure, format_of, print, write_file};
 use crate::cli::options::{Common, SceneOptions, space};
+use crate::domain::facet_kind::FacetKind;
+use crate::domain::{domain::Domain, shape::PieceScratch};
+use crate::energy::fragments::fragments_in_frame;
+use crate::energy::sector::Sector;
+use crate::export::vtu::{CellGeometry, FragmentGeometry, FragmentSector, FragmentTets, VtuWriter};
+use crate::geometry::polyhedron::Polyhedron;
+use crate::geometry::shell::Shell;
+use crate::mesh::tets::tet_volume;
+use crate::plot::exploded::{Fragment, FragmentedCell, exploded};
+use crate::relax::evaluate_cell::CellMemory;
+use crate::relax::relaxation_space::{EnergySpec, RelaxationSpace};
+use crate::relax::space::Space;
+use crate::scene::overrides::Overrides;
+use crate::scene::run::{RunSpace, energy_spec};
+use crate::voronoi::diagram::Diagram;
+
+/// Tetrahedra of at most this share of their longest edge cubed are flat: rounding of the determinant.
+const FLAT: f64 = 4e-15;
 
 /// Take one cell apart into its six fragments, as a picture or as polyhedra
 ///
 /// A fragment holds the points whose Chebyshev distance from the site lies along one axis and
-/// direction. In a .vtu file each is a polyhedron with its volume and its share of the energy.
+/// direction. In a .vtu file each is a polyhedron with its volume, its share of the energy in the scene's
+/// norm, order and density, its axis and sign, and the distance at its points. With --tets the file
+/// holds tetrahedra, over which the distance is linear: `chebloyd mass --density vertex:distance` of
+/// those of all cells is the sum of the energies of order 1 that `measure` prints.
 #[derive(Debug, Args)]
 pub(crate) struct FragmentsOptions {
     #[command(flatten)]
@@ -37,6 +41,13 @@ pub(crate) struct FragmentsOptions {
     /// Whose cell, counting from zero [default: the site nearest the middle of the domain]
     #[arg(long, value_name = "I")]
     site: Option<usize>,
+    /// Write the fragments of every cell (.vtu only)
+    #[arg(long, conflicts_with = "site")]
+    all: bool,
+    /// Write the fragments as tetrahedra, fanned from the site, with the distance at their points (.vtu
+    /// only)
+    #[arg(long)]
+    tets: bool,
     /// The file to write: .png or .vtu
     #[arg(long, short, value_name = "FILE", required = true)]
     output: PathBuf,
@@ -49,6 +60,10 @@ pub(crate) fn run(options: &FragmentsOptions, common: Common) -> Result<(), Fail
         return Err(Failure::input(message));
     }
     let is_picture = format_of(&options.output, ["png", "vtu"])? == "png";
+    if is_picture && (options.all || options.tets) {
+        let message = "--all and --tets write a .vtu file; a picture shows one cell";
+        return Err(Failure::input(message));
+    }
     let space = space(&scene)?;
     let sites = space.place(&scene).map_err(Failure::input)?;
     let site = options.site.unwrap_or_else(|| middle(&space, &sites));
@@ -58,11 +73,15 @@ pub(crate) fn run(options: &FragmentsOptions, common: Common) -> Result<(), Fail
             "there is no site {site} among {count}; the first is 0"
         ))
     })?;
-    let parts = parts(&space, &sites, site)?;
-    if is_picture {
-        draw(&options.output, site, &position, &parts)?;
-    } else {
-        export(&options.output, site, &parts)?;
+    let wanted = Wanted {
+        site: (!options.all).then_some(site),
+        spec: energy_spec(&scene),
+        tets: options.tets,
+    };
+    let cells = parts(&space, &sites, wanted)?;
+    match cells.first() {
+        Some((_, parts)) if is_picture => draw(&options.output, site, &position, parts)?,
+        _ => export(&options.output, &space, &sites, &cells)?,
     }
     if common.quiet {
         return Ok(());
@@ -83,59 +102,178 @@ fn middle(space: &Space, sites: &[Point3<f64>]) -> usize {
 #[derive(Clone, Debug, Default)]
 struct FragmentPart {
     shell: Shell,
-    /// The integral of the Chebyshev distance from the site over it.
+    /// Its volume (L³).
+    volume: f64,
+    /// Its share of the cell's energy at the site, in the scene's norm, order and density.
     energy: f64,
+    /// Tetrahedra that fill it, if they were asked for.
+    tets: Vec<FragmentTets>,
 }
 
-/// The fragments of a site's cell, in the order of the sectors.
-fn parts(space: &Space, sites: &[Point3<f64>], site: usize) -> Result<Vec<FragmentPart>, Failure> {
+/// What of which cells is wanted.
+#[derive(Clone, Copy, Debug)]
+struct Wanted {
+    /// None for all cells.
+    site: Option<usize>,
+    spec: EnergySpec,
+    /// Whether as tetrahedra.
+    tets: bool,
+}
+
+/// The memory of [`part`].
+#[derive(Debug, Default)]
+struct PartScratch {
+    cell: CellMemory,
+    piece: PieceScratch,
+}
+
+/// The fragments of the cells wanted, each in the order of the sectors, in site order.
+fn parts(
+    space: &Space,
+    sites: &[Point3<f64>],
+    wanted: Wanted,
+) -> Result<Vec<(usize, [FragmentPart; 6])>, Failure> {
     let diagram = Diagram::new(space.domain(), sites).map_err(Failure::input)?;
-    let cells = diagram.map(|scratch: &mut PieceScratch, cell| {
-        let wanted = cell.site as usize == site;
-        wanted.then(|| {
-            let frame = frame(space, site);
+    let cells = diagram.map(|scratch: &mut PartScratch, cell| {
+        let site = cell.site as usize;
+        let is_wanted = wanted.site.is_none_or(|wanted| wanted == site);
+        is_wanted.then(|| {
+            let frame = space.frames().of(cell.site).copied().unwrap_or_default();
             let (origin, label) = (Point3::origin(), FacetKind::Inner.label());
             let wedges = fragments_in_frame(cell.polyhedron(), &origin, &frame, label);
-            wedges.map(|wedge| part(space.domain(), &cell.position, &frame, &wedge, scratch))
+            let cell = FragmentedSite {
+                domain: space.domain(),
+                site,
+                position: cell.position,
+                frame,
+            };
+            let mut sectors = Sector::ALL.into_iter();
+            let parts = wedges.map(|wedge| {
+                let sector = sectors.next().unwrap_or(Sector::ALL[0]);
+                cell.part(sector, &wedge, wanted, scratch)
+            });
+            (site, parts)
         })
     });
-    let parts = cells.map_err(Failure::input)?.swap_remove(site);
-    Ok(parts.map(Vec::from).unwrap_or_default())
+    Ok(cells
+        .map_err(Failure::input)?
+        .into_iter()
+        .flatten()
+        .collect())
 }
 
-/// The frame in which a site's cell measures distances.
-fn frame(space: &Space, site: usize) -> Rotation3<f64> {
-    let number = u32::try_from(site).unwrap_or(u32::MAX);
-    space.frames().of(number).copied().unwrap_or_default()
+/// A site whose cell is taken apart.
+#[derive(Debug)]
+struct FragmentedSite<'a> {
+    domain: &'a dyn Domain,
+    site: usize,
+    position: Point3<f64>,
+    /// The frame in which distances are measured.
+    frame: Rotation3<f64>,
 }
 
-/// The part of a wedge within the domain, in coordinates relative to the site.
-fn part(
-    domain: &dyn Domain,
-    site: &Point3<f64>,
-    frame: &Rotation3<f64>,
-    wedge: &Polyhedron,
-    scratch: &mut PieceScratch,
-) -> FragmentPart {
-    let mut part = FragmentPart::default();
-    if wedge.is_empty() {
-        return part;
+impl FragmentedSite<'_> {
+    /// The part of a wedge within the domain.
+    fn part(
+        &self,
+        sector: Sector,
+        wedge: &Polyhedron,
+        wanted: Wanted,
+        scratch: &mut PartScratch,
+    ) -> FragmentPart {
+        let mut part = FragmentPart::default();
+        if wedge.is_empty() {
+            return part;
+        }
+        let (domain, site) = (self.domain, &self.position);
+        if wanted.tets {
+            let fill = |convex: &Polyhedron| part.tets.push(self.tets(sector, convex));
+            domain.convex_parts(site, wedge, &mut scratch.piece, &mut { fill });
+            return part;
+        }
+        domain.outline(site, wedge, &mut scratch.piece, &mut |piece| {
+            part.shell = Shell::from(piece).translated(&site.coords);
+        });
+        let memory = &mut scratch.cell;
+        memory.load_part(domain, site, wedge, Some(&self.frame));
+        part.volume = memory.volume();
+        part.energy = memory.energy_at_site(wanted.spec);
+        part
     }
-    domain.outline(site, wedge, scratch, &mut |piece| {
-        part.shell = Shell::from(piece).translated(&site.coords);
-    });
-    let mut energy_scratch = EnergyScratch::default();
-    domain.pieces(site, wedge, scratch, &mut |sign, piece| {
-        let mut prepared = PreparedPiece::default();
-        prepared.assign(piece);
-        prepared.rotate(&frame.inverse());
-        let piece = SignedPiece {
-            sign,
-            piece: prepared,
+
+    /// A convex part of a fragment as tetrahedra: its vertex nearest to the site, which for a whole
+    /// fragment is the site, with the fan triangles of every facet that does not hold that vertex.
+    fn tets(&self, sector: Sector, convex: &Polyhedron) -> FragmentTets {
+        let distance_squared = |&vertex: &usize| convex.vertex(vertex).coords.norm_squared();
+        let apex = (0..convex.vertex_count())
+            .min_by(|a, b| distance_squared(a).total_cmp(&distance_squared(b)))
+            .unwrap_or_default();
+        let mut part = FragmentTets {
+            site: self.site,
+            sector: of_sector(sector),
+            points: convex
+                .vertices()
+                .map(|v| self.position + v.coords)
+                .collect(),
+            distances: convex
+                .vertices()
+                .map(|v| self.distance(sector, &v.coords))
+                .collect(),
+            tets: Vec::new(),
+            volumes: Vec::new(),
         };
-        part.energy += energy([&piece], &Vector3::zeros(), 1, &mut energy_scratch).value;
-    });
-    part
+        for facet in convex.facets() {
+            let rim: Vec<usize> = facet.vertex_numbers().collect();
+            if rim.contains(&apex) {
+                continue;
+            }
+            for pair in rim[1..].windows(2) {
+                let tet = [apex, rim[0], pair[0], pair[1]];
+                let corners = tet.map(|vertex| part.points[vertex]);
+                let volume = tet_volume(&corners);
+                // Rounding alone: coincident vertices, and facets through the apex.
+                let longest = (1..4)
+                    .map(|k| (corners[k] - corners[0]).norm())
+                    .fold(0.0, f64::max);
+                if volume > FLAT * longest.powi(3) {
+                    part.tets.push(tet.map(|vertex| vertex as u32));
+                    part.volumes.push(volume);
+                }
+            }
+        }
+        part
+    }
+
+    /// The Chebyshev distance of a point of a fragment, given by its displacement from the site.
+    fn distance(&self, sector: Sector, displacement: &Vector3<f64>) -> f64 {
+        let turned = self.frame.inverse() * displacement;
+        (turned[sector.axis()] * sector.sign()).max(0.0)
+    }
+
+    /// A fragment as the file holds it.
+    fn geometry(&self, sector: Sector, part: &FragmentPart) -> FragmentGeometry {
+        let vertices = part.shell.vertices().iter();
+        let distances = vertices.map(|v| self.distance(sector, &(v - self.position)));
+        FragmentGeometry {
+            sector: of_sector(sector),
+            distances: distances.collect(),
+            cell: CellGeometry {
+                site: self.site,
+                energy: part.energy,
+                volume: part.volume,
+                cubeness: 0.0,
+                facet_count: part.shell.facet_count(),
+                shell: part.shell.clone(),
+            },
+        }
+    }
+}
+
+fn of_sector(sector: Sector) -> FragmentSector {
+    FragmentSector {
+        axis: sector.axis() as i64,
+        sign: if sector.sign() > 0.0 { 1 } else { -1 },
+    }
 }
 
 fn draw(
@@ -158,16 +296,31 @@ fn draw(
     write_file(path, |file| file.write_all(&bytes)).map_err(Failure::input)
 }
 
-fn export(path: &Path, site: usize, parts: &[FragmentPart]) -> Result<(), Failure> {
-    let is_there = |part: &&FragmentPart| part.shell.facet_count() > 0;
-    let cells = parts.iter().filter(is_there).map(|part| CellGeometry {
-        site,
-        energy: part.energy,
-        volume: part.shell.volume(),
-        cubeness: 0.0,
-        facet_count: part.shell.facet_count(),
-        shell: part.shell.clone(),
-    });
-    write_cells(path, cells).map_err(Failure::input)?;
+fn export(
+    path: &Path,
+    space: &Space,
+    sites: &[Point3<f64>],
+    cells: &[(usize, [FragmentPart; 6])],
+) -> Result<(), Failure> {
+    let mut file = VtuWriter::new(path);
+    for (site, parts) in cells {
+        let number = u32::try_from(*site).unwrap_or(u32::MAX);
+        let cell = FragmentedSite {
+            domain: space.domain(),
+            site: *site,
+            position: sites[*site],
+            frame: space.frames().of(number).copied().unwrap_or_default(),
+        };
+        for (sector, part) in Sector::ALL.into_iter().zip(parts) {
+            if part.shell.facet_count() > 0 || part.volume > 0.0 {
+                let fragment = cell.geometry(sector, part);
+                file.push_fragment(&fragment).map_err(Failure::input)?;
+            }
+            for tets in &part.tets {
+                file.push_tets(tets).map_err(Failure::input)?;
+            }
+        }
+    }
+    file.finish().map_err(Failure::input)?;
     Ok(())
 }

@@ -108,6 +108,18 @@ pub trait DomainShape: Debug + Send + Sync + 'static {
         visit(Piece::Convex(cell));
     }
 
+    /// Visits convex polyhedra that fill `part` ∩ Ω and do not overlap, in coordinates relative to
+    /// `site`: exact, but more of them than [`signed_pieces`](Self::signed_pieces) has pieces.
+    fn convex_parts(
+        &self,
+        _site: &Point3<f64>,
+        part: &Polyhedron,
+        _scratch: &mut PieceScratch,
+        visit: &mut dyn FnMut(&Polyhedron),
+    ) {
+        visit(part);
+    }
+
     /// The share of `step` after which the way from `site` first leaves Ω otherwise than by
     /// leaving the cell's start; infinity where it does not.
     fn first_exit(&self, _site: &Point3<f64>, _step: &Vector3<f64>) -> f64 {

@@ -16,6 +16,7 @@ use std::fs::File;
 use std::io::{self, BufWriter, Read, Seek, Write};
 use std::path::{Path, PathBuf};
 
+use nalgebra::Point3;
 use tempfile::{SpooledTempFile, spooled_tempfile_in};
 
 use crate::export::atomic_write;
@@ -49,6 +50,38 @@ pub enum VtuError {
         /// What the system says.
         source: io::Error,
     },
+}
+
+/// A fragment of a cell: the points whose Chebyshev distance from the site lies along one axis and
+/// direction.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct FragmentGeometry {
+    /// Its surface, energy and volume; `cubeness` means nothing and is not written.
+    pub(crate) cell: CellGeometry,
+    /// Axis and direction.
+    pub(crate) sector: FragmentSector,
+    /// The Chebyshev distance of every vertex from the site (L).
+    pub(crate) distances: Vec<f64>,
+}
+
+/// The axis, 0 to 2, and the direction, −1 or 1, along which a fragment's distances lie.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct FragmentSector {
+    pub(crate) axis: i64,
+    pub(crate) sign: i64,
+}
+
+/// Tetrahedra of one fragment on points of their own.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct FragmentTets {
+    pub(crate) site: usize,
+    pub(crate) sector: FragmentSector,
+    pub(crate) points: Vec<Point3<f64>>,
+    /// The Chebyshev distance of every point from the site (L).
+    pub(crate) distances: Vec<f64>,
+    pub(crate) tets: Vec<[u32; 4]>,
+    /// The volume of every tetrahedron (L³).
+    pub(crate) volumes: Vec<f64>,
 }
 
 /// Writes all `cells` to `path` and returns how many they were.
@@ -103,6 +136,29 @@ impl VtuWriter {
         pushed.map_err(|source| self.refuse(source))
     }
 
+    /// Adds a fragment. A file holds cells, fragments or tetrahedra, not several of them.
+    ///
+    /// # Errors
+    /// As [`VtuWriter::push`].
+    pub(crate) fn push_fragment(&mut self, fragment: &FragmentGeometry) -> Result<(), VtuError> {
+        self.push(&fragment.cell)?;
+        let pushed = self.arrays.push_sector(fragment.sector);
+        let pushed = pushed.and_then(|()| self.arrays.push_distances(&fragment.distances));
+        pushed.map_err(|source| self.refuse(source))
+    }
+
+    /// Adds tetrahedra.
+    ///
+    /// # Errors
+    /// As [`VtuWriter::push`].
+    pub(crate) fn push_tets(&mut self, part: &FragmentTets) -> Result<(), VtuError> {
+        let first = self.points;
+        self.points += part.points.len() as u64;
+        self.cells += part.tets.len() as u64;
+        let pushed = self.arrays.push_tets(part, first);
+        pushed.map_err(|source| self.refuse(source))
+    }
+
     /// Puts the file together, gives it its name and returns the number of cells.
     ///
     /// # Errors
@@ -126,6 +182,7 @@ impl VtuWriter {
 /// VTK's numbers for kinds of cells (vtkCellType.h).
 const EMPTY_CELL: u8 = 0;
 const POLYGON: u8 = 7;
+const TETRAHEDRON: u8 = 10;
 const POLYHEDRON: u8 = 42;
 
 /// `faceoffsets` of a cell that is no polyhedron.
@@ -134,6 +191,7 @@ const NO_FACES: i64 = -1;
 /// The elements of a piece that hold arrays.
 const POINTS: &str = "Points";
 const CELLS: &str = "Cells";
+const POINT_DATA: &str = "PointData";
 const CELL_DATA: &str = "CellData";
 
 /// The arrays of the file.
@@ -150,6 +208,9 @@ struct Arrays {
     volume: Spool,
     cubeness: Spool,
     facets: Spool,
+    axis: Spool,
+    sign: Spool,
+    distance: Spool,
 }
 
 impl Arrays {
@@ -167,6 +228,9 @@ impl Arrays {
             volume: spool(),
             cubeness: spool(),
             facets: spool(),
+            axis: spool(),
+            sign: spool(),
+            distance: spool(),
         }
     }
 
@@ -192,6 +256,37 @@ impl Arrays {
         self.volume.real(cell.volume)?;
         self.cubeness.real(cell.cubeness)?;
         self.facets.integer(cell.facet_count as i64)
+    }
+
+    fn push_sector(&mut self, sector: FragmentSector) -> io::Result<()> {
+        self.axis.integer(sector.axis)?;
+        self.sign.integer(sector.sign)
+    }
+
+    fn push_distances(&mut self, distances: &[f64]) -> io::Result<()> {
+        let mut distances = distances.iter();
+        distances.try_for_each(|distance| self.distance.real(*distance))
+    }
+
+    /// Adds tetrahedra whose first point has number `first`.
+    fn push_tets(&mut self, part: &FragmentTets, first: u64) -> io::Result<()> {
+        for coordinate in part.points.iter().flat_map(|point| point.iter()) {
+            self.points.real(*coordinate)?;
+        }
+        self.push_distances(&part.distances)?;
+        for (tet, volume) in part.tets.iter().zip(&part.volumes) {
+            for corner in tet {
+                self.connectivity
+                    .integer((first + u64::from(*corner)) as i64)?;
+            }
+            self.offsets
+                .integer((self.connectivity.bytes() / 8) as i64)?;
+            self.types.byte(TETRAHEDRON)?;
+            self.site.integer(part.site as i64)?;
+            self.volume.real(*volume)?;
+            self.push_sector(part.sector)?;
+        }
+        Ok(())
     }
 
     fn push_polygon(&mut self, shell: &Shell, first: u64) -> io::Result<()> {
@@ -232,13 +327,28 @@ impl Arrays {
             all.push((CELLS, "Int64", "faces", &mut self.faces));
             all.push((CELLS, "Int64", "faceoffsets", &mut self.face_offsets));
         }
-        all.extend([
-            (CELL_DATA, "Int64", "site", &mut self.site),
-            (CELL_DATA, "Float64", "energy", &mut self.energy),
-            (CELL_DATA, "Float64", "volume", &mut self.volume),
-            (CELL_DATA, "Float64", "cubeness", &mut self.cubeness),
-            (CELL_DATA, "Int64", "facets", &mut self.facets),
-        ]);
+        if self.distance.bytes() > 0 {
+            all.push((POINT_DATA, "Float64", "distance", &mut self.distance));
+        }
+        // Tetrahedra have neither energies nor facets, fragments no cubeness.
+        let (are_fragments, are_tets) = (
+            self.axis.bytes() > 0,
+            self.axis.bytes() > self.facets.bytes(),
+        );
+        all.push((CELL_DATA, "Int64", "site", &mut self.site));
+        if !are_tets {
+            all.push((CELL_DATA, "Float64", "energy", &mut self.energy));
+        }
+        all.push((CELL_DATA, "Float64", "volume", &mut self.volume));
+        if are_fragments {
+            all.push((CELL_DATA, "Int64", "axis", &mut self.axis));
+            all.push((CELL_DATA, "Int64", "sign", &mut self.sign));
+        } else {
+            all.push((CELL_DATA, "Float64", "cubeness", &mut self.cubeness));
+        }
+        if !are_tets {
+            all.push((CELL_DATA, "Int64", "facets", &mut self.facets));
+        }
         all
     }
 }
@@ -251,6 +361,7 @@ fn assemble(
     arrays: &mut Arrays,
 ) -> io::Result<()> {
     let mut arrays = arrays.in_order();
+    let has_energy = arrays.iter().any(|(.., name, _)| *name == "energy");
     writeln!(file, "<?xml version=\"1.0\"?>")?;
     writeln!(
         file,
@@ -265,10 +376,10 @@ fn assemble(
             if let Some(before) = open {
                 writeln!(file, "</{}>", before)?;
             }
-            let scalars = if *section == CELL_DATA {
-                " Scalars=\"energy\""
-            } else {
-                ""
+            let scalars = match *section {
+                CELL_DATA if has_energy => " Scalars=\"energy\"",
+                POINT_DATA => " Scalars=\"distance\"",
+                _ => "",
             };
             writeln!(file, "<{}{scalars}>", section)?;
             open = Some(*section);

@@ -14,6 +14,7 @@ use nalgebra::{Point2, Point3, Vector3};
 
 use crate::geometry::bounds::Bounds;
 use crate::geometry::brep::Piece;
+use crate::geometry::label::Label;
 
 /// A closed surface of polygons, or one polygon.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -141,13 +142,24 @@ impl Shell {
     }
 }
 
-impl From<Piece<'_>> for Shell {
-    fn from(piece: Piece<'_>) -> Self {
+impl Shell {
+    /// The facets of a piece whose labels are to be kept.
+    pub(crate) fn of_facets(piece: Piece<'_>, is_kept: impl Fn(Label) -> bool) -> Self {
         let (vertices, mut facets) = (piece.vertices(), Vec::new());
-        piece.visit_polygons(|_, _, corners| facets.push(corners.to_vec()));
+        piece.visit_polygons(|label, _, corners| {
+            if is_kept(label) {
+                facets.push(corners.to_vec());
+            }
+        });
         let shell = Self::new(&vertices, facets);
         // A piece's facets name its own vertices only.
         shell.unwrap_or_default()
+    }
+}
+
+impl From<Piece<'_>> for Shell {
+    fn from(piece: Piece<'_>) -> Self {
+        Self::of_facets(piece, |_| true)
     }
 }
 

@@ -13,6 +13,7 @@ use crate::geometry::brep::Piece;
 use crate::geometry::clip::ClipScratch;
 use crate::geometry::half_space::HalfSpace;
 use crate::geometry::moments::Moments;
+use crate::geometry::polyhedron::Polyhedron;
 use crate::geometry::small_polyhedron::SmallPolyhedron;
 use crate::integrals::mesh_moments::of_piece;
 use crate::integrals::polynomial::Polynomial;
@@ -57,6 +58,18 @@ impl CellMemory {
         {
             return self.load_whole(compact);
         }
+        self.load_part(domain, &cell.position, cell.polyhedron(), frame);
+    }
+
+    /// Prepares the pieces of a convex part of the cell of `site`, in coordinates relative to it.
+    pub(crate) fn load_part(
+        &mut self,
+        domain: &dyn Domain,
+        site: &Point3<f64>,
+        part: &Polyhedron,
+        frame: Option<&Rotation3<f64>>,
+    ) {
+        self.frame = frame.copied();
         let Self {
             pieces,
             used,
@@ -88,7 +101,7 @@ impl CellMemory {
             }
             *used += 1;
         };
-        domain.weighted_pieces(&cell.position, cell.polyhedron(), piece, &mut prepare);
+        domain.weighted_pieces(site, part, piece, &mut prepare);
         *measured = Some((volume, mass));
     }
 

@@ -8,6 +8,7 @@ use crate::domain::{
     shape::{PieceScratch, displacement},
 };
 use crate::geometry::bounds::Bounds;
+use crate::geometry::label::Label;
 use crate::geometry::shell::Shell;
 use crate::relax::evaluate_cell::CellMemory;
 use crate::relax::frames::Frames;
@@ -237,11 +238,25 @@ fn along_walls(domain: &dyn Domain, site: &Point3<f64>, step: Vector3<f64>) -> V
     Vector3::zeros()
 }
 
-/// The surface of `cell` within the domain, in the domain's coordinates, for files and pictures.
-pub(crate) fn shell(domain: &dyn Domain, cell: &Cell<'_>, scratch: &mut PieceScratch) -> Shell {
-    let mut shell = Shell::default();
+/// The surface of `cell` within the domain, in the domain's coordinates, for files, and its facets for
+/// whose labels `is_seen` holds, for pictures.
+pub(crate) fn shells(
+    domain: &dyn Domain,
+    cell: &Cell<'_>,
+    scratch: &mut PieceScratch,
+    is_seen: impl Fn(Label) -> bool,
+) -> [Shell; 2] {
+    let mut shells = [Shell::default(), Shell::default()];
     domain.outline(&cell.position, cell.polyhedron(), scratch, &mut |piece| {
-        shell = Shell::from(piece).translated(&cell.position.coords);
+        let all = [Shell::from(piece), Shell::of_facets(piece, &is_seen)];
+        shells = all.map(|shell| shell.translated(&cell.position.coords));
     });
+    shells
+}
+
+/// The surface of `cell` within the domain.
+#[cfg(test)]
+pub(crate) fn shell(domain: &dyn Domain, cell: &Cell<'_>, scratch: &mut PieceScratch) -> Shell {
+    let [shell, _] = shells(domain, cell, scratch, |_| true);
     shell
 }

@@ -9,6 +9,7 @@
 //! pictures. [`crate::mesh::winding`] computes exactly whether a point is inside, and where a ray leaves.
 
 pub(crate) mod clip_cell;
+pub(crate) mod convex_parts;
 pub(crate) mod distance;
 pub(crate) mod edges;
 pub(crate) mod indexed;

@@ -6,6 +6,7 @@ use crate::domain::error::DomainError;
 use crate::domain::facet_kind::FacetKind;
 use crate::domain::shape::{DomainShape, PieceScratch};
 use crate::domain::tri_surface::clip_cell::ClipStatus;
+use crate::domain::tri_surface::convex_parts::convex_parts;
 use crate::domain::tri_surface::indexed::IndexedSurface;
 use crate::domain::tri_surface::outline::outline;
 use crate::domain::tri_surface::signed_prisms::signed_prisms;
@@ -152,6 +153,16 @@ impl DomainShape for SurfaceSolid {
         visit: &mut dyn FnMut(Piece<'_>),
     ) {
         outline(&self.surface, site, cell, scratch, visit);
+    }
+
+    fn convex_parts(
+        &self,
+        site: &Point3<f64>,
+        part: &Polyhedron,
+        scratch: &mut PieceScratch,
+        visit: &mut dyn FnMut(&Polyhedron),
+    ) {
+        convex_parts(&self.surface, site, part, &mut scratch.clip, visit);
     }
 
     fn first_exit(&self, site: &Point3<f64>, step: &Vector3<f64>) -> f64 {
