@@ -2,6 +2,7 @@
 
 mod faults;
 mod formats;
+mod overlaps;
 mod samples;
 mod validation;
 
