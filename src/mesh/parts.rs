@@ -1,4 +1,4 @@
-//! What several solids that are parts of one body have in common.
+//! Volumes that several solids, parts of one body, have in common.
 
 use nalgebra::Point3;
 
