@@ -10,6 +10,8 @@ use crate::mass::body::Body;
 use crate::mass::density::SolidDensity;
 use crate::mass::weigh::{bounds, weigh};
 use crate::mesh::formats::read::load;
+use crate::mesh::parts::{SharedVolume, shared_volume};
+use crate::mesh::report::brief;
 use crate::mesh::validate::Solid;
 
 use crate::cli::failure::{Failure, print};
@@ -76,6 +78,7 @@ struct MassPart {
 }
 
 pub(crate) fn run(options: &MassOptions) -> Result<(), Failure> {
+<<<<<<< HEAD
     if let Some(file) = options.files.iter().find(|file| is_gcode(file)) {
         return run_gcode(file, options);
     }
@@ -85,16 +88,21 @@ pub(crate) fn run(options: &MassOptions) -> Result<(), Failure> {
     let densities = one_for_each("density", &options.density, options.files.len())?;
     if !options.mass.is_empty() && options.mass.len() != options.files.len() {
         return Err(miscounted("mass", options.mass.len(), options.files.len()));
+=======
+    let (files, mut notes) = parts(&options.files)?;
+    let densities = one_for_each("density", &options.density, files.len())?;
+    if !options.mass.is_empty() && options.mass.len() != files.len() {
+        return Err(miscounted("mass", options.mass.len(), files.len()));
+>>>>>>> ha
     }
-    let solids = options
-        .files
+    let solids = files
         .iter()
         .map(|file| load(file).map_err(Failure::input))
         .collect::<Result<Vec<_>, _>>()?;
     let extent = extent(&solids);
     let mut bodies = Vec::new();
     for (place, (solid, density)) in solids.iter().zip(&densities).enumerate() {
-        let file = options.files[place].display();
+        let file = files[place].display();
         let body = weigh(solid, density, &extent)
             .map_err(|error| Failure::input(format!("{file}: {error}")))?;
         bodies.push(
@@ -105,7 +113,8 @@ pub(crate) fn run(options: &MassOptions) -> Result<(), Failure> {
         );
     }
     let body = Body::combined(&bodies).ok_or_else(|| Failure::run("the parts have no mass"))?;
-    let report = report(options, &solids, &bodies, &body);
+    notes.extend(all_notes(&files, &solids));
+    let report = report(options, &files, notes, &bodies, &body);
     if options.json {
         let text = serde_json::to_string_pretty(&report).map_err(Failure::run)?;
         return print(text + "\n");
@@ -113,6 +122,7 @@ pub(crate) fn run(options: &MassOptions) -> Result<(), Failure> {
     print(report.table())
 }
 
+<<<<<<< HEAD
 /// One G-code file, which cannot stand beside others.
 fn run_gcode(file: &Path, options: &MassOptions) -> Result<(), Failure> {
     let name = file.display();
@@ -134,6 +144,70 @@ fn run_gcode(file: &Path, options: &MassOptions) -> Result<(), Failure> {
         json: options.json,
     };
     mass_gcode::run(file, &options.gcode, asked)
+=======
+/// The files that are parts, each once. TetGen's two files are one mesh, read by either name; a file
+/// that is named twice is refused, since its volume would count twice.
+fn parts(files: &[PathBuf]) -> Result<(Vec<PathBuf>, Vec<String>), Failure> {
+    let (mut parts, mut notes): (Vec<PathBuf>, _) = (Vec::new(), Vec::new());
+    for file in files {
+        let Some(earlier) = parts.iter().find(|part| mesh_of(part) == mesh_of(file)) else {
+            parts.push(file.clone());
+            continue;
+        };
+        let (one, other) = (earlier.display(), file.display());
+        if earlier.extension() == file.extension() {
+            return Err(Failure::input(format!(
+                "{other} is the same file as {one} and would count twice; name every part once"
+            )));
+        }
+        notes.push(format!("{one} and {other} are one mesh and count once"));
+    }
+    Ok((parts, notes))
+}
+
+/// The file that tells meshes apart: of TetGen's pair the elements.
+fn mesh_of(file: &Path) -> PathBuf {
+    let is_nodes = file
+        .extension()
+        .is_some_and(|e| e.eq_ignore_ascii_case("node"));
+    let file = if is_nodes {
+        &file.with_extension("ele")
+    } else {
+        file
+    };
+    file.canonicalize().unwrap_or_else(|_| file.to_path_buf())
+}
+
+/// What was found in each part, and what they have in common.
+fn all_notes(files: &[PathBuf], solids: &[Solid]) -> Vec<String> {
+    let of_parts = files.iter().zip(solids).flat_map(|(file, solid)| {
+        let notes = solid.notes().into_iter();
+        notes.map(|note| format!("{}: {note}", file.display()))
+    });
+    let mut notes: Vec<String> = of_parts.collect();
+    if let Some(SharedVolume {
+        volume,
+        place,
+        parts,
+    }) = shared_volume(solids)
+    {
+        let names: Vec<_> = parts
+            .iter()
+            .map(|&part| files[part].display().to_string())
+            .collect();
+        let [x, y, z] = place.coords.into();
+        notes.push(format!(
+            "{} overlap: a volume of {} around ({}, {}, {}) counts more than once; cut one of \
+             them with a Boolean difference",
+            names.join(" and "),
+            brief(volume),
+            brief(x),
+            brief(y),
+            brief(z)
+        ));
+    }
+    notes
+>>>>>>> ha
 }
 
 /// One density per part, from one for all or one each.
@@ -173,19 +247,22 @@ fn extent(solids: &[Solid]) -> Bounds<3> {
     extent
 }
 
+<<<<<<< HEAD
 fn report(options: &MassOptions, solids: &[Solid], bodies: &[Body], body: &Body) -> Report {
+=======
+fn report(
+    options: &MassOptions,
+    files: &[PathBuf],
+    notes: Vec<String>,
+    bodies: &[Body],
+    body: &Body,
+) -> Report {
+    let principal = body.principal();
+>>>>>>> ha
     let named = |file: &Path| file.display().to_string();
-    let parts = options
-        .files
-        .iter()
-        .zip(bodies)
-        .map(|(file, body)| MassPart {
-            file: named(file),
-            totals: body.into(),
-        });
-    let notes = options.files.iter().zip(solids).flat_map(|(file, solid)| {
-        let notes = solid.notes().into_iter();
-        notes.map(|note| format!("{}: {note}", named(file)))
+    let parts = files.iter().zip(bodies).map(|(file, body)| MassPart {
+        file: named(file),
+        totals: body.into(),
     });
     Report {
         units: options.units.clone(),
@@ -195,7 +272,7 @@ fn report(options: &MassOptions, solids: &[Solid], bodies: &[Body], body: &Body)
         } else {
             Vec::new()
         },
-        notes: notes.collect(),
+        notes,
     }
 }
 

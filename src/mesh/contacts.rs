@@ -1,4 +1,4 @@
-//! Where the triangles of a surface meet other than at their common corners and edges.
+//! Contacts: the triangles of a surface that meet other than at their common corners and edges.
 //!
 //! Two triangles meet along the part of the line common to their planes that lies in both (Möller,
 //! *A fast triangle-triangle intersection test*, 1997), or in an area of a common plane. What is

@@ -15,6 +15,8 @@ pub mod formats;
 pub(crate) mod nesting;
 pub(crate) mod orient;
 pub(crate) mod overlap;
+#[cfg(feature = "cli")]
+pub(crate) mod parts;
 pub mod polygon;
 pub(crate) mod repair;
 pub mod report;

@@ -1,4 +1,4 @@
-//! What a closed surface encloses more than once, or less than nothing.
+//! Volumes that a closed surface encloses more than once, or less than nothing.
 //!
 //! A closed surface bounds a solid if its winding number w is 0 or 1 everywhere. Of any other, the
 //! signed volume is ∫ w, and that of the union of its parts falls short of it by

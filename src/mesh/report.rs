@@ -120,7 +120,7 @@ impl fmt::Display for Overlap {
 }
 
 /// A number with six digits.
-fn brief(number: f64) -> String {
+pub(crate) fn brief(number: f64) -> String {
     let rounded = format!("{number:.5e}").parse::<f64>().unwrap_or(number);
     if rounded != 0.0 && !(1e-4..1e7).contains(&rounded.abs()) {
         format!("{rounded:e}")

@@ -94,6 +94,14 @@ impl Solid {
         }
     }
 
+    /// What is enclosed or filled more than once.
+    pub(crate) fn repeated(&self) -> Option<&Overlap> {
+        match self {
+            Self::Surface(_, report) => report.repeated.as_ref(),
+            Self::Tets(_, report) => report.repeated.as_ref(),
+        }
+    }
+
     /// The solid's volume (L³).
     #[must_use]
     pub fn volume(&self) -> f64 {

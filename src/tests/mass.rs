@@ -19,6 +19,8 @@ use crate::mesh::tets::{TetMesh, VertexData};
 use crate::mesh::validate::{Solid, validate_surface, validate_tets};
 use crate::tests::models::shared_model;
 use nalgebra::{Matrix3, Point3, Rotation3, Vector3};
+use num_rational::BigRational;
+use num_traits::{ToPrimitive, Zero};
 use proptest::prelude::*;
 
 fn close(got: f64, expected: f64, relative: f64, what: &str) {
@@ -623,4 +625,59 @@ fn the_generated_shapes_are_sound() {
         validate_surface(&mesh).unwrap();
     }
     validate_tets(&tets_with_density()).unwrap();
+}
+
+/// ∫ {1, x, y, z, x², y², z², xy, yz, zx} over a closed surface by fractions: cones from the origin.
+fn ten_by_fractions(mesh: &SurfaceMesh, origin: &Point3<f64>) -> [f64; 10] {
+    let fraction = |x: f64| BigRational::from_float(x).unwrap();
+    let mut sums = vec![BigRational::zero(); 10];
+    for corners in mesh.all_corners() {
+        let [a, b, c] = corners.map(|p| [0, 1, 2].map(|k| fraction(p[k]) - fraction(origin[k])));
+        let minor = |i: usize, j: usize| &b[i] * &c[j] - &b[j] * &c[i];
+        let six = &a[0] * minor(1, 2) + &a[1] * minor(2, 0) + &a[2] * minor(0, 1);
+        let sum = [0, 1, 2].map(|k| &a[k] + &b[k] + &c[k]);
+        sums[0] += &six;
+        for k in 0..3 {
+            let second =
+                |l: usize| &a[k] * &a[l] + &b[k] * &b[l] + &c[k] * &c[l] + &sum[k] * &sum[l];
+            sums[1 + k] += &six * &sum[k];
+            sums[4 + k] += &six * second(k);
+            sums[7 + k] += &six * second((k + 1) % 3);
+        }
+    }
+    let number = |k: usize| sums[k].to_f64().unwrap();
+    let factor = |k: usize| [6.0, 24.0, 24.0, 24.0].get(k).copied().unwrap_or(120.0);
+    [0, 1, 2, 3, 4, 5, 6, 7, 8, 9].map(|k| number(k) / factor(k))
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(40))]
+
+    /// Rods of any direction, down to a width of 10⁻⁹ of their length: every moment is that of
+    /// fractions on the same numbers, to a few roundings over the width.
+    #[test]
+    fn thin_rods_keep_their_moments(turn in proptest::array::uniform3(-3.0..3.0_f64), width in -9..0_i32, bent in any::<bool>()) {
+        let width = 10_f64.powi(width);
+        let map = Rotation3::new(Vector3::from(turn));
+        let mut mesh = block([0.0; 3], [1.0, width, 0.7 * width]);
+        if bent {
+            // A frame of three rods: the cones of the solid have both signs.
+            mesh = torus(1.0, width, 12, 5);
+        }
+        let mesh = moved(&mesh, |p| map * p);
+        let near = mesh.bounds().center();
+        let exact = ten_by_fractions(&mesh, &near);
+        let got = mesh_moments::constant(&mesh.vertices, &mesh.triangles, &near).ten();
+        let volume = mesh_moments::volume(&mesh.vertices, &mesh.triangles, &near);
+        let tolerance = 1e-14 * exact[0] + 4e-16 / width * exact[0];
+        prop_assert!((volume - exact[0]).abs() <= tolerance, "{} {}", volume, exact[0]);
+        prop_assert!((mesh.volume() - exact[0]).abs() <= tolerance, "{} {}", mesh.volume(), exact[0]);
+        for (got, exact) in got.iter().zip(&exact) {
+            prop_assert!((got - exact).abs() <= tolerance, "{} {}", got, exact);
+        }
+        let linear = mesh_moments::polynomial(&mesh.vertices, &mesh.triangles, &"1".parse().unwrap(), &near);
+        for (got, exact) in linear.ten().iter().zip(&exact) {
+            prop_assert!((got - exact).abs() <= tolerance, "{} {}", got, exact);
+        }
+    }
 }

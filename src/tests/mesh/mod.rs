@@ -3,6 +3,7 @@
 mod dialects;
 mod faults;
 mod formats;
+mod overlaps;
 mod samples;
 mod validation;
 
