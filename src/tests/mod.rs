@@ -19,7 +19,7 @@ mod objective;
 mod plane;
 mod plot;
 mod properties;
-mod quadrature;
+pub(crate) mod quadrature;
 mod relax;
 mod sites;
 mod solids;
