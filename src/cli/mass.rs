@@ -6,9 +6,13 @@ use clap::Args;
 use nalgebra::{Matrix3, Point3, Vector3};
 use serde::Serialize;
 
+use crate::domain::density_sign::refused_place;
+use crate::domain::tet_mesh::TetSolid;
+use crate::domain::tri_surface::solid::SurfaceSolid;
 use crate::geometry::bounds::Bounds;
 use crate::mass::body::Body;
 use crate::mass::density::SolidDensity;
+use crate::mass::sign::negative_place;
 use crate::mass::weigh::{bounds, weigh};
 use crate::mesh::formats::read::load;
 use crate::mesh::validate::Solid;
@@ -126,7 +130,14 @@ pub(crate) fn run(options: &MassOptions) -> Result<(), Failure> {
         );
     }
     let body = Body::combined(&bodies).ok_or_else(|| Failure::run("the parts have no mass"))?;
-    let report = report(options, &solids, &bodies, &body);
+    let mut report = report(options, &solids, &bodies, &body);
+    for (place, (solid, density)) in solids.iter().zip(&densities).enumerate() {
+        let file = options.files[place].display();
+        let note = negative_note(solid, density, &extent);
+        report
+            .notes
+            .extend(note.map(|note| format!("{file}: {note}")));
+    }
     if options.json {
         let text = serde_json::to_string_pretty(&report).map_err(Failure::run)?;
         return print(text + "\n");
@@ -203,6 +214,24 @@ fn report(options: &MassOptions, solids: &[Solid], bodies: &[Body], body: &Body)
         },
         notes: notes.collect(),
     }
+}
+
+/// Where the density is negative in a part, if it is.
+fn negative_note(solid: &Solid, density: &SolidDensity, extent: &Bounds<3>) -> Option<String> {
+    let (place, value) = match density {
+        SolidDensity::Polynomial(polynomial) => {
+            let shape = match solid {
+                Solid::Surface(closed, _) => SurfaceSolid::new(closed).ok()?,
+                Solid::Tets(sound, _) => TetSolid::new(sound).ok()?.into_boundary(),
+            };
+            refused_place(&shape, polynomial).filter(|(_, value)| *value < 0.0)
+        }
+        _ => negative_place(solid, density, extent),
+    }?;
+    let [x, y, z] = <[f64; 3]>::from(place);
+    Some(format!(
+        "the density is {value} at ({x}, {y}, {z}) in the body; what is negative counts as negative mass"
+    ))
 }
 
 fn rows(matrix: &Matrix3<f64>) -> [[f64; 3]; 3] {

@@ -24,8 +24,9 @@ use crate::integrals::series::Monomials;
 /// The relative error that ends the halving.
 const TOLERANCE: f64 = 1e-6;
 
-/// How many boxes are halved at most beside those that are given.
-const BUDGET: usize = 64;
+/// How many boxes are halved at most beside those that are given, in convex shapes and in others,
+/// where a box takes longer.
+const BUDGETS: [usize; 2] = [2000, 200];
 
 /// The most terms of a tetrahedron's series.
 const MOST_TERMS: u32 = 400;
@@ -87,7 +88,8 @@ pub(crate) fn over_regions(
     let parts = boxes.map(|region| part(region, region.bounds.intersection(&all)));
     let mut parts: BinaryHeap<Part<'_>> = parts.collect();
     let mut sum = total(&parts);
-    for _ in 0..BUDGET + regions.len() {
+    let budget = BUDGETS[usize::from(!shape.is_convex())];
+    for _ in 0..budget + regions.len() {
         if sum.error <= TOLERANCE * sum.value {
             break;
         }
@@ -146,7 +148,7 @@ fn interpolated<'a>(
     each(|powers| {
         let value = coefficients[powers[0]][powers[1]][powers[2]];
         for axis in 0..3 {
-            if powers[axis] == NODES - 1 {
+            if powers[axis] + 2 >= NODES {
                 last[axis] += value.abs();
             }
         }
@@ -157,7 +159,7 @@ fn interpolated<'a>(
     });
     let polynomial = Polynomial::from_terms(terms);
     let value = whole.mass_of_terms(&bounds, &center, &polynomial, monomials);
-    // The last coefficient stands for all that follow.
+    // The last two coefficients, of which one may vanish by symmetry, stand for all that follow.
     let share = last.sum() / greatest.max(f64::MIN_POSITIVE);
     Part {
         region,
