@@ -21,8 +21,8 @@ use crate::plot::patches::{Patch, picture};
 use crate::plot::png::png;
 use crate::plot::svg::svg;
 use crate::relax::metrics::CellMetrics;
+use crate::relax::optimum::{optimal_energy, optimal_side};
 use crate::relax::planar::Plane;
-use crate::relax::record::{optimal_energy, optimal_side};
 use crate::relax::relaxation_space::RelaxationSpace;
 use crate::relax::space::Space;
 use crate::relax::space::shells;
@@ -130,8 +130,8 @@ fn cut_height(bounds: &Bounds<3>, volume: f64, count: usize) -> f64 {
     bounds.center().z + OFF_MIDDLE * side
 }
 
-/// Cells colored by energy, relative to a cube of the cell's own volume: that shows shapes, where
-/// a common measure would show how volumes differ.
+/// Cells colored by energy, relative to a cube of the cell's own volume and mean density: that shows
+/// shapes, where a common measure would show how volumes and densities differ.
 struct Colors(ColorScale);
 
 impl Colors {
@@ -151,7 +151,8 @@ impl Colors {
     }
 
     fn value<const D: usize>(cell: &CellMetrics<D>) -> f64 {
-        100.0 * cell.chebyshev / optimal_energy::<D>(cell.volume, 1, 1)
+        let cube = cell.relative_density * optimal_energy::<D>(cell.volume, 1, 1);
+        100.0 * cell.chebyshev / cube
     }
 }
 

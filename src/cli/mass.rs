@@ -10,12 +10,11 @@ use crate::mass::body::Body;
 use crate::mass::density::SolidDensity;
 use crate::mass::weigh::{bounds, weigh};
 use crate::mesh::formats::read::load;
-use crate::mesh::parts::{SharedVolume, shared_volume};
-use crate::mesh::report::brief;
 use crate::mesh::validate::Solid;
 
 use crate::cli::failure::{Failure, print};
 use crate::cli::mass_gcode::{self, Asked, GcodeOptions, is_gcode};
+use crate::cli::mass_notes::{negative_notes, notes_of_parts};
 use crate::cli::mass_report::{AxisMoment, MassProperties, MassTotals, axis, figure, positive};
 
 /// The density of parts that are given none.
@@ -78,22 +77,16 @@ struct MassPart {
 }
 
 pub(crate) fn run(options: &MassOptions) -> Result<(), Failure> {
-<<<<<<< HEAD
     if let Some(file) = options.files.iter().find(|file| is_gcode(file)) {
         return run_gcode(file, options);
     }
     if let Some(option) = options.gcode.first_given() {
         return Err(Failure::input(format!("{option} is for G-code files")));
     }
-    let densities = one_for_each("density", &options.density, options.files.len())?;
-    if !options.mass.is_empty() && options.mass.len() != options.files.len() {
-        return Err(miscounted("mass", options.mass.len(), options.files.len()));
-=======
     let (files, mut notes) = parts(&options.files)?;
     let densities = one_for_each("density", &options.density, files.len())?;
     if !options.mass.is_empty() && options.mass.len() != files.len() {
         return Err(miscounted("mass", options.mass.len(), files.len()));
->>>>>>> ha
     }
     let solids = files
         .iter()
@@ -113,7 +106,8 @@ pub(crate) fn run(options: &MassOptions) -> Result<(), Failure> {
         );
     }
     let body = Body::combined(&bodies).ok_or_else(|| Failure::run("the parts have no mass"))?;
-    notes.extend(all_notes(&files, &solids));
+    notes.extend(notes_of_parts(&files, &solids));
+    notes.extend(negative_notes(&files, &solids, &densities, &extent));
     let report = report(options, &files, notes, &bodies, &body);
     if options.json {
         let text = serde_json::to_string_pretty(&report).map_err(Failure::run)?;
@@ -122,7 +116,6 @@ pub(crate) fn run(options: &MassOptions) -> Result<(), Failure> {
     print(report.table())
 }
 
-<<<<<<< HEAD
 /// One G-code file, which cannot stand beside others.
 fn run_gcode(file: &Path, options: &MassOptions) -> Result<(), Failure> {
     let name = file.display();
@@ -144,7 +137,8 @@ fn run_gcode(file: &Path, options: &MassOptions) -> Result<(), Failure> {
         json: options.json,
     };
     mass_gcode::run(file, &options.gcode, asked)
-=======
+}
+
 /// The files that are parts, each once. TetGen's two files are one mesh, read by either name; a file
 /// that is named twice is refused, since its volume would count twice.
 fn parts(files: &[PathBuf]) -> Result<(Vec<PathBuf>, Vec<String>), Failure> {
@@ -176,38 +170,6 @@ fn mesh_of(file: &Path) -> PathBuf {
         file
     };
     file.canonicalize().unwrap_or_else(|_| file.to_path_buf())
-}
-
-/// What was found in each part, and what they have in common.
-fn all_notes(files: &[PathBuf], solids: &[Solid]) -> Vec<String> {
-    let of_parts = files.iter().zip(solids).flat_map(|(file, solid)| {
-        let notes = solid.notes().into_iter();
-        notes.map(|note| format!("{}: {note}", file.display()))
-    });
-    let mut notes: Vec<String> = of_parts.collect();
-    if let Some(SharedVolume {
-        volume,
-        place,
-        parts,
-    }) = shared_volume(solids)
-    {
-        let names: Vec<_> = parts
-            .iter()
-            .map(|&part| files[part].display().to_string())
-            .collect();
-        let [x, y, z] = place.coords.into();
-        notes.push(format!(
-            "{} overlap: a volume of {} around ({}, {}, {}) counts more than once; cut one of \
-             them with a Boolean difference",
-            names.join(" and "),
-            brief(volume),
-            brief(x),
-            brief(y),
-            brief(z)
-        ));
-    }
-    notes
->>>>>>> ha
 }
 
 /// One density per part, from one for all or one each.
@@ -247,9 +209,6 @@ fn extent(solids: &[Solid]) -> Bounds<3> {
     extent
 }
 
-<<<<<<< HEAD
-fn report(options: &MassOptions, solids: &[Solid], bodies: &[Body], body: &Body) -> Report {
-=======
 fn report(
     options: &MassOptions,
     files: &[PathBuf],
@@ -257,8 +216,6 @@ fn report(
     bodies: &[Body],
     body: &Body,
 ) -> Report {
-    let principal = body.principal();
->>>>>>> ha
     let named = |file: &Path| file.display().to_string();
     let parts = files.iter().zip(bodies).map(|(file, body)| MassPart {
         file: named(file),

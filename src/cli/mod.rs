@@ -10,6 +10,7 @@ pub(crate) mod failure;
 pub(crate) mod fragments;
 pub(crate) mod mass;
 pub(crate) mod mass_gcode;
+pub(crate) mod mass_notes;
 pub(crate) mod mass_report;
 pub(crate) mod measure;
 pub(crate) mod options;

@@ -21,7 +21,7 @@ use crate::plot::convergence::{Run, convergence};
 use crate::plot::svg::svg;
 use crate::relax::driver::RunEnd;
 use crate::relax::metrics::{CellMetrics, Metrics};
-use crate::relax::record::{Record, optimal_energy};
+use crate::relax::record::Record;
 use crate::relax::relaxation::Checkpoint;
 use crate::relax::state::RunState;
 use crate::scene::description::Scene;
@@ -52,14 +52,19 @@ impl<'a, const D: usize, S: DrawCells<D>> FiledRun<'a, D, S> {
     /// A new run in the directory `out`.
     pub(crate) fn start(space: &'a S, scene: Scene, out: &Path) -> Result<Self, Failure> {
         let sites = space.place(&scene).map_err(Failure::input)?;
-        let volume = space.volume();
+        let (volume, optimum) = (space.volume(), space.optimum());
+        space
+            .check_scale(sites.len(), energy_spec(&scene))
+            .map_err(Failure::input)?;
         let description = RunDescription {
             program: env!("CARGO_PKG_NAME").to_owned(),
             version: env!("CARGO_PKG_VERSION").to_owned(),
             scene,
             sites: sites.len(),
             domain_volume: volume,
-            optimal_energy: optimal_energy::<D>(volume, sites.len(), 1),
+            optimal_energy: optimum.energy::<D>(sites.len()),
+            optimal_energy_error: optimum.energy_error::<D>(sites.len()),
+            energy_reference: optimum.kind,
             initial: None,
             last: None,
             ended: None,
@@ -118,7 +123,7 @@ impl<'a, const D: usize, S: DrawCells<D>> FiledRun<'a, D, S> {
     pub(crate) fn run(mut self, common: Common) -> Result<(), Failure> {
         install_interrupt_handler()?;
         if self.description.initial.is_none() {
-            self.description.initial = Some(self.metrics(&self.cells()?));
+            self.description.initial = Some(self.metrics(&self.cells()?)?);
             self.directory
                 .describe(&self.description)
                 .map_err(Failure::run)?;
@@ -127,7 +132,7 @@ impl<'a, const D: usize, S: DrawCells<D>> FiledRun<'a, D, S> {
         let cells = self.cells()?;
         self.leave_files(&cells)?;
         let last = self.checkpoint.record.as_ref();
-        self.description.last = Some(self.metrics(&cells));
+        self.description.last = Some(self.metrics(&cells)?);
         self.description.ended = Some(ended.to_owned());
         self.description.seconds = last.map_or(0.0, |record| record.seconds);
         self.directory
@@ -214,8 +219,11 @@ impl<'a, const D: usize, S: DrawCells<D>> FiledRun<'a, D, S> {
         cells.map_err(Failure::run)
     }
 
-    fn metrics(&self, cells: &[CellMetrics<D>]) -> Metrics {
-        Metrics::of(self.space.volume(), cells)
+    fn metrics(&self, cells: &[CellMetrics<D>]) -> Result<Metrics, Failure> {
+        let last = self.checkpoint.record.as_ref();
+        Metrics::of(self.space.volume(), &self.space.optimum(), cells)
+            .checked(last.map_or(0, |record| record.iteration))
+            .map_err(Failure::run)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use nalgebra::{Point3, Vector3};
 
-use crate::domain::error::DomainError;
+use crate::domain::error::{DomainError, check_digits};
 use crate::domain::facet_kind::FacetKind;
 use crate::domain::shape::DomainShape;
 use crate::geometry::bounds::Bounds;
@@ -10,13 +10,14 @@ use crate::geometry::clip::{Clip, ClipScratch, clip};
 use crate::geometry::half_space::HalfSpace;
 use crate::geometry::polyhedron::Polyhedron;
 
-/// The half side of the cube that half-spaces are first cut from, relative to the farthest plane's
-/// distance from the origin: half-spaces whose intersection reaches farther count as unbounded. Two planes that meet
+/// Half sides of the cubes that half-spaces are cut from one after the other, relative to the farthest
+/// plane's distance from the origin, until one holds the whole solid: each loses the digits of its size.
+/// Half-spaces whose intersection reaches farther than the last count as unbounded. Two planes that meet
 /// at an angle of 1e-6 still bound.
-const REACH: f64 = 1e6;
+const REACHES: [f64; 3] = [2.0, 1e3, 1e6];
 
-/// How often the solid is cut again from a box about its own bounds: the first result is exact to
-/// `REACH` roundings, the second to a few.
+/// How often the solid is cut again, from a box about its own bounds and in coordinates about its own
+/// middle: the first result is exact to the reach's roundings, the second to a few.
 const REFITS: usize = 2;
 
 /// How far a point may lie beyond a wall, relative to the size of the numbers, and still count as
@@ -38,7 +39,9 @@ const ON_WALL: f64 = 8.0 * f64::EPSILON;
 #[derive(Clone, Debug)]
 pub struct ConvexPolyhedron {
     half_spaces: Vec<HalfSpace>,
+    /// Relative to `middle`.
     solid: Polyhedron,
+    middle: Point3<f64>,
     bounds: Bounds<3>,
     volume: f64,
 }
@@ -51,15 +54,17 @@ impl ConvexPolyhedron {
     /// interior.
     pub fn new(half_spaces: &[HalfSpace]) -> Result<Self, DomainError> {
         let walls = normalized(half_spaces)?;
-        let solid = refitted_intersection(&walls)?;
+        let (solid, middle) = refitted_intersection(&walls)?;
         let volume = solid.moments().mass;
-        let bounds = solid.bounds();
-        if volume.is_nan() || volume <= bounds.volume() * f64::EPSILON {
+        if !volume.is_normal() || volume <= solid.bounds().volume() * f64::EPSILON {
             return Err(DomainError::NoVolume { volume });
         }
+        let bounds = solid.bounds().translated(&middle.coords);
+        check_digits(&bounds)?;
         Ok(Self {
             half_spaces: walls,
             solid,
+            middle,
             bounds,
             volume,
         })
@@ -67,26 +72,50 @@ impl ConvexPolyhedron {
 
     /// The domain itself as a polyhedron.
     #[must_use]
-    pub fn solid(&self) -> &Polyhedron {
-        &self.solid
+    pub fn solid(&self) -> Polyhedron {
+        let mut solid = Polyhedron::default();
+        solid.assign_translated(&self.solid, &self.middle.coords);
+        solid
     }
 }
 
-/// The walls' intersection, cut from a box about itself: vertices carry the rounding of the box that
-/// they were cut from.
-fn refitted_intersection(walls: &[HalfSpace]) -> Result<Polyhedron, DomainError> {
-    let offsets = walls.iter().map(|wall| wall.offset.abs());
-    let corner = Point3::from([offsets.fold(1.0, f64::max) * REACH; 3]);
-    let around = Bounds {
-        min: -corner,
-        max: corner,
-    };
-    let mut solid = intersection(walls, &around)?;
+/// The walls' intersection relative to a point near its middle, and that point.
+fn refitted_intersection(walls: &[HalfSpace]) -> Result<(Polyhedron, Point3<f64>), DomainError> {
+    let mut solid = rough_intersection(walls)?;
+    let mut middle = Point3::origin();
     for _ in 0..REFITS {
         let fit = solid.bounds();
-        solid = intersection(walls, &fit.grown(&(0.5 * fit.extent())))?;
+        middle += fit.center().coords;
+        let about = |wall: &HalfSpace| HalfSpace {
+            normal: wall.normal,
+            offset: wall.offset - wall.normal.dot(&middle.coords),
+        };
+        let walls: Vec<_> = walls.iter().map(about).collect();
+        let reach = Point3::from(fit.extent());
+        let around = Bounds {
+            min: -reach,
+            max: reach,
+        };
+        solid = intersection(&walls, &around)?;
     }
-    Ok(solid)
+    Ok((solid, middle))
+}
+
+/// The walls' intersection, cut from the smallest cube that holds it.
+fn rough_intersection(walls: &[HalfSpace]) -> Result<Polyhedron, DomainError> {
+    let offsets = walls.iter().map(|wall| wall.offset.abs());
+    let farthest = offsets.fold(0.0, f64::max);
+    let farthest = if farthest > 0.0 { farthest } else { 1.0 };
+    let [near, far, farther] = REACHES.map(|reach| {
+        let corner = Point3::from([farthest * reach; 3]);
+        Bounds {
+            min: -corner,
+            max: corner,
+        }
+    });
+    intersection(walls, &near)
+        .or_else(|_| intersection(walls, &far))
+        .or_else(|_| intersection(walls, &farther))
 }
 
 /// The walls' intersection within a box, no side of which may be left in it.
@@ -154,7 +183,52 @@ impl DomainShape for ConvexPolyhedron {
     }
 
     fn start(&self, site: &Point3<f64>, _index: u32, cell: &mut Polyhedron) {
-        cell.assign_translated(&self.solid, &-site.coords);
+        cell.assign_translated(&self.solid, &(self.middle - site));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::{Rotation3, Vector3};
+
+    /// The box of these half extents about `center`, turned.
+    fn turned_box(half: [f64; 3], center: &Point3<f64>, turn: &Rotation3<f64>) -> Vec<HalfSpace> {
+        let sides = (0..6).map(|side: usize| {
+            let mut normal = Vector3::zeros();
+            normal[side / 2] = if side % 2 == 0 { 1.0 } else { -1.0 };
+            let normal = turn * normal;
+            HalfSpace {
+                normal,
+                offset: normal.dot(&center.coords) + half[side / 2],
+            }
+        });
+        sides.collect()
+    }
+
+    #[test]
+    fn half_spaces_near_each_other_bound_a_solid() {
+        let turn = Rotation3::from_euler_angles(0.3, 0.5, 0.7);
+        for thin in [1e-9, 1e-10, 1e-11] {
+            for turn in [Rotation3::identity(), turn] {
+                for center in [Point3::origin(), Point3::new(1.0, 0.5, 0.25)] {
+                    let walls = turned_box([0.5, 0.5, 0.5 * thin], &center, &turn);
+                    let slab = ConvexPolyhedron::new(&walls).expect("a slab");
+                    let digits = 4.0 * f64::EPSILON / thin * center.coords.amax().max(1.0);
+                    assert!(
+                        (slab.volume() / thin - 1.0).abs() < digits,
+                        "{thin}: {}",
+                        slab.volume()
+                    );
+                    assert!(slab.contains(&center));
+                }
+            }
+        }
+        for scale in [1e-30, 1e-10, 1e10, 1e30] {
+            let walls = turned_box([scale, 0.5 * scale, 0.25 * scale], &Point3::origin(), &turn);
+            let solid = ConvexPolyhedron::new(&walls).expect("a box");
+            assert!((solid.volume() / scale.powi(3) - 1.0).abs() < 1e-13);
+        }
     }
 
     fn wall_ahead(&self, site: &Point3<f64>, step: &Vector3<f64>) -> Option<(f64, Vector3<f64>)> {

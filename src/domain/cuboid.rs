@@ -2,7 +2,7 @@
 
 use nalgebra::Point3;
 
-use crate::domain::error::DomainError;
+use crate::domain::error::{DomainError, check_digits};
 use crate::domain::facet_kind::FacetKind;
 use crate::domain::shape::DomainShape;
 use crate::geometry::bounds::Bounds;
@@ -45,6 +45,7 @@ impl Cuboid {
             let volume = bounds.volume();
             return Err(DomainError::NoVolume { volume });
         }
+        check_digits(&bounds)?;
         Ok(Self { bounds, periodic })
     }
 

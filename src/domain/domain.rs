@@ -5,7 +5,9 @@ use std::ops::Deref;
 
 use nalgebra::Point3;
 
-use crate::domain::density::{Density, DensityRegion, check_positive, regions};
+use crate::domain::density::Density;
+use crate::domain::density_region::{DensityRegion, regions};
+use crate::domain::density_sign::check_positive;
 use crate::domain::error::DomainError;
 use crate::domain::shape::{DomainShape, PieceScratch};
 use crate::domain::tet_mesh::{IndexedTets, TetSolid};
@@ -95,10 +97,12 @@ pub struct WeightedDomain {
 }
 
 impl WeightedDomain {
-    /// `domain` with `density`, a polynomial in its coordinates.
+    /// `domain` with `density`, a polynomial in its coordinates. Far from the origin a
+    /// polynomial that was read from text keeps its digits, one of terms cancels them.
     ///
     /// # Errors
-    /// When the density is not positive somewhere, or changes along a periodic axis.
+    /// When the density is negative somewhere, zero in a part of the domain, or changes along a
+    /// periodic axis.
     pub fn new(domain: Box<dyn Domain>, density: Polynomial) -> Result<Self, DomainError> {
         refuse_periodic(domain.shape(), &density)?;
         check_positive(domain.shape(), &density)?;
@@ -108,7 +112,8 @@ impl WeightedDomain {
     }
 
     /// `domain` with the density h^−(3+p) of cells of the edge h = `size` for energies of
-    /// order p = `order`, within half a percent.
+    /// order p = `order`, within half a percent: the domain is cut into boxes, in each of which the
+    /// density is a parabola in h.
     ///
     /// # Errors
     /// When the size is not positive somewhere, changes along a periodic axis or too fast.
@@ -159,6 +164,7 @@ impl Domain for WeightedDomain {
 /// Refuses a polynomial that changes along a periodic axis.
 fn refuse_periodic(shape: &dyn DomainShape, polynomial: &Polynomial) -> Result<(), DomainError> {
     let periods = shape.periods();
+    let polynomial = polynomial.relative_to(&shape.bounds().center());
     let changes = |axis: &usize| {
         let mut terms = polynomial.terms();
         terms.any(|(powers, value)| powers[*axis] > 0 && value.abs() > 0.0)

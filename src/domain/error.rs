@@ -2,7 +2,11 @@
 
 use thiserror::Error;
 
+use crate::geometry::bounds::Bounds;
 use crate::mesh::report::Refusal;
+
+/// Coordinates farther from the origin than so many extents of the domain leave sites twelve of 52 bits.
+pub(crate) const FARTHEST: f64 = (1_u64 << 40) as f64;
 
 /// Why a description is no domain.
 ///
@@ -46,6 +50,20 @@ pub enum DomainError {
     NoNormal {
         /// Its place in the list, from zero.
         number: usize,
+    },
+    /// The domain lies so far from the origin that its coordinates have too few digits left.
+    #[error(
+        "the domain reaches from {min} to {max} along {}: so far from the origin neighboring numbers lie {step:e} \
+         apart, too few for sites; shift it towards the origin",
+        ["x", "y", "z"][*axis], step = max.abs().max(min.abs()) * f64::EPSILON
+    )]
+    FarAway {
+        /// 0, 1, 2 for x, y, z.
+        axis: usize,
+        /// Where it begins.
+        min: f64,
+        /// Where it ends.
+        max: f64,
     },
     /// Half-spaces that leave the set unbounded.
     #[error("the {count} half-spaces do not bound a solid: it is infinite towards {direction:?}")]
@@ -126,4 +144,20 @@ pub enum DomainError {
         /// The highest that is known.
         highest: u32,
     },
+}
+
+/// Refuses a domain farther from the origin than [`FARTHEST`] of its extents, along any axis.
+pub(crate) fn check_digits(bounds: &Bounds<3>) -> Result<(), DomainError> {
+    let is_far = |axis: &usize| {
+        let (min, max) = (bounds.min[*axis], bounds.max[*axis]);
+        min.abs().max(max.abs()) > FARTHEST * (max - min)
+    };
+    match (0..3).find(is_far) {
+        Some(axis) => Err(DomainError::FarAway {
+            axis,
+            min: bounds.min[axis],
+            max: bounds.max[axis],
+        }),
+        None => Ok(()),
+    }
 }

@@ -1,7 +1,8 @@
 //! Domains of sites, of which every cell's part is a signed sum of pieces.
 //!
 //! A [`domain`] is a [`shape`], perhaps with a [`density`] beside it, also one that follows from a
-//! wanted size of cells. [`cuboid`] and [`convex`] are convex shapes, [`tri_surface`] those bounded
+//! wanted size of cells ([`density_region`]); [`density_sign`] finds where one is negative,
+//! [`density_power`] integrates its powers. [`cuboid`] and [`convex`] are convex shapes, [`tri_surface`] those bounded
 //! by triangles, [`tet_mesh`] those filled with tetrahedra, [`planar`] the domains of the plane.
 //! [`facet_kind`] gives facet labels their meaning.
 
@@ -9,6 +10,9 @@ pub(crate) mod candidates;
 pub(crate) mod convex;
 pub(crate) mod cuboid;
 pub(crate) mod density;
+pub(crate) mod density_power;
+pub(crate) mod density_region;
+pub(crate) mod density_sign;
 #[allow(clippy::module_inception, reason = "it names the folder")]
 pub(crate) mod domain;
 pub(crate) mod error;
@@ -16,5 +20,6 @@ pub(crate) mod facet_kind;
 pub(crate) mod planar;
 pub(crate) mod random_points;
 pub(crate) mod shape;
+pub(crate) mod shape_integrator;
 pub(crate) mod tet_mesh;
 pub(crate) mod tri_surface;

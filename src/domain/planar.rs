@@ -7,6 +7,7 @@
 use nalgebra::{Point2, Vector2};
 use thiserror::Error;
 
+use crate::domain::error::FARTHEST;
 use crate::domain::facet_kind::FacetKind;
 use crate::geometry::bounds::Bounds;
 use crate::geometry::half_plane::HalfPlane;
@@ -17,9 +18,10 @@ use crate::geometry::polygon::{ConvexPolygon, PolygonEdge};
 /// wall, or a point outside the domain, and still count as on it: a thousand roundings.
 const ON_WALL: f64 = 1e-12;
 
-/// The square, in units of the largest distance from the origin to a bounding line, beyond which
-/// an intersection of half-planes counts as unbounded.
-const UNBOUNDED: f64 = 1e8;
+/// Half sides of the squares that half-planes are cut from one after the other, in units of the largest
+/// distance from the origin to a bounding line, until one holds the whole polygon; what reaches farther
+/// than the last counts as unbounded.
+const REACHES: [f64; 3] = [2.0, 1e4, 1e8];
 
 /// Why a rectangle, corners or half-planes are not a domain.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -40,6 +42,20 @@ pub enum PlaneDomainError {
         what: &'static str,
         /// How many.
         count: usize,
+    },
+    /// The domain lies so far from the origin that its coordinates have too few digits left.
+    #[error(
+        "the domain reaches from {min} to {max} along {}: so far from the origin too few digits are left for \
+         sites; shift it towards the origin",
+        ["x", "y"][*axis]
+    )]
+    FarAway {
+        /// 0, 1 for x, y.
+        axis: usize,
+        /// Where it begins.
+        min: f64,
+        /// Where it ends.
+        max: f64,
     },
     /// The domain has no area.
     #[error("the domain has no area (its extent is {width} by {height})")]
@@ -124,9 +140,17 @@ impl PlaneDomain {
     pub fn from_half_planes(half_planes: &[HalfPlane]) -> Result<Self, PlaneDomainError> {
         let unit = normalized(half_planes)?;
         let farthest = unit.iter().map(|p| p.offset.abs()).fold(0.0, f64::max);
-        let reach = UNBOUNDED * if farthest > 0.0 { farthest } else { 1.0 };
-        let rough = intersect(&unit, &square(&Point2::origin(), reach));
-        if rough.edges().any(|edge| edge.label == Label::MAX) {
+        let farthest = if farthest > 0.0 { farthest } else { 1.0 };
+        let is_open = |it: &ConvexPolygon| it.edges().any(|edge| edge.label == Label::MAX);
+        let cut = |reach: f64| intersect(&unit, &square(&Point2::origin(), reach * farthest));
+        let mut rough = ConvexPolygon::default();
+        for reach in REACHES {
+            rough = cut(reach);
+            if !rough.is_empty() && !is_open(&rough) {
+                break;
+            }
+        }
+        if is_open(&rough) {
             return Err(PlaneDomainError::Unbounded);
         }
         // The first cut met corners far away and lost digits; the second starts close by.
@@ -167,6 +191,12 @@ impl PlaneDomain {
 
     fn of(polygon: ConvexPolygon) -> Result<Self, PlaneDomainError> {
         let bounds = polygon.bounds();
+        for axis in 0..2 {
+            let (min, max) = (bounds.min[axis], bounds.max[axis]);
+            if min.abs().max(max.abs()) > FARTHEST * (max - min) {
+                return Err(PlaneDomainError::FarAway { axis, min, max });
+            }
+        }
         let area = polygon.area();
         let least = ON_WALL * bounds.extent().norm_squared();
         if polygon.is_empty() || area.is_nan() || area <= least {

@@ -97,6 +97,12 @@ impl TetSolid {
         &self.boundary
     }
 
+    /// The solid by its boundary alone.
+    #[must_use]
+    pub(crate) fn into_boundary(self) -> SurfaceSolid {
+        self.boundary
+    }
+
     /// The mesh and its boundary.
     pub(crate) fn into_parts(self) -> (TetMesh, SurfaceSolid) {
         (self.mesh, self.boundary)

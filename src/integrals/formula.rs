@@ -15,25 +15,11 @@ use std::collections::BTreeMap;
 use nalgebra::Point3;
 
 use crate::integrals::double_double::DoubleDouble;
-use crate::integrals::polynomial::Polynomial;
 use crate::integrals::series::Exponents;
 
-/// A polynomial in x, y and z as operations on a stack.
-///
-/// Reads from text such as `1 + (x - 1e6)^8` by [`str::parse`].
-///
-/// # Examples
-/// ```
-/// use chebloyd::integrals::formula::Formula;
-///
-/// let formula: Formula = "(x - 1000000)^8".parse().expect("a polynomial");
-/// let near = formula.about(&[1000000.5, 0.0, 0.0].into());
-/// assert_eq!(near.at(&[0.5, 0.0, 0.0].into()), 1.0);
-/// ```
+/// A polynomial in x, y and z as operations on a stack, which leave one operand.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Formula {
-    steps: Vec<Step>,
-}
+pub(crate) struct Formula(Vec<Step>);
 
 /// An operation on the stack of operands.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -57,64 +43,13 @@ pub(crate) enum Step {
 impl Formula {
     /// The formula of these steps, which leave one operand.
     pub(crate) fn of_steps(steps: Vec<Step>) -> Self {
-        Self { steps }
+        Self(steps)
     }
 
-    /// The polynomial in y − `origin` with the values of the formula at y.
-    #[must_use]
-    pub fn about(&self, origin: &Point3<f64>) -> Polynomial {
-        let mut stack: Vec<Terms> = Vec::new();
-        for step in &self.steps {
-            match *step {
-                Step::Number(value) => stack.push(Terms::constant(value.into())),
-                Step::Coordinate(axis) => stack.push(Terms::coordinate(axis, origin[axis])),
-                Step::Add | Step::Multiply => {
-                    let upper = stack.pop().unwrap_or_default();
-                    let lower = stack.pop().unwrap_or_default();
-                    let is_sum = *step == Step::Add;
-                    stack.push(if is_sum {
-                        lower.plus(upper)
-                    } else {
-                        lower.times(&upper)
-                    });
-                }
-                Step::DivideBy(number) => change(&mut stack, |value| value / number),
-                Step::Negate => change(&mut stack, |value| -value),
-                Step::Power(exponent) => {
-                    let base = stack.pop().unwrap_or_default();
-                    stack.push(base.power(exponent));
-                }
-            }
-        }
-        let terms = stack.pop().unwrap_or_default().0.into_iter();
-        Polynomial::from_sorted(terms.map(|(exponents, value)| (exponents, value.rounded())))
-    }
-
-    /// The value at a point.
-    #[must_use]
-    pub fn at(&self, point: &Point3<f64>) -> f64 {
-        self.about(point).at(&Point3::origin())
-    }
-
-    /// The highest total degree of a term that the operations may leave.
-    #[must_use]
-    pub fn degree(&self) -> u32 {
-        self.about(&Point3::origin()).degree()
-    }
-}
-
-impl From<Polynomial> for Formula {
-    /// The sum of the terms: with coefficients about the origin only terms that cancel by no more than
-    /// fifteen digits in the body keep twelve.
-    fn from(polynomial: Polynomial) -> Self {
-        Self::from(&polynomial)
-    }
-}
-
-impl From<&Polynomial> for Formula {
-    fn from(polynomial: &Polynomial) -> Self {
+    /// The sum of terms.
+    pub(crate) fn of_terms(terms: impl Iterator<Item = (Exponents, f64)>) -> Self {
         let mut steps = vec![Step::Number(0.0)];
-        for (exponents, value) in polynomial.terms() {
+        for (exponents, value) in terms {
             steps.push(Step::Number(value));
             for (axis, exponent) in exponents.into_iter().enumerate() {
                 if exponent > 0 {
@@ -124,8 +59,51 @@ impl From<&Polynomial> for Formula {
             }
             steps.push(Step::Add);
         }
-        Self { steps }
+        Self(steps)
     }
+
+    /// The formula with another as second operand of `step`.
+    pub(crate) fn with(mut self, other: Self, step: Step) -> Self {
+        self.0.extend(other.0);
+        self.followed_by(step)
+    }
+
+    /// The formula changed by `step`.
+    pub(crate) fn followed_by(mut self, step: Step) -> Self {
+        self.0.push(step);
+        self
+    }
+
+    /// The coefficients of the polynomial in y − `origin` with the values of the formula at y.
+    #[must_use]
+    pub(crate) fn about(&self, origin: &Point3<f64>) -> BTreeMap<Exponents, f64> {
+        let mut stack: Vec<Terms> = Vec::new();
+        for step in &self.0 {
+            match *step {
+                Step::Number(value) => stack.push(Terms::constant(value.into())),
+                Step::Coordinate(axis) => stack.push(Terms::coordinate(axis, origin[axis])),
+                Step::Add => merge(&mut stack, Terms::plus),
+                Step::Multiply => merge(&mut stack, |lower, upper| lower.times(&upper)),
+                Step::DivideBy(number) => change(&mut stack, |value| value / number),
+                Step::Negate => change(&mut stack, |value| -value),
+                Step::Power(exponent) => {
+                    let base = stack.pop().unwrap_or_default();
+                    stack.push(base.power(exponent));
+                }
+            }
+        }
+        let terms = stack.pop().unwrap_or_default().0.into_iter();
+        terms
+            .map(|(exponents, value)| (exponents, value.rounded()))
+            .collect()
+    }
+}
+
+/// Replaces the two uppermost operands.
+fn merge(stack: &mut Vec<Terms>, of_both: impl FnOnce(Terms, Terms) -> Terms) {
+    let upper = stack.pop().unwrap_or_default();
+    let lower = stack.pop().unwrap_or_default();
+    stack.push(of_both(lower, upper));
 }
 
 /// Changes all coefficients of the uppermost operand.
@@ -176,49 +154,5 @@ impl Terms {
 
     fn power(&self, exponent: u32) -> Self {
         (0..exponent).fold(Self::constant(1.0.into()), |power, _| power.times(self))
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// a/b for comparison in whole numbers.
-    fn value(text: &str, place: [f64; 3]) -> f64 {
-        let formula: Formula = text.parse().expect(text);
-        formula.at(&place.into())
-    }
-
-    #[test]
-    fn differences_keep_all_digits_a_million_units_away() {
-        for offset in [1e2_f64, 1e3, 1e6] {
-            let middle = Point3::new(offset + 0.5, offset + 0.5, offset + 0.5);
-            let text = format!("(x - {offset})^8*3 + (x - {offset})^4*(y - {offset})^3*(z-{offset}) + 1");
-            let formula: Formula = text.parse().expect("a polynomial");
-            let near = formula.about(&middle);
-            // On sixteenths all is exact in f64.
-            for [x, y, z] in [[1.0, 3.0, 16.0], [5.0, 8.0, 2.0], [16.0, 16.0, 16.0]] {
-                let [x, y, z] = [x, y, z].map(|share: f64| share / 16.0);
-                let exact = x.powi(8) * 3.0 + x.powi(4) * y.powi(3) * z + 1.0;
-                let here = Point3::new(offset + x, offset + y, offset + z);
-                assert!((formula.at(&here) / exact - 1.0).abs() < 1e-15);
-                let relative = Point3::from(here - middle);
-                assert!((near.at(&relative) / exact - 1.0).abs() < 1e-12);
-            }
-        }
-    }
-
-    #[test]
-    fn thirty_digits_may_cancel_where_a_text_is_multiplied_out() {
-        let text = "x^2 - 2000000*x + 1000000000000";
-        assert!((value(text, [1e6 + 0.25, 0.0, 0.0]) - 0.0625).abs() < 1e-15);
-        let polynomial = Polynomial::from_terms([
-            ([2, 0, 0], 1.0),
-            ([1, 0, 0], -2e6),
-            ([0, 0, 0], 1e12),
-        ]);
-        let near = Formula::from(polynomial).about(&Point3::new(1e6, 0.0, 0.0));
-        assert!((near.at(&Point3::new(0.25, 0.0, 0.0)) - 0.0625).abs() < 1e-15);
-        assert!((value("x/3 - 333333", [1e6, 0.0, 0.0]) - 1.0 / 3.0).abs() < 1e-16);
     }
 }

@@ -151,17 +151,35 @@ pub fn polynomial<const K: usize>(
     )
 }
 
+/// The mass alone of a piece at a polynomial density all of whose terms are in `monomials`.
+#[must_use]
+pub(crate) fn mass_of_piece(piece: Piece<'_>, density: &Polynomial, monomials: &Monomials) -> f64 {
+    let (corners, triangles) = triangles_of(piece);
+    let sums = monomial_sums(&corners, &triangles, monomials, &Point3::origin());
+    let terms = density.coefficients(monomials).into_iter().zip(&sums.0);
+    let terms = terms.zip(monomials.exponents());
+    terms
+        .map(|((value, sum), &exponents)| value * weight(3, exponents) / 6.0 * sum)
+        .sum()
+}
+
 /// The ten moments of a piece at a polynomial density, both about the origin of its coordinates.
 #[must_use]
 pub fn of_piece(piece: Piece<'_>, density: &Polynomial) -> Moments {
+    let (corners, triangles) = triangles_of(piece);
+    let origin = Point3::origin();
+    by_monomials(&corners, &triangles, density, &origin, Precision::Single)
+}
+
+/// The triangles of a piece's surface, each with corners of its own.
+fn triangles_of(piece: Piece<'_>) -> (Vec<Point3<f64>>, Vec<[u32; 3]>) {
     let (mut corners, mut triangles) = (Vec::new(), Vec::new());
     piece.visit_triangles(|triangle| {
         let first = corners.len() as u32;
         corners.extend(triangle.map(Point3::from));
         triangles.push([first, first + 1, first + 2]);
     });
-    let origin = Point3::origin();
-    by_monomials(&corners, &triangles, density, &origin, Precision::Single)
+    (corners, triangles)
 }
 
 /// The ten sums over all simplices, where `add` adds those of a block: six times the volumes, the

@@ -25,7 +25,7 @@
 
 pub mod bernstein;
 mod double_double;
-pub mod formula;
+mod formula;
 pub mod lanes;
 pub mod mesh_moments;
 pub mod pairwise;

@@ -1,5 +1,9 @@
 //! Polynomials in x, y and z: arithmetic, evaluation and change of coordinates.
+//!
+//! A polynomial that was read from text keeps it as [`Formula`], so that far from the origin, where its
+//! terms cancel each other, it is expanded and evaluated by the operations that the text names.
 
+use crate::integrals::formula::{Formula, Step};
 use crate::integrals::series::{Exponents, Monomials, degree};
 use nalgebra::{Point3, Rotation3, Vector3};
 use std::collections::BTreeMap;
@@ -7,19 +11,28 @@ use std::ops::{Add, Mul, Neg};
 
 /// Σ a_{αβγ} x^α y^β z^γ, kept sorted by powers so that sums over its terms have one order.
 ///
-/// Reads from text such as `1 + 2*x - 0.5*y*z` or `x^2*(1 - z)` by [`str::parse`].
-#[derive(Clone, Debug, Default, PartialEq)]
+/// Reads from text such as `1 + 2*x - 0.5*y*z` or `(x - 1e6)^8*(1 - z)` by [`str::parse`]. Then
+/// [`Polynomial::at`] and [`Polynomial::relative_to`] keep the digits that the terms about the origin
+/// would cancel; of the terms alone, fifteen digits may cancel before twelve are lost.
+#[derive(Clone, Debug, Default)]
 pub struct Polynomial {
     terms: BTreeMap<Exponents, f64>,
+    /// The operations by which it was given.
+    formula: Option<Formula>,
+}
+
+impl PartialEq for Polynomial {
+    /// Whether all terms about the origin are the same.
+    fn eq(&self, other: &Self) -> bool {
+        self.terms == other.terms
+    }
 }
 
 impl Polynomial {
     /// The polynomial with one term.
     #[must_use]
     pub fn monomial(coefficient: f64, exponents: Exponents) -> Self {
-        Self {
-            terms: BTreeMap::from([(exponents, coefficient)]),
-        }
+        Self::of_terms(BTreeMap::from([(exponents, coefficient)]))
     }
 
     /// The sum of terms, each its exponents of x, y, z and its coefficient.
@@ -38,11 +51,24 @@ impl Polynomial {
         })
     }
 
-    /// The sum of terms of different exponents.
-    pub(crate) fn from_sorted(terms: impl Iterator<Item = (Exponents, f64)>) -> Self {
+    /// Of coefficients alone.
+    fn of_terms(terms: BTreeMap<Exponents, f64>) -> Self {
+        let formula = None;
+        Self { terms, formula }
+    }
+
+    /// Of operations.
+    pub(crate) fn of_formula(formula: Formula) -> Self {
         Self {
-            terms: terms.collect(),
+            terms: formula.about(&Point3::origin()),
+            formula: Some(formula),
         }
+    }
+
+    /// The operations by which it was given, or the sum of its terms.
+    fn into_formula(self) -> Formula {
+        let Self { terms, formula } = self;
+        formula.unwrap_or_else(|| Formula::of_terms(terms.into_iter()))
     }
 
     /// A constant.
@@ -80,6 +106,10 @@ impl Polynomial {
     /// The value at a point.
     #[must_use]
     pub fn at(&self, point: &Point3<f64>) -> f64 {
+        if let Some(formula) = &self.formula {
+            let constant = formula.about(point).get(&[0; 3]).copied();
+            return constant.unwrap_or(0.0);
+        }
         self.terms()
             .map(|([a, b, c], value)| {
                 value * power(point.x, a) * power(point.y, b) * power(point.z, c)
@@ -89,9 +119,14 @@ impl Polynomial {
 
     /// The same function of y − `origin`: q with q(y − origin) = p(y).
     ///
-    /// Cancels no more than p itself does near `origin`.
+    /// Every coefficient is right to an ulp and 2⁻¹⁰⁰ times the largest number that occurs in p's
+    /// operations at `origin`: products of differences of a coordinate and a number keep all digits,
+    /// far from the origin too.
     #[must_use]
     pub fn relative_to(&self, origin: &Point3<f64>) -> Self {
+        if let Some(formula) = &self.formula {
+            return Self::of_terms(formula.about(origin));
+        }
         let shifted: [Self; 3] = [0, 1, 2].map(|axis| {
             let mut exponents = [0; 3];
             exponents[axis] = 1;
@@ -142,6 +177,10 @@ impl Add for Polynomial {
     type Output = Self;
 
     fn add(mut self, other: Self) -> Self {
+        if self.formula.is_some() || other.formula.is_some() {
+            let formula = self.into_formula().with(other.into_formula(), Step::Add);
+            return Self::of_formula(formula);
+        }
         for (exponents, value) in other.terms() {
             *self.terms.entry(exponents).or_default() += value;
         }
@@ -156,6 +195,8 @@ impl Neg for Polynomial {
         for value in self.terms.values_mut() {
             *value = -*value;
         }
+        let formula = self.formula.take();
+        self.formula = formula.map(|formula| formula.followed_by(Step::Negate));
         self
     }
 }
@@ -164,6 +205,12 @@ impl Mul for Polynomial {
     type Output = Self;
 
     fn mul(self, other: Self) -> Self {
+        if self.formula.is_some() || other.formula.is_some() {
+            let formula = self
+                .into_formula()
+                .with(other.into_formula(), Step::Multiply);
+            return Self::of_formula(formula);
+        }
         let mut product = Self::default();
         for (a, left) in self.terms() {
             for (b, right) in other.terms() {

@@ -11,7 +11,6 @@
 
 use crate::integrals::formula::{Formula, Step};
 use crate::integrals::polynomial::Polynomial;
-use nalgebra::Point3;
 use std::str::FromStr;
 
 /// Densities of higher degree than this are refused: their moments would need factorials beyond
@@ -67,7 +66,7 @@ pub enum PolynomialError {
     },
 }
 
-impl FromStr for Formula {
+impl FromStr for Polynomial {
     type Err = PolynomialError;
 
     fn from_str(text: &str) -> Result<Self, PolynomialError> {
@@ -81,21 +80,11 @@ impl FromStr for Formula {
         if reader.next().is_some() {
             return Err(reader.unexpected("an operator or the end"));
         }
-        let formula = Self::of_steps(reader.steps);
-        let expanded = formula.about(&Point3::origin());
-        if expanded.terms().any(|(_, value)| !value.is_finite()) {
+        let polynomial = Self::of_formula(Formula::of_steps(reader.steps));
+        if polynomial.terms().any(|(_, value)| !value.is_finite()) {
             return Err(PolynomialError::Overflow);
         }
-        Ok(formula)
-    }
-}
-
-impl FromStr for Polynomial {
-    type Err = PolynomialError;
-
-    /// The formula multiplied out about the origin: far from it, terms cancel that [`Formula`] keeps.
-    fn from_str(text: &str) -> Result<Self, PolynomialError> {
-        Ok(text.parse::<Formula>()?.about(&Point3::origin()))
+        Ok(polynomial)
     }
 }
 

@@ -139,8 +139,7 @@ fn number_or_polynomial(text: &str) -> Result<SolidDensity, DensityError> {
         error,
     })?;
     if polynomial.degree() == 0 {
-        let value = polynomial.terms().map(|(_, value)| value).sum();
-        return Ok(SolidDensity::Constant(value));
+        return Ok(SolidDensity::Constant(polynomial.at(&Point3::origin())));
     }
     Ok(SolidDensity::Polynomial(polynomial))
 }

@@ -29,5 +29,6 @@ pub mod cut;
 pub mod density;
 pub mod principal;
 pub mod profile;
+pub(crate) mod sign;
 pub mod split;
 pub mod weigh;

@@ -93,6 +93,16 @@ impl Profile {
         }
     }
 
+    /// s at a point.
+    pub(crate) fn along(&self, point: &Point3<f64>) -> f64 {
+        self.direction.dot(&point.coords)
+    }
+
+    /// The breaks (s, density), s ascending.
+    pub(crate) fn breaks(&self) -> &[[f64; 2]] {
+        &self.breaks
+    }
+
     /// The density at a point.
     #[must_use]
     pub fn at_point(&self, point: &Point3<f64>) -> f64 {

@@ -127,7 +127,7 @@ fn weigh_simplices<const K: usize>(
 }
 
 /// The vertex data of this name, or the only ones.
-fn field<'a>(mesh: &'a TetMesh, name: Option<&str>) -> Result<&'a [f64], WeighError> {
+pub(crate) fn field<'a>(mesh: &'a TetMesh, name: Option<&str>) -> Result<&'a [f64], WeighError> {
     let names: Vec<_> = mesh
         .vertex_data
         .iter()

@@ -2,7 +2,8 @@
 //!
 //! The two panels of \[BL\] Fig. 13 side by side, for one or several runs: on the left the mean
 //! movement of an iteration in percent of the optimal cell's diagonal, on the right the mean
-//! p = 1 Chebyshev energy in percent of the optimal cell's.
+//! p = 1 Chebyshev energy in percent of the optimal cell's, for runs with a density in percent of the
+//! asymptotic optimum.
 //!
 //! Movement spans decades and is drawn on a logarithmic scale as soon as it spans more than
 //! 20 times; \[BL\] draw it linearly. Movements of zero, such as that of line 0, have
@@ -15,6 +16,7 @@ use crate::plot::color::Color;
 use crate::plot::figure::{Anchor, Figure, Shape, Stroke};
 use crate::plot::font;
 use crate::plot::panel::{LABEL_SIZE, Panel};
+use crate::relax::optimum::EnergyReference;
 use crate::relax::record::Record;
 
 /// A run to draw.
@@ -86,25 +88,50 @@ pub(crate) fn convergence(runs: &[Run<'_>]) -> Figure {
     };
     left.draw_grid(&mut figure);
     right.draw_grid(&mut figure);
-    draw_optimum(&mut figure, &right);
+    let reference = common_reference(runs);
+    draw_optimum(&mut figure, &right, reference);
     for (k, (movements, energies)) in movement.iter().zip(&energy).enumerate() {
         draw_curve(&mut figure, &left, movements, stroke_of(k));
         draw_curve(&mut figure, &right, energies, stroke_of(k));
     }
     let y_name = "mean movement (% of the optimal diagonal)";
     left.draw_frame(&mut figure, "Movement", "iteration", y_name);
-    let y_name = "mean energy (% of the optimal cell’s energy)";
+    let y_name = match reference {
+        Some(EnergyReference::AsymptoticOptimum) => "mean energy (% of the asymptotic optimum)",
+        Some(_) => "mean energy (% of the optimal cell’s energy)",
+        None => "mean energy (% of each run’s own optimum)",
+    };
     right.draw_frame(&mut figure, "Energy", "iteration", y_name);
     draw_legend(&mut figure, &rows);
     figure
 }
 
-/// The line that no tessellation can fall below, named under its right end where no curve runs.
-fn draw_optimum(figure: &mut Figure, panel: &Panel) {
+/// What all runs are relative to; none where they differ.
+fn common_reference(runs: &[Run<'_>]) -> Option<EnergyReference> {
+    let mut all = runs.iter().map(|run| reference_of(run));
+    let first = all.next().unwrap_or_default();
+    all.all(|other| other == first).then_some(first)
+}
+
+fn reference_of(run: &Run<'_>) -> EnergyReference {
+    let first = run.records.first();
+    first
+        .and_then(|record| record.energy_reference)
+        .unwrap_or_default()
+}
+
+/// The line of the optimum, named under its right end where mostly no curve runs. No tessellation lies
+/// below that of equal cubes; few sites in a density may lie below the asymptotic one.
+fn draw_optimum(figure: &mut Figure, panel: &Panel, reference: Option<EnergyReference>) {
     let [start, end] = [panel.x.min, panel.x.max].map(|x| panel.place(x, 100.0));
     figure.line(start, end, OPTIMUM);
     let below = Point2::new(end.x - 5.0, end.y + 10.0);
-    figure.text(below, "optimum", 0.8 * LABEL_SIZE, Anchor::End);
+    let name = match reference {
+        Some(EnergyReference::EqualCubes) => "optimum",
+        Some(_) => "asymptotic optimum",
+        None => "optimum of each run",
+    };
+    figure.text(below, name, 0.8 * LABEL_SIZE, Anchor::End);
 }
 
 /// `(iteration, value)` in order.
@@ -208,7 +235,11 @@ fn legend_rows(runs: &[Run<'_>]) -> Vec<Vec<LegendEntry>> {
     let mut rows: Vec<Vec<LegendEntry>> = Vec::new();
     let mut x = f64::INFINITY;
     for (k, run) in runs.iter().enumerate() {
-        let name = font::elided(run.name, LABEL_SIZE, LONGEST_NAME);
+        let name = match reference_of(run) {
+            EnergyReference::EqualCubes => run.name.to_owned(),
+            EnergyReference::AsymptoticOptimum => format!("{} (asymptotic optimum)", run.name),
+        };
+        let name = font::elided(&name, LABEL_SIZE, LONGEST_NAME);
         let length = SAMPLE + 8.0 + font::width(&name, LABEL_SIZE);
         if x + length > WIDTH - 2.0 * ENTRY_GAP {
             rows.push(Vec::new());

@@ -15,7 +15,8 @@ use nalgebra::{Point, SVector};
 use crate::minimize::history::History;
 use crate::minimize::lbfgsb::{Bend, LbfgsbEnd, lbfgsb_within};
 use crate::minimize::lbfgsb_state::{LbfgsbError, LbfgsbOptions, LbfgsbState};
-use crate::relax::record::{Totals, optimal_side};
+use crate::relax::optimum::optimal_side;
+use crate::relax::record::Totals;
 use crate::relax::relaxation_space::{ObjectiveValue, RelaxationSpace};
 
 /// The first model of the curvature is this share of that of a cube about its center, which is what

@@ -14,9 +14,10 @@ use crate::minimize::problem::Termination;
 use crate::relax::descent::{DescentOptions, begin, descend, sites_of};
 use crate::relax::lloyd::{EvaluatedSites, evaluate, lloyd_move};
 use crate::relax::multilevel::{coarsened, refined, sites_of_level};
+use crate::relax::optimum::optimal_energy;
 use crate::relax::perturb::perturb;
 use crate::relax::plan::Plan;
-use crate::relax::record::{Movement, Record, Stage, Totals, optimal_energy};
+use crate::relax::record::{Movement, Record, Stage, Totals};
 use crate::relax::relaxation_space::{CellResult, RelaxationError, RelaxationSpace};
 use crate::relax::state::RunState;
 
@@ -384,7 +385,7 @@ impl<const D: usize, S: RelaxationSpace<D>> Driver<'_, '_, D, S> {
         lengthened: Option<bool>,
     ) -> ControlFlow<RunEnd> {
         let (plan, state) = (self.plan, &*self.state);
-        let volume = self.space.volume();
+        let (volume, optimum) = (self.space.volume(), self.space.optimum());
         let record = Record {
             evaluations: state.evaluations / state.count as f64,
             seconds: self.earlier + self.began.elapsed().as_secs_f64(),
@@ -394,7 +395,7 @@ impl<const D: usize, S: RelaxationSpace<D>> Driver<'_, '_, D, S> {
                 sites: (plan.levels > 0).then_some(self.sites.len()),
                 lengthened,
             },
-            ..Record::new::<D>(self.iteration, volume, totals, movement)
+            ..Record::new::<D>(self.iteration, (volume, &optimum), totals, movement)
         };
         self.movement_percent = record.movement_percent;
         if (self.observer)(&record, self.sites, state).is_break() {

@@ -132,6 +132,16 @@ impl CellMemory {
         })
     }
 
+    /// The mean density in the loaded cell, relative to the domain's.
+    fn relative_density(&self, domain: &dyn Domain) -> f64 {
+        let (volume, mass) = self.measured();
+        if domain.has_density() && volume > 0.0 {
+            mass / (volume * domain.mean_density())
+        } else {
+            1.0
+        }
+    }
+
     /// Mass and its moments of the loaded cell about its site; volume and its moments where there
     /// is no density.
     #[must_use]
@@ -225,6 +235,7 @@ impl CellMemory {
             center_energy,
             facets: shape.facets(volume),
             chebyshev: found.chebyshev,
+            relative_density: self.relative_density(domain),
             cubeness: shape.cubeness(volume),
             axis_aligned: shape.axis_aligned(self.frame.as_ref()),
         }
@@ -258,6 +269,7 @@ impl CellMemory {
     ) -> CellResult<3> {
         let found = self.minimizer(domain, cell, spec);
         CellResult {
+            volume: found.volume,
             energy: found.energy,
             chebyshev: found.chebyshev,
             target: limited_step(domain, cell, &found.to_minimizer),
@@ -296,6 +308,7 @@ impl CellMemory {
             energy(pieces, &Vector3::zeros(), 1, &mut self.walk).value
         };
         CellMinimum {
+            volume,
             energy: center.energy_at_site,
             gradient: self.in_space(center.gradient_at_site),
             chebyshev: chebyshev / domain.mean_density(),
@@ -309,6 +322,7 @@ impl CellMemory {
         let pieces = &self.pieces[..self.used];
         let chebyshev = energy(pieces, &Vector3::zeros(), 1, &mut self.walk).value;
         CellMinimum {
+            volume: self.volume(),
             energy: masses.second.trace(),
             gradient: -2.0 * masses.first,
             chebyshev: chebyshev / domain.mean_density(),
@@ -320,6 +334,7 @@ impl CellMemory {
 
 /// The minimizer of a cell's energy, and the energy at the site.
 struct CellMinimum {
+    volume: f64,
     energy: f64,
     /// The energy's gradient at the site.
     gradient: Vector3<f64>,

@@ -17,7 +17,8 @@ use crate::geometry::clip::{Clip, ClipScratch, clip};
 use crate::geometry::half_space::HalfSpace;
 use crate::geometry::label::Label;
 use crate::geometry::polyhedron::Polyhedron;
-use crate::relax::record::optimal_energy;
+use crate::relax::cell_check::CellsError;
+use crate::relax::optimum::EnergyOptimum;
 
 /// Facets larger than this share of V^{(D−1)/D} count.
 pub(crate) const FACET_SHARE: f64 = 0.05;
@@ -49,6 +50,9 @@ pub struct CellMetrics<const D: usize> {
     /// The p = 1 Chebyshev energy at the site (L^(D+1)).
     #[cfg_attr(feature = "scene", serde(skip))]
     pub chebyshev: f64,
+    /// The mean density in the cell, relative to the domain's; 1 without a density.
+    #[cfg_attr(feature = "scene", serde(skip))]
+    pub relative_density: f64,
     /// |C ∩ Q| / |C ∪ Q|, Q the axis-aligned cube of the cell's volume about its site.
     #[cfg_attr(feature = "scene", serde(skip))]
     pub cubeness: f64,
@@ -81,7 +85,8 @@ pub struct Metrics {
     pub energy_mean: f64,
     /// Largest energy of a cell.
     pub energy_max: f64,
-    /// 100 · mean p = 1 Chebyshev energy / that of a cube of the mean volume.
+    /// 100 · mean p = 1 Chebyshev energy / that of a cube of the mean volume; with a density / that of
+    /// the asymptotic optimum, which few sites may pass below.
     pub energy_percent: f64,
     /// Mean of the cells' cubeness.
     pub cubeness: f64,
@@ -98,7 +103,11 @@ pub struct Metrics {
 impl Metrics {
     /// Sums up the figures of all cells of a domain of volume `domain_volume`.
     #[must_use]
-    pub fn of<const D: usize>(domain_volume: f64, cells: &[CellMetrics<D>]) -> Self {
+    pub fn of<const D: usize>(
+        domain_volume: f64,
+        optimum: &EnergyOptimum,
+        cells: &[CellMetrics<D>],
+    ) -> Self {
         let count = cells.len() as f64;
         let mean =
             |figure: &dyn Fn(&CellMetrics<D>) -> f64| cells.iter().map(figure).sum::<f64>() / count;
@@ -115,14 +124,67 @@ impl Metrics {
             volume_sum: volume_mean * count,
             energy_mean: mean(&|cell| cell.energy),
             energy_max: cells.iter().map(|cell| cell.energy).fold(0.0, f64::max),
-            energy_percent: 100.0 * mean(&|cell| cell.chebyshev)
-                / optimal_energy::<D>(domain_volume, cells.len(), 1),
+            energy_percent: optimum.percent::<D>(mean(&|cell| cell.chebyshev), cells.len()),
             cubeness: mean(&|cell| cell.cubeness),
             six_facet_fraction: cubic as f64 / count,
             axis_aligned_area: mean(&|cell| cell.axis_aligned),
             volume_sd: variance.sqrt() / volume_mean,
             facet_histogram,
         }
+    }
+
+    /// The same figures if all are numbers; `iteration` is told where one is not.
+    ///
+    /// # Errors
+    /// [`CellsError::Total`].
+    pub(crate) fn checked(self, iteration: u64) -> Result<Self, CellsError> {
+        let figures = [
+            ("domain_volume", self.domain_volume),
+            ("volume_sum", self.volume_sum),
+            ("energy_mean", self.energy_mean),
+            ("energy_max", self.energy_max),
+            ("energy_percent", self.energy_percent),
+            ("cubeness", self.cubeness),
+            ("axis_aligned_area", self.axis_aligned_area),
+            ("volume_sd", self.volume_sd),
+        ];
+        match figures.into_iter().find(|(_, value)| !value.is_finite()) {
+            Some((figure, value)) => Err(CellsError::Total {
+                figure,
+                iteration,
+                value,
+            }),
+            None => Ok(self),
+        }
+    }
+}
+
+impl<const D: usize> CellMetrics<D> {
+    /// The first figure that is no number, for the cell of `site`.
+    ///
+    /// # Errors
+    /// [`CellsError::Figure`].
+    pub(crate) fn check(&self, site: usize) -> Result<(), CellsError> {
+        let figures: [(&str, &[f64]); 8] = [
+            ("volume", &[self.volume]),
+            ("centroid", self.centroid.coords.as_slice()),
+            ("energy", &[self.energy]),
+            ("gradient", self.gradient.as_slice()),
+            ("center", self.center.coords.as_slice()),
+            ("center_energy", &[self.center_energy]),
+            ("chebyshev energy", &[self.chebyshev]),
+            ("cubeness", &[self.cubeness]),
+        ];
+        for (figure, values) in figures {
+            if let Some(&value) = values.iter().find(|value| !value.is_finite()) {
+                return Err(CellsError::Figure {
+                    figure,
+                    site,
+                    value,
+                });
+            }
+        }
+        Ok(())
     }
 }
 

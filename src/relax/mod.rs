@@ -4,11 +4,13 @@
 //! [`planar`] that of planar domains. It shows an observer one [`record`] per move. Its moves are
 //! those of [`lloyd`], the steps of a [`descent`] along the global [`objective`], perturbations
 //! (`perturb`, `noise`), and the levels of [`multilevel`]. Its [`state`] is all that a later process
-//! needs to go on.
+//! needs to go on. An [`optimum`] is what energies are compared with, [`cell_check`] what must hold of
+//! them.
 //!
 //! [`evaluate_cell`] computes a cell's energy and minimizer in its own [`frames`]; [`metrics`] are
 //! the figures of cells for `measure`.
 
+pub(crate) mod cell_check;
 pub(crate) mod descent;
 pub(crate) mod driver;
 pub(crate) mod evaluate_cell;
@@ -17,6 +19,7 @@ pub(crate) mod lloyd;
 pub(crate) mod metrics;
 pub(crate) mod multilevel;
 pub(crate) mod objective;
+pub(crate) mod optimum;
 pub(crate) mod plan;
 pub(crate) mod planar;
 pub(crate) mod record;

@@ -6,7 +6,7 @@
 
 use nalgebra::{Point, SVector};
 
-use crate::relax::record::optimal_side;
+use crate::relax::optimum::optimal_side;
 use crate::relax::relaxation_space::RelaxationSpace;
 
 /// How many sites a level works on: `count` / 2^(D·level), rounded, at least one.

@@ -24,7 +24,8 @@ use crate::voronoi::cell::Cell;
 /// The terms of one cell.
 #[derive(Debug)]
 pub(crate) struct CellTerms {
-    energy: f64,
+    pub(crate) volume: f64,
+    pub(crate) energy: f64,
     chebyshev: f64,
     gradient: Vector3<f64>,
     /// Terms of the gradients by the neighbors.
@@ -68,6 +69,7 @@ impl ObjectiveScratch {
         order: u32,
     ) -> CellTerms {
         self.cell.load_in_frame(domain, cell, frames.of(cell.site));
+        let volume = self.cell.volume();
         let (pieces, walk) = self.cell.pieces();
         let facets = pieces.iter().map(|piece| piece.piece.facets.len());
         let mut across = Vec::with_capacity(facets.sum());
@@ -93,6 +95,7 @@ impl ObjectiveScratch {
             *term = self.cell.in_space(*term);
         }
         CellTerms {
+            volume,
             energy: inside.value,
             chebyshev: chebyshev / domain.mean_density(),
             gradient: self.cell.in_space(inside.gradient + own),

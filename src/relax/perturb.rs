@@ -10,8 +10,8 @@
 use nalgebra::{Point, SVector};
 
 use crate::geometry::random::Random;
+use crate::relax::optimum::{optimal_energy, optimal_side};
 use crate::relax::plan::{Perturbation, PerturbationKind};
-use crate::relax::record::{optimal_energy, optimal_side};
 use crate::relax::relaxation_space::{CellCrowding, RelaxationError, RelaxationSpace};
 use crate::relax::state::RunState;
 

@@ -3,6 +3,7 @@
 
 use nalgebra::{Point2, Vector2};
 use rayon::prelude::*;
+use thiserror::Error;
 
 use crate::domain::facet_kind::FacetKind;
 use crate::domain::planar::PlaneDomain;
@@ -12,12 +13,24 @@ use crate::geometry::bounds::Bounds;
 use crate::geometry::half_plane::HalfPlane;
 use crate::geometry::polygon::ConvexPolygon;
 use crate::minimize::problem::Evaluation;
+use crate::relax::cell_check::{CellsError, DomainTotals};
 use crate::relax::metrics::{ALIGNED, CellMetrics, FACET_SHARE};
 use crate::relax::relaxation_space::{CellResult, EnergySpec, Norm, RelaxationSpace};
 use crate::voronoi::planar::diagram::{PlaneCell, PlaneDiagram, PlaneDiagramError};
 
 /// A reach above this means that the center lies inside or on the border.
 const ON_BORDER: f64 = 1.0 - 1e-12;
+
+/// Why sites have no cells in a [`Plane`].
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum PlaneError {
+    /// They have no diagram.
+    #[error(transparent)]
+    Diagram(#[from] PlaneDiagramError),
+    /// They have cells that cannot be, or whose energies are no numbers.
+    #[error(transparent)]
+    Cells(#[from] CellsError),
+}
 
 /// A rectangle or convex polygon in which sites relax.
 #[derive(Clone, Debug, PartialEq)]
@@ -35,15 +48,31 @@ impl Plane {
         &self,
         sites: &[Point2<f64>],
         spec: EnergySpec,
-    ) -> Result<Vec<CellMetrics<2>>, PlaneDiagramError> {
+    ) -> Result<Vec<CellMetrics<2>>, PlaneError> {
+        self.check_scale(sites.len(), spec)?;
         let diagram = PlaneDiagram::new(&self.domain, sites)?;
         let cells = diagram.cells.par_iter();
-        Ok(cells.map(|cell| metrics(cell, spec)).collect())
+        let cells: Vec<_> = cells.map(|cell| metrics(cell, spec)).collect();
+        let figures = cells.iter().map(|cell| (cell.volume, cell.energy));
+        self.totals().check::<2>(figures, spec.kind(), || None)?;
+        let mut numbered = cells.iter().enumerate();
+        numbered.try_for_each(|(site, cell)| cell.check(site))?;
+        Ok(cells)
+    }
+
+    /// What bounds the energies of any cells.
+    fn totals(&self) -> DomainTotals {
+        let area = self.domain.area();
+        DomainTotals {
+            volume: area,
+            mass: area,
+            density: 1.0,
+        }
     }
 }
 
 impl RelaxationSpace<2> for Plane {
-    type Error = PlaneDiagramError;
+    type Error = PlaneError;
 
     fn volume(&self) -> f64 {
         self.domain.area()
@@ -66,7 +95,7 @@ impl RelaxationSpace<2> for Plane {
         }
     }
 
-    fn energy(&self, sites: &[Point2<f64>], spec: EnergySpec) -> Result<f64, PlaneDiagramError> {
+    fn energy(&self, sites: &[Point2<f64>], spec: EnergySpec) -> Result<f64, PlaneError> {
         let diagram = PlaneDiagram::new(&self.domain, sites)?;
         let energies = diagram.cells.iter().map(|cell| match spec.norm {
             Norm::Linf => energy_at_site(&cell.polygon, spec.order),
@@ -79,17 +108,25 @@ impl RelaxationSpace<2> for Plane {
         &self,
         sites: &[Point2<f64>],
         spec: EnergySpec,
-    ) -> Result<Vec<CellResult<2>>, PlaneDiagramError> {
+    ) -> Result<Vec<CellResult<2>>, PlaneError> {
+        self.check_scale(sites.len(), spec)?;
         let diagram = PlaneDiagram::new(&self.domain, sites)?;
         let bounds = self.bounds();
-        Ok(diagram
+        let results: Vec<_> = diagram
             .cells
             .par_iter()
             .map(|cell| match spec.norm {
                 Norm::Linf => toward_center(cell, &bounds, spec),
                 Norm::L2 => toward_centroid(cell, &bounds),
             })
-            .collect())
+            .collect();
+        let figures = results.iter().map(|cell| (cell.volume, cell.energy));
+        self.totals().check::<2>(figures, spec.kind(), || None)?;
+        Ok(results)
+    }
+
+    fn check_scale(&self, count: usize, spec: EnergySpec) -> Result<(), CellsError> {
+        self.totals().check_scale::<2>(count, spec.kind())
     }
 }
 
@@ -114,6 +151,7 @@ fn toward_center(cell: &PlaneCell, bounds: &Bounds<2>, spec: EnergySpec) -> Cell
     let minimum = relative_center(cell, spec);
     let step = minimum.map(|m| step_inside(polygon, &Point2::from(m.point)));
     CellResult {
+        volume: polygon.area(),
         energy: energy_at_site(polygon, spec.order),
         chebyshev: energy_at_site(polygon, 1),
         target: bounds.clamp(&(cell.site + step.unwrap_or_default())),
@@ -136,6 +174,7 @@ fn step_inside(polygon: &ConvexPolygon, center: &Point2<f64>) -> Vector2<f64> {
 fn toward_centroid(cell: &PlaneCell, bounds: &Bounds<2>) -> CellResult<2> {
     let polygon = &cell.polygon;
     CellResult {
+        volume: polygon.area(),
         energy: polygon.second_moment(&Point2::origin()),
         chebyshev: energy_at_site(polygon, 1),
         target: bounds.clamp(&(cell.site + polygon.centroid().coords)),
@@ -163,6 +202,7 @@ fn metrics(cell: &PlaneCell, spec: EnergySpec) -> CellMetrics<2> {
         center_energy,
         facets: facets(polygon),
         chebyshev: energy(polygon, &Point2::origin(), 1),
+        relative_density: 1.0,
         cubeness: cubeness(polygon),
         axis_aligned: axis_aligned(polygon),
     }

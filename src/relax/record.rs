@@ -4,6 +4,7 @@ use nalgebra::Point;
 #[cfg(feature = "scene")]
 use serde::{Deserialize, Serialize};
 
+use crate::relax::optimum::{EnergyOptimum, EnergyReference, optimal_side};
 use crate::relax::relaxation_space::{CellResult, ObjectiveValue, RelaxationSpace};
 
 /// The state of a run after `iteration` moves: one flat JSON object of `log.jsonl`.
@@ -31,7 +32,8 @@ pub struct Record {
     pub energy_mean: f64,
     /// Largest energy of a cell (L^(D+p)).
     pub energy_max: f64,
-    /// 100 · mean p = 1 Chebyshev energy / that of a cube of the mean volume.
+    /// 100 · mean p = 1 Chebyshev energy / that of a cube of the mean volume; with a density / that of
+    /// the asymptotic optimum, which few sites may pass below.
     pub energy_percent: f64,
     /// Mean distance between the sites before and after the last move (L); 0 for iteration 0.
     pub movement_mean: f64,
@@ -43,6 +45,12 @@ pub struct Record {
     pub evaluations: f64,
     /// Wall time since the run began (s).
     pub seconds: f64,
+    /// What `energy_percent` is relative to, if not equal cubes.
+    #[cfg_attr(
+        feature = "scene",
+        serde(default, skip_serializing_if = "Option::is_none")
+    )]
+    pub energy_reference: Option<EnergyReference>,
     /// The part of its plan that the run is in.
     #[cfg_attr(feature = "scene", serde(flatten))]
     pub stage: Stage,
@@ -150,11 +158,11 @@ impl Totals {
 }
 
 impl Record {
-    /// The record of `totals` after `movement`; `evaluations`, `seconds` and `stage` are left empty.
+    /// The record of `totals` in a domain of volume `volume` after `movement`; `evaluations`, `seconds` and `stage` are left empty.
     #[must_use]
     pub fn new<const D: usize>(
         iteration: u64,
-        volume: f64,
+        (volume, optimum): (f64, &EnergyOptimum),
         totals: &Totals,
         movement: Movement,
     ) -> Self {
@@ -169,28 +177,29 @@ impl Record {
             iteration,
             energy_mean: energy / cells,
             energy_max,
-            energy_percent: 100.0 * chebyshev / cells / optimal_energy::<D>(volume, count, 1),
+            energy_percent: optimum.percent::<D>(chebyshev / cells, count),
             movement_mean: movement.mean,
             movement_max: movement.max,
             movement_percent: movement.percent::<D>(volume, count),
             evaluations: 0.0,
             seconds: 0.0,
+            energy_reference: optimum.named(),
             stage: Stage::default(),
         }
     }
-}
 
-/// The side of a cube (a square, for D = 2) of the mean cell's volume (L).
-#[must_use]
-pub(crate) fn optimal_side<const D: usize>(volume: f64, count: usize) -> f64 {
-    (volume / count as f64).powf(1.0 / D as f64)
-}
-
-/// The order-p Chebyshev energy of that cube about its center, the least that a mean cell can
-/// have (L^(D+p)): D/(D+p) · s^(D+p)/2^p, for p = 1 and D = 3 the (3/8) s⁴ of section 3.5.
-#[must_use]
-pub(crate) fn optimal_energy<const D: usize>(volume: f64, count: usize, order: u32) -> f64 {
-    let (d, p) = (D as f64, f64::from(order));
-    let side = optimal_side::<D>(volume, count);
-    d / (d + p) * side.powf(d + p) / 2.0_f64.powf(p)
+    /// The first figure that is no number, with its name.
+    pub(crate) fn not_finite(&self) -> Option<(&'static str, f64)> {
+        let figures = [
+            ("energy_mean", self.energy_mean),
+            ("energy_max", self.energy_max),
+            ("energy_percent", self.energy_percent),
+            ("movement_mean", self.movement_mean),
+            ("movement_max", self.movement_max),
+            ("movement_percent", self.movement_percent),
+            ("evaluations", self.evaluations),
+            ("seconds", self.seconds),
+        ];
+        figures.into_iter().find(|(_, value)| !value.is_finite())
+    }
 }

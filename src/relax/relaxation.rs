@@ -11,6 +11,7 @@ use thiserror::Error;
 
 use crate::domain::domain::Domain;
 use crate::domain::random_points::random_points;
+use crate::relax::cell_check::CellsError;
 use crate::relax::driver::{Observer, RunEnd, drive};
 use crate::relax::frames::Frames;
 use crate::relax::metrics::Metrics;
@@ -383,7 +384,8 @@ impl Relaxation {
         let points: Vec<_> = sites.iter().map(|&site| site.into()).collect();
         let cells = self.space.metrics(&points, self.plan.spec);
         let cells = cells.map_err(RelaxationError::Space)?;
-        Ok(Metrics::of(self.space.volume(), &cells))
+        let figures = Metrics::of(self.space.volume(), &self.space.optimum(), &cells);
+        Ok(figures.checked(0).map_err(RelaxationError::Cells)?)
     }
 }
 
@@ -402,17 +404,31 @@ pub(crate) fn continue_run<const D: usize, S: RelaxationSpace<D>>(
     let count = sites.len();
     let state = state.get_or_insert_with(|| RunState::new(count, plan.levels));
     let resumed = record.clone();
-    drive(
+    let mut refused = None;
+    let ended = drive(
         space,
         plan,
         sites,
         state,
         resumed.as_ref(),
         &mut |now, sites, state| {
+            if let Some((figure, value)) = now.not_finite() {
+                let iteration = now.iteration;
+                refused = Some(CellsError::Total {
+                    figure,
+                    iteration,
+                    value,
+                });
+                return ControlFlow::Break(());
+            }
             *record = Some(now.clone());
             observer(now, sites, state)
         },
-    )
+    );
+    match refused {
+        Some(error) => Err(error.into()),
+        None => ended,
+    }
 }
 
 /// Uniform random sites in a domain: those that a scene's `"random"` names with this seed.

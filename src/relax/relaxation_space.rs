@@ -7,6 +7,8 @@ use thiserror::Error;
 pub(crate) use crate::energy::center::Minimizer;
 use crate::geometry::bounds::Bounds;
 use crate::minimize::lbfgsb_state::LbfgsbError;
+use crate::relax::cell_check::{CellsError, EnergyKind};
+use crate::relax::optimum::EnergyOptimum;
 
 /// A displacement that leaves the domain is halved at most so often, then given up.
 pub(crate) const HALVINGS: u32 = 8;
@@ -45,9 +47,21 @@ pub struct EnergySpec {
     pub minimizer: Minimizer,
 }
 
+impl EnergySpec {
+    /// The energy by which cells are checked.
+    pub(crate) fn kind(&self) -> EnergyKind {
+        match self.norm {
+            Norm::Linf => EnergyKind::Chebyshev(self.order),
+            Norm::L2 => EnergyKind::Euclidean,
+        }
+    }
+}
+
 /// The energy of one cell and its minimizer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CellResult<const D: usize> {
+    /// Its volume (L^D).
+    pub volume: f64,
     /// Energy at the site in the given norm and order: ∫ d∞^p (L^(D+p)), or ∫ |y−x|₂² (L^(D+2)).
     pub energy: f64,
     /// The p = 1 Chebyshev energy at the site, per unit of the domain's mean density (L^(D+1)).
@@ -91,6 +105,9 @@ pub enum RelaxationError<E: std::error::Error + 'static> {
     /// The sites have no diagram.
     #[error(transparent)]
     Space(E),
+    /// A figure of the run is no number.
+    #[error(transparent)]
+    Cells(#[from] CellsError),
     /// The options or the state of the descent are impossible.
     #[error(transparent)]
     Descent(#[from] LbfgsbError),
@@ -127,6 +144,17 @@ pub trait RelaxationSpace<const D: usize>: Sync {
     fn varying_density(&self) -> Option<f64> {
         None
     }
+
+    /// What `energy_percent` is relative to.
+    fn optimum(&self) -> EnergyOptimum {
+        EnergyOptimum::of_equal_cubes(self.volume())
+    }
+
+    /// Refuses sites so many, or an order so high, that a 64-bit float holds no energy.
+    ///
+    /// # Errors
+    /// [`CellsError::Scale`].
+    fn check_scale(&self, count: usize, spec: EnergySpec) -> Result<(), CellsError>;
 
     /// The displacement from `from` to `to`, the shortest one where the space is periodic.
     fn displacement(&self, from: &Point<f64, D>, to: &Point<f64, D>) -> SVector<f64, D> {

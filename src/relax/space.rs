@@ -4,16 +4,19 @@ use nalgebra::{Point3, Vector3};
 use thiserror::Error;
 
 use crate::domain::{
+    density::Density,
     domain::Domain,
     shape::{PieceScratch, displacement},
 };
 use crate::geometry::bounds::Bounds;
 use crate::geometry::label::Label;
 use crate::geometry::shell::Shell;
+use crate::relax::cell_check::{CellsError, DomainTotals, EnergyKind};
 use crate::relax::evaluate_cell::CellMemory;
 use crate::relax::frames::Frames;
 use crate::relax::metrics::CellMetrics;
 use crate::relax::objective::{ObjectiveScratch, sum_of};
+use crate::relax::optimum::{EnergyOptimum, EnergyReference};
 use crate::relax::relaxation_space::{
     CellCrowding, CellResult, EnergySpec, HALVINGS, ObjectiveValue, RelaxationError,
     RelaxationSpace,
@@ -27,6 +30,9 @@ pub enum SpaceError {
     /// They have no diagram.
     #[error(transparent)]
     Diagram(#[from] DiagramError),
+    /// They have cells that cannot be, or whose energies are no numbers.
+    #[error(transparent)]
+    Cells(#[from] CellsError),
     /// Not every site has a frame.
     #[error("there are {frames} frames for {sites} sites")]
     Frames {
@@ -84,8 +90,37 @@ impl Space {
         sites: &[Point3<f64>],
         spec: EnergySpec,
     ) -> Result<Vec<CellMetrics<3>>, SpaceError> {
-        self.map_loaded(sites, |memory, cell| {
+        self.totals().check_scale::<3>(sites.len(), spec.kind())?;
+        let cells = self.map_loaded(sites, |memory, cell| {
             memory.metrics(self.domain(), cell, spec)
+        })?;
+        let figures = cells.iter().map(|cell| (cell.volume, cell.energy));
+        self.check(sites, figures, spec.kind())?;
+        let mut numbered = cells.iter().enumerate();
+        numbered.try_for_each(|(site, cell)| cell.check(site))?;
+        Ok(cells)
+    }
+
+    /// What bounds the energies of any cells.
+    fn totals(&self) -> DomainTotals {
+        let (volume, density) = (self.domain.volume(), self.domain.density());
+        DomainTotals {
+            volume,
+            mass: volume * self.domain.mean_density(),
+            density: density.map_or(1.0, Density::upper_bound),
+        }
+    }
+
+    /// Checks the cells of `sites`; where they are none, by their facets too.
+    fn check(
+        &self,
+        sites: &[Point3<f64>],
+        cells: impl ExactSizeIterator<Item = (f64, f64)> + Clone,
+        kind: EnergyKind,
+    ) -> Result<(), CellsError> {
+        self.totals().check::<3>(cells, kind, || {
+            let diagram = Diagram::borrowed(self.domain(), sites).ok()?;
+            Some(diagram.check().err()?.to_string())
         })
     }
 
@@ -145,6 +180,23 @@ impl RelaxationSpace<3> for Space {
         self.domain.has_density().then_some(density)
     }
 
+    fn optimum(&self) -> EnergyOptimum {
+        let Some(density) = self.domain.density() else {
+            return EnergyOptimum::of_equal_cubes(self.domain.volume());
+        };
+        let volume = density.optimal_volume(self.domain.shape());
+        EnergyOptimum {
+            kind: EnergyReference::AsymptoticOptimum,
+            volume: volume.value,
+            volume_error: volume.error,
+            density: density.mean(),
+        }
+    }
+
+    fn check_scale(&self, count: usize, spec: EnergySpec) -> Result<(), CellsError> {
+        self.totals().check_scale::<3>(count, spec.kind())
+    }
+
     fn displacement(&self, from: &Point3<f64>, to: &Point3<f64>) -> Vector3<f64> {
         displacement(&self.domain.periods(), from, to)
     }
@@ -167,9 +219,13 @@ impl RelaxationSpace<3> for Space {
         sites: &[Point3<f64>],
         spec: EnergySpec,
     ) -> Result<Vec<CellResult<3>>, SpaceError> {
-        self.map_loaded(sites, |memory, cell| {
+        self.totals().check_scale::<3>(sites.len(), spec.kind())?;
+        let cells = self.map_loaded(sites, |memory, cell| {
             memory.assess(self.domain(), cell, spec)
-        })
+        })?;
+        let figures = cells.iter().map(|cell| (cell.volume, cell.energy));
+        self.check(sites, figures, spec.kind())?;
+        Ok(cells)
     }
 
     fn objective(
@@ -177,12 +233,15 @@ impl RelaxationSpace<3> for Space {
         sites: &[Point3<f64>],
         order: u32,
     ) -> Result<ObjectiveValue<3>, RelaxationError<SpaceError>> {
+        let kind = EnergyKind::Chebyshev(order);
+        self.totals().check_scale::<3>(sites.len(), kind)?;
         let terms = self.map(sites, |scratch: &mut ObjectiveScratch, cell| {
             scratch.terms(self.domain(), &self.frames, &cell, order)
         });
-        terms
-            .map(|terms| sum_of(&terms))
-            .map_err(RelaxationError::Space)
+        let terms = terms.map_err(RelaxationError::Space)?;
+        let figures = terms.iter().map(|cell| (cell.volume, cell.energy));
+        self.check(sites, figures, kind)?;
+        Ok(sum_of(&terms))
     }
 
     fn crowding(

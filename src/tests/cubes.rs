@@ -98,7 +98,11 @@ fn run(space: &Space, plan: &Plan, given: &[Point3<f64>]) -> Run {
 
 fn figures(space: &Space, sites: &[Point3<f64>]) -> Metrics {
     let question = Plan::quasi_newton(1, 1).spec;
-    Metrics::of(space.volume(), &space.metrics(sites, question).unwrap())
+    Metrics::of(
+        space.volume(),
+        &space.optimum(),
+        &space.metrics(sites, question).unwrap(),
+    )
 }
 
 fn assert_cubes(space: &Space, sites: &[Point3<f64>]) {

@@ -5,6 +5,7 @@ use std::ops::ControlFlow;
 use crate::domain::cuboid::Cuboid;
 use crate::domain::domain::Domain;
 use crate::domain::domain::WeightedDomain;
+use crate::domain::error::DomainError;
 use crate::domain::shape::DomainShape;
 use crate::domain::tet_mesh::TetSolid;
 use crate::domain::tri_surface::solid::SurfaceSolid;
@@ -369,4 +370,146 @@ fn a_density_along_a_period_is_refused_and_across_it_weighs() {
     for (one, other) in one.iter().zip(&other) {
         assert!((one.energy - other.energy).abs() < 1e-13);
     }
+}
+
+#[test]
+fn a_formula_far_from_the_origin_gives_the_energies_of_its_shift() {
+    let text = |at: f64| format!("1 + (x - {at:?})^8 + (y - {at:?})^3*(x - {at:?})^5");
+    let unit = |at: f64| {
+        let bounds = Bounds::from_corners([at; 3], [at + 1.0; 3]);
+        Box::new(Cuboid::new(bounds, [false; 3]).expect("a box"))
+    };
+    let sites = [[0.25, 0.5, 0.5], [0.75, 0.5, 0.5], [0.5, 0.125, 0.25]].map(Point3::from);
+    let energies = |at: f64| {
+        let domain = WeightedDomain::new(unit(at), polynomial(&text(at))).expect("positive");
+        let there: Vec<_> = sites
+            .iter()
+            .map(|site| site + Vector3::repeat(at))
+            .collect();
+        let space = Space::new(Box::new(domain));
+        let cells = space.metrics(&there, LINF).expect("a diagram");
+        cells.iter().map(|cell| cell.energy).collect::<Vec<_>>()
+    };
+    let base = energies(0.0);
+    for at in [1e2, 1e3, -1e5, 1e6] {
+        for (energy, exact) in energies(at).iter().zip(&base) {
+            assert!(
+                (energy / exact - 1.0).abs() < 1e-12,
+                "{at}: {energy} {exact}"
+            );
+        }
+    }
+    // The issue's own: ∫ (1 + t⁸) max(|t − 1/4|, |y|, |z|) over [0, 1/2] × [−1/2, 1/2]², and its mirror.
+    let bounds = Bounds::from_corners([100.0, 0.0, 0.0], [101.0, 1.0, 1.0]);
+    let domain = Box::new(Cuboid::new(bounds, [false; 3]).expect("a box"));
+    let domain = WeightedDomain::new(domain, polynomial("1+(x-100.0)^8")).expect("positive");
+    let space = Space::new(Box::new(domain));
+    let sites = [[100.25, 0.5, 0.5], [100.75, 0.5, 0.5]].map(Point3::from);
+    let cells = space.metrics(&sites, LINF).expect("a diagram");
+    for (cell, sides) in cells.iter().zip([[0.0, 0.5], [0.5, 1.0]]) {
+        // For each t: ∫ max(a, |y|, |z|) dy dz over the square of half side 1/2 is 1/3 + 4 a³/3.
+        let primitive = |t: f64, at: f64| {
+            let a: f64 = (t - at).abs();
+            1.0 / 3.0 + 4.0 / 3.0 * a.powi(3)
+        };
+        let at = sides[0] + 0.25;
+        let steps = 20_000;
+        let width = 0.5 / f64::from(steps);
+        let sum: f64 = (0..steps)
+            .map(|k| sides[0] + (f64::from(k) + 0.5) * width)
+            .map(|t| (1.0 + t.powi(8)) * primitive(t, at))
+            .sum();
+        assert!(
+            (cell.energy - sum * width).abs() < 1e-8,
+            "{} {}",
+            cell.energy,
+            sum * width
+        );
+    }
+    assert!((cells[0].energy - 0.16935).abs() < 5e-6 && (cells[1].energy - 0.20715).abs() < 5e-6);
+}
+
+#[test]
+fn dips_below_zero_are_found_in_every_kind_of_domain() {
+    use crate::domain::convex::ConvexPolyhedron;
+    use crate::geometry::half_space::HalfSpace;
+
+    let half_spaces = [1.0, -1.0].map(|sign| {
+        [Vector3::x(), Vector3::y(), Vector3::z()].map(|normal| HalfSpace {
+            normal: normal * sign,
+            offset: if sign > 0.0 { 1.0 } else { 0.0 },
+        })
+    });
+    let cubes = || -> [Box<dyn Domain>; 4] {
+        let surface = validate_surface(&unit_cube()).expect("closed").0;
+        let tets = validate_tets(&unit_cube_tets(1)).expect("a valid mesh").0;
+        [
+            Box::new(Cuboid::unit()),
+            Box::new(ConvexPolyhedron::new(&half_spaces.concat()).expect("bounded")),
+            Box::new(SurfaceSolid::new(&surface).expect("a volume")),
+            Box::new(TetSolid::new(&tets).expect("it bounds a solid")),
+        ]
+    };
+    let dip = "(x - 0.337)^2 + (y - 0.611)^2 + (z - 0.273)^2 - 0.0001";
+    for domain in cubes() {
+        let refused = WeightedDomain::new(domain, polynomial(dip)).expect_err("a dip");
+        let DomainError::Density { value, position } = refused else {
+            panic!("{refused}");
+        };
+        assert!(
+            value < 0.0
+                && (Point3::from(position) - Point3::new(0.337, 0.611, 0.273)).norm() < 0.01
+        );
+    }
+    for domain in cubes() {
+        let touching = polynomial("(x - 0.337)^2 + (y - 0.611)^2 + (z - 0.273)^2");
+        assert!(WeightedDomain::new(domain, touching).is_ok());
+    }
+    let ball = || {
+        let valid = validate_surface(&icosphere(2)).expect("closed").0;
+        SurfaceSolid::new(&valid).expect("a volume")
+    };
+    let farthest = ball().bounds().max.x;
+    for (text, is_positive) in [
+        ("1.45 - x - y".to_owned(), true),
+        (format!("{} - x", farthest - 1e-4), false),
+        (format!("{} - x", farthest + 1e-9), true),
+    ] {
+        let weighted = WeightedDomain::new(Box::new(ball()), polynomial(&text));
+        assert_eq!(weighted.is_ok(), is_positive, "{text}");
+    }
+}
+
+#[test]
+fn energies_with_a_density_are_relative_to_the_asymptotic_optimum() {
+    // 1 + 80 x⁴: relative to equal cubes the percentage ran down to 87.
+    let space = Space::new(cube("1 + 80*x^4"));
+    let optimum = crate::relax::relaxation_space::RelaxationSpace::optimum(&space);
+    let steps = 100_000;
+    let shares = (0..steps).map(|k| (f64::from(k) + 0.5) / f64::from(steps));
+    let power = shares
+        .map(|x| (1.0 + 80.0 * x.powi(4)).powf(0.75))
+        .sum::<f64>()
+        / f64::from(steps);
+    let exact = 3.0 / 8.0 * (power / 100.0).powf(4.0 / 3.0);
+    let found = optimum.energy::<3>(100);
+    assert!((found / exact - 1.0).abs() < 1e-6, "{found} {exact}");
+    assert!(optimum.energy_error::<3>(100) < 1e-5 * found);
+    // The same in vertex values of a linear density, where it is a series.
+    let tets = Space::new(tets(2, |y| 1.0 + 8.0 * y.x));
+    let optimum = crate::relax::relaxation_space::RelaxationSpace::optimum(&tets);
+    let linear = (9.0_f64.powf(1.75) - 1.0) / 14.0;
+    let exact = 3.0 / 8.0 * linear.powf(4.0 / 3.0);
+    assert!((optimum.energy::<3>(1) / exact - 1.0).abs() < 1e-10);
+    // A cell's own density: cubes in a constant one are optimal whatever that is.
+    let twice = Space::new(cube("2"));
+    let cells = twice
+        .metrics(&[Point3::new(0.5, 0.5, 0.5)], LINF)
+        .expect("one cell");
+    assert!((cells[0].relative_density - 1.0).abs() < 1e-14);
+    let graded = Space::new(cube("1 + 2*x"));
+    let sites = [Point3::new(0.25, 0.5, 0.5), Point3::new(0.75, 0.5, 0.5)];
+    let cells = graded.metrics(&sites, LINF).expect("two cells");
+    assert!((cells[0].relative_density - 0.75).abs() < 1e-14);
+    assert!((cells[1].relative_density - 1.25).abs() < 1e-14);
 }

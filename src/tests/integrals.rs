@@ -759,3 +759,41 @@ fn what_is_no_polynomial_is_refused_with_its_column() {
         assert_eq!(error.to_string(), message, "{text:.20}");
     }
 }
+
+#[test]
+fn differences_keep_all_digits_a_million_units_away() {
+    for offset in [1e2_f64, 1e3, 1e6] {
+        let middle = Point3::new(offset + 0.5, offset + 0.5, offset + 0.5);
+        let text =
+            format!("(x - {offset})^8*3 + (x - {offset})^4*(y - {offset})^3*(z-{offset}) + 1");
+        let polynomial: Polynomial = text.parse().unwrap();
+        let near = polynomial.relative_to(&middle);
+        // On sixteenths all is exact in f64.
+        for shares in [[1.0, 3.0, 16.0], [5.0, 8.0, 2.0], [16.0, 16.0, 16.0]] {
+            let [x, y, z] = shares.map(|share: f64| share / 16.0);
+            let exact = x.powi(8) * 3.0 + x.powi(4) * y.powi(3) * z + 1.0;
+            let here = Point3::new(offset + x, offset + y, offset + z);
+            close(polynomial.at(&here), exact, 1e-15 * exact, &text);
+            let relative = Point3::from(here - middle);
+            close(near.at(&relative), exact, 1e-14 * exact, &text);
+        }
+    }
+}
+
+#[test]
+fn thirty_digits_may_cancel_where_a_text_is_multiplied_out() {
+    for (text, x, value) in [
+        ("x^2 - 2000000*x + 1000000000000", 1e6 + 0.25, 0.0625),
+        ("x/3 - 333333", 1e6, 1.0 / 3.0),
+        ("-(x - 1e6)*(x + -1000001)", 1e6 + 0.25, 0.1875),
+    ] {
+        let polynomial: Polynomial = text.parse().unwrap();
+        let place = Point3::new(x, 0.0, 0.0);
+        close(polynomial.at(&place), value, 1e-15, text);
+        let sum = polynomial.clone() + Polynomial::constant(1.0);
+        close(sum.at(&place), value + 1.0, 1e-15, text);
+        let square = -(polynomial.clone() * polynomial);
+        let near = square.relative_to(&place);
+        close(near.at(&Point3::origin()), -value * value, 1e-15, text);
+    }
+}

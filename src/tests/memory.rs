@@ -86,7 +86,7 @@ fn relax(space: &Space, sites: &mut Vec<Point3<f64>>, options: &Plan, folder: &P
 
 fn metrics(space: &Space, sites: &[Point3<f64>]) -> Metrics {
     let cells = space.metrics(sites, QUESTION).unwrap();
-    Metrics::of(space.volume(), &cells)
+    Metrics::of(space.volume(), &space.optimum(), &cells)
 }
 
 /// Writes the cells while the figures of all are held.

@@ -1,6 +1,7 @@
 //! Tests of the crate's parts against second opinions: quadrature, rational arithmetic, brute force.
 
 mod acceleration;
+mod cell_check;
 mod complex;
 mod cubes;
 mod density;
@@ -21,7 +22,7 @@ mod objective;
 mod plane;
 mod plot;
 mod properties;
-mod quadrature;
+pub(crate) mod quadrature;
 mod relax;
 mod sites;
 mod solids;

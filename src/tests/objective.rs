@@ -14,7 +14,7 @@ use crate::mesh::shapes::{bracket, torus, unit_cube_tets};
 use crate::mesh::surface::SurfaceMesh;
 use crate::mesh::validate::{validate_surface, validate_tets};
 use crate::relax::frames::Frames;
-use crate::relax::record::optimal_energy;
+use crate::relax::optimum::optimal_energy;
 use crate::relax::relaxation_space::{EnergySpec, Minimizer, Norm, RelaxationSpace};
 use crate::relax::space::Space;
 use nalgebra::{Point3, Rotation3, Unit, Vector3};

@@ -324,7 +324,7 @@ fn a_square_lattice_has_square_cells_with_four_neighbors_or_walls() {
         assert!((cell.chebyshev - 0.001 / 3.0).abs() < 1e-17);
         assert!((cell.center - site).norm() < 1e-13);
     }
-    let all = Metrics::of(plane.volume(), &figures);
+    let all = Metrics::of(plane.volume(), &plane.optimum(), &figures);
     assert!((all.energy_percent - 100.0).abs() < 1e-10);
     assert!((all.six_facet_fraction - 1.0).abs() < 1e-15);
 }

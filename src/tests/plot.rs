@@ -30,6 +30,7 @@ fn run(count: u64, floor: f64) -> Vec<Record> {
             movement_percent: if k == 0 { 0.0 } else { 36.0 * share(k) },
             evaluations: 1.0,
             seconds: 0.0,
+            energy_reference: None,
             stage: Default::default(),
         })
         .collect()

@@ -94,7 +94,11 @@ fn a_thousand_random_sites_follow_the_reference_curve() {
         within(percent(50), (102.3, 102.8), "iteration 50");
         within(records[1].movement_percent, (12.0, 13.8), "first movement");
         within(records[50].movement_percent, (0.15, 0.35), "last movement");
-        let figures = Metrics::of(1.0, &unit().metrics(&sites, LINF).unwrap());
+        let figures = Metrics::of(
+            1.0,
+            &unit().optimum(),
+            &unit().metrics(&sites, LINF).unwrap(),
+        );
         within(figures.cubeness, (0.75, 0.81), "cubeness");
         within(figures.axis_aligned_area, (0.37, 0.47), "axis-aligned area");
         within(
@@ -123,7 +127,11 @@ fn a_jittered_grid_becomes_the_grid() {
     let records = run(&unit(), &mut sites, &options(60, LINF));
     within(records[0].energy_percent, (106.5, 108.5), "iteration 0");
     within(records[60].energy_percent, (100.0, 100.01), "iteration 60");
-    let figures = Metrics::of(1.0, &unit().metrics(&sites, LINF).unwrap());
+    let figures = Metrics::of(
+        1.0,
+        &unit().optimum(),
+        &unit().metrics(&sites, LINF).unwrap(),
+    );
     within(figures.six_facet_fraction, (1.0, 1.0), "six-facet fraction");
     assert_eq!(
         figures.facet_histogram.into_iter().collect::<Vec<_>>(),

@@ -2,7 +2,7 @@
 
 use nalgebra::{Point3, Vector3};
 
-use crate::domain::error::DomainError;
+use crate::domain::error::{DomainError, check_digits};
 use crate::domain::facet_kind::FacetKind;
 use crate::domain::shape::{DomainShape, PieceScratch};
 use crate::domain::tri_surface::clip_cell::ClipStatus;
@@ -41,6 +41,7 @@ impl SurfaceSolid {
         if !volume.is_normal() || volume < 0.0 {
             return Err(DomainError::NoVolume { volume });
         }
+        check_digits(&mesh.bounds())?;
         let surface = IndexedSurface::new(mesh);
         let margin = Vector3::repeat(MARGIN * surface.bounds.extent().max());
         Ok(Self {

@@ -13,6 +13,7 @@ use crate::export::atomic_write;
 use crate::export::run::checkpoint::{self, Pace, SavedCheckpoint};
 use crate::export::run::error::RunError;
 use crate::export::run::log::Log;
+use crate::relax::optimum::EnergyReference;
 use crate::relax::record::Record;
 
 const LOG: &str = "log.jsonl";
@@ -220,8 +221,14 @@ pub struct Description<S, M> {
     pub sites: usize,
     /// The domain's volume (L^D).
     pub domain_volume: f64,
-    /// The p = 1 Chebyshev energy of a cube of the mean volume (L^(D+1)).
+    /// The mean p = 1 Chebyshev energy of equal cubes, with a density of the asymptotic optimum (L^(D+1)).
     pub optimal_energy: f64,
+    /// An estimate of its error (L^(D+1)): 0 for equal cubes.
+    #[serde(default)]
+    pub optimal_energy_error: f64,
+    /// Which of both `energy_percent` is relative to.
+    #[serde(default)]
+    pub energy_reference: EnergyReference,
     /// The tessellation that the run began with.
     pub initial: Option<M>,
     /// The tessellation that the run ended with.

@@ -174,6 +174,7 @@ mod tests {
             movement_percent: 0.0,
             evaluations: 3.5,
             seconds: 0.25,
+            energy_reference: None,
             stage: Default::default(),
         }
     }

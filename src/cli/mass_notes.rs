@@ -1,0 +1,77 @@
+//! Notes about the parts that `chebloyd mass` weighs: repairs, common volume, negative density.
+
+use std::path::PathBuf;
+
+use crate::domain::density_sign::refused_place;
+use crate::domain::tet_mesh::TetSolid;
+use crate::domain::tri_surface::solid::SurfaceSolid;
+use crate::geometry::bounds::Bounds;
+use crate::mass::density::SolidDensity;
+use crate::mass::sign::negative_place;
+use crate::mesh::parts::{SharedVolume, shared_volume};
+use crate::mesh::report::brief;
+use crate::mesh::validate::Solid;
+
+/// What was found in each part, and what they have in common.
+pub(crate) fn notes_of_parts(files: &[PathBuf], solids: &[Solid]) -> Vec<String> {
+    let of_parts = files.iter().zip(solids).flat_map(|(file, solid)| {
+        let notes = solid.notes().into_iter();
+        notes.map(|note| format!("{}: {note}", file.display()))
+    });
+    let mut notes: Vec<String> = of_parts.collect();
+    if let Some(SharedVolume {
+        volume,
+        place,
+        parts,
+    }) = shared_volume(solids)
+    {
+        let names: Vec<_> = parts
+            .iter()
+            .map(|&part| files[part].display().to_string())
+            .collect();
+        let [x, y, z] = place.coords.into();
+        notes.push(format!(
+            "{} overlap: a volume of {} around ({}, {}, {}) counts more than once; cut one of \
+             them with a Boolean difference",
+            names.join(" and "),
+            brief(volume),
+            brief(x),
+            brief(y),
+            brief(z)
+        ));
+    }
+    notes
+}
+
+/// Where densities are negative in parts.
+pub(crate) fn negative_notes(
+    files: &[PathBuf],
+    solids: &[Solid],
+    densities: &[SolidDensity],
+    extent: &Bounds<3>,
+) -> Vec<String> {
+    let parts = files.iter().zip(solids.iter().zip(densities));
+    let notes = parts.filter_map(|(file, (solid, density))| {
+        let note = negative_note(solid, density, extent)?;
+        Some(format!("{}: {note}", file.display()))
+    });
+    notes.collect()
+}
+
+/// Where the density is negative in a part, if it is.
+fn negative_note(solid: &Solid, density: &SolidDensity, extent: &Bounds<3>) -> Option<String> {
+    let (place, value) = match density {
+        SolidDensity::Polynomial(polynomial) => {
+            let shape = match solid {
+                Solid::Surface(closed, _) => SurfaceSolid::new(closed).ok()?,
+                Solid::Tets(sound, _) => TetSolid::new(sound).ok()?.into_boundary(),
+            };
+            refused_place(&shape, polynomial).filter(|(_, value)| *value < 0.0)
+        }
+        _ => negative_place(solid, density, extent),
+    }?;
+    let [x, y, z] = <[f64; 3]>::from(place);
+    Some(format!(
+        "the density is {value} at ({x}, {y}, {z}) in the body; what is negative counts as negative mass"
+    ))
+}
