@@ -87,6 +87,13 @@ impl Arc {
         })
     }
 
+    /// The point in its middle (mm).
+    pub(crate) fn crest(&self) -> Point3<f64> {
+        let (sine, cosine) = self.middle.sin_cos();
+        let [x, y] = [cosine, sine].map(|part| self.radius * part);
+        Point3::new(self.center.x + x, self.center.y + y, self.z)
+    }
+
     /// Its length (mm).
     pub(crate) fn length(&self) -> f64 {
         (self.radius * self.sweep).hypot(self.rise)

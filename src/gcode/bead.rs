@@ -44,6 +44,14 @@ impl Path {
         }
     }
 
+    /// A point in its middle (mm).
+    pub(crate) fn middle(&self) -> Point3<f64> {
+        match self {
+            Self::Line { from, to } => from + (to - from) / 2.0,
+            Self::Arc(arc) => arc.crest(),
+        }
+    }
+
     /// The nozzle's height at its end (mm).
     pub(crate) fn last_z(&self) -> f64 {
         match self {
@@ -101,7 +109,6 @@ fn arc_means(arc: &Arc) -> (Point3<f64>, Matrix3<f64>, Matrix3<f64>) {
     );
     let means = ArcMeans::of(arc.sweep / 2.0);
     let (ee, ff) = (e * e.transpose(), f * f.transpose());
-    let crest = Point3::new(arc.center.x, arc.center.y, arc.z) + e * arc.radius;
     let squared = arc.radius * arc.radius;
     let mut spread = ee * (squared * (means.sag_squared - means.sag * means.sag))
         + ff * (squared * means.sine_squared);
@@ -112,5 +119,5 @@ fn arc_means(arc: &Arc) -> (Point3<f64>, Matrix3<f64>, Matrix3<f64>) {
     spread.m32 += climb.y;
     spread.m33 += arc.rise * arc.rise / 12.0;
     let across = ee * (1.0 - means.sine_squared) + ff * means.sine_squared;
-    (crest - e * (arc.radius * means.sag), spread, across)
+    (arc.crest() - e * (arc.radius * means.sag), spread, across)
 }

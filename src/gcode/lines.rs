@@ -134,10 +134,10 @@ fn line_end(bytes: &[u8]) -> Option<usize> {
     let mut at = 0;
     while let Some(eight) = bytes.get(at..at + 8) {
         let word = u64::from_le_bytes(eight.try_into().ok()?);
-        if has_below_14(word) {
-            if let Some(place) = eight.iter().position(|&byte| is_end(byte)) {
-                return Some(at + place);
-            }
+        if has_below_14(word)
+            && let Some(place) = eight.iter().position(|&byte| is_end(byte))
+        {
+            return Some(at + place);
         }
         at += 8;
     }

@@ -5,7 +5,7 @@ use std::io::{ErrorKind, Read, Seek, SeekFrom};
 
 use nalgebra::Point3;
 
-use crate::gcode::bead::{Bead, Path};
+use crate::gcode::bead::Bead;
 use crate::gcode::comments::{Mark, ObjectMark, argument, foreign_mark, mark, text};
 use crate::gcode::error::{Fault, GcodeError};
 use crate::gcode::labels::{FLUSH, Names, RAFT, START_CODE, UNTYPED, is_part};
@@ -172,7 +172,8 @@ impl Reader {
         match (command.letter, command.number) {
             (b'G', _) => {}
             (b'M', 486) => self.numbered_object(command.rest(line.text)),
-            (b'M', 2 | 18 | 30 | 84) => self.last_end = line.number,
+            // M2 without a line end may be the beginning of M221.
+            (b'M', 2 | 18 | 30 | 84) if !line.end.is_empty() => self.last_end = line.number,
             (b'M', 104) if command.rest(line.text).trim_ascii() == b"S0" => {
                 self.last_end = line.number;
             }
@@ -218,6 +219,7 @@ impl Reader {
                 self.begin();
                 self.layers.begin();
                 self.raft = layer < 0;
+                self.flushing = false;
                 self.present = None;
             }
             Mark::Object(kind, name) => {
@@ -277,7 +279,7 @@ impl Reader {
 
     fn deposit(&mut self, bead: &Bead, number: u64) -> Result<(), GcodeError> {
         let height = self.layers.height(bead.path.last_z());
-        let near = *self.near.get_or_insert_with(|| middle(&bead.path));
+        let near = *self.near.get_or_insert_with(|| bead.path.middle());
         let place = match self.present {
             Some(place) => place,
             None => self.place(number)?,
@@ -409,11 +411,4 @@ fn label(said: Option<&str>, flushing: bool, raft: bool, begun: bool) -> &str {
 /// Whether a command moves the nozzle or sets a register.
 fn moves(command: &Command) -> bool {
     command.letter == b'G' && matches!(command.number, 0..=3 | 92)
-}
-
-fn middle(path: &Path) -> Point3<f64> {
-    match path {
-        Path::Line { from, to } => from + (to - from) / 2.0,
-        Path::Arc(arc) => Point3::new(arc.center.x, arc.center.y, arc.z),
-    }
 }

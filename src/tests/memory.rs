@@ -1,8 +1,9 @@
-//! Memory of a run per site, beyond the sites themselves.
+//! Memory of a run per site, beyond the sites themselves, and of weighing a print.
 //!
 //! Peaks of the heap are compared between two numbers of sites, so that what every thread and every
 //! file takes once cancels.
 
+use std::io::{self, Read, Seek, SeekFrom};
 use std::ops::ControlFlow;
 use std::path::Path;
 use std::process::Command;
@@ -12,6 +13,8 @@ use crate::domain::shape::PieceScratch;
 use crate::export::run::directory::RunDirectory;
 use crate::export::sites::write_csv;
 use crate::export::vtu::{CellGeometry, VtuWriter};
+use crate::gcode::settings::Filament;
+use crate::gcode::weigh::weigh;
 use crate::geometry::shell::Shell;
 use crate::relax::driver::drive;
 use crate::relax::metrics::Metrics;
@@ -124,25 +127,76 @@ fn run(mut sites: Vec<Point3<f64>>, iterations: u64, is_accelerated: bool) -> us
     peak(|| relax(&space, &mut sites, &options, folder.path()))
 }
 
+/// Does `work` in a process of its own, which runs only the test `name`.
+fn alone(name: &str, work: impl FnOnce()) {
+    if std::env::var_os(IS_CHILD).is_some() {
+        return work();
+    }
+    let program = std::env::current_exe().expect("a test has a program");
+    let child = Command::new(program)
+        .args([&format!("tests::memory::{name}"), "--exact", "--nocapture"])
+        .env(IS_CHILD, "1")
+        .output()
+        .expect("the test's program starts");
+    let report = String::from_utf8_lossy(&child.stdout).into_owned();
+    assert!(
+        child.status.success() && report.contains("1 passed"),
+        "{report}"
+    );
+}
+
 #[test]
 fn a_run_takes_little_memory_per_site() {
-    if std::env::var_os(IS_CHILD).is_none() {
-        let program = std::env::current_exe().expect("a test has a program");
-        let name = "tests::memory::a_run_takes_little_memory_per_site";
-        let child = Command::new(program)
-            .args([name, "--exact", "--nocapture"])
-            .env(IS_CHILD, "1")
-            .output()
-            .expect("the test's program starts");
-        let report = String::from_utf8_lossy(&child.stdout).into_owned();
-        assert!(
-            child.status.success() && report.contains("1 passed"),
-            "{report}"
-        );
-        return;
+    alone("a_run_takes_little_memory_per_site", || {
+        for is_accelerated in [false, true] {
+            let bytes = per_site(|side| run(random_sites(side.pow(3), 1), 2, is_accelerated));
+            assert!(bytes <= MOST_PER_SITE, "{bytes} bytes per site");
+        }
+    });
+}
+
+/// A text that begins again and again.
+struct Repeated {
+    text: &'static [u8],
+    times: u64,
+    at: u64,
+}
+
+impl Read for Repeated {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let length = self.text.len() as u64;
+        if self.at == self.times * length {
+            return Ok(0);
+        }
+        let rest = &self.text[(self.at % length) as usize..];
+        let count = rest.len().min(buffer.len());
+        buffer[..count].copy_from_slice(&rest[..count]);
+        self.at += count as u64;
+        Ok(count)
     }
-    for is_accelerated in [false, true] {
-        let bytes = per_site(|side| run(random_sites(side.pow(3), 1), 2, is_accelerated));
-        assert!(bytes <= MOST_PER_SITE, "{bytes} bytes per site");
+}
+
+impl Seek for Repeated {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        let SeekFrom::Start(at) = to else {
+            return Err(io::ErrorKind::Unsupported.into());
+        };
+        self.at = at;
+        Ok(at)
     }
+}
+
+#[test]
+fn weighing_a_print_takes_no_memory_per_line() {
+    let weigh_copies = |times| {
+        let text = include_bytes!("../../tests/cases/gcode/bar-cura.gcode");
+        let at = 0;
+        let mut print = Repeated { text, times, at };
+        peak(|| drop(weigh(&mut print, Filament::default()).unwrap()))
+    };
+    alone("weighing_a_print_takes_no_memory_per_line", || {
+        let (once, often) = (weigh_copies(1), weigh_copies(20));
+        assert_eq!(once, often, "bytes");
+        assert!(once < 1_000_000, "{once} bytes");
+    });
 }

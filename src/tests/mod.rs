@@ -9,6 +9,8 @@ mod energy;
 mod export;
 mod fragments;
 mod frames;
+mod gcode;
+mod gcode_rewrite;
 mod geometry;
 mod integrals;
 mod linf;
