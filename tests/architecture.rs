@@ -14,7 +14,7 @@ const MAY_IMPORT: [(&str, &[&str]); 14] = [
     ("mass", &["geometry", "integrals", "mesh"]),
     ("voronoi", &["geometry", "domain", "integrals"]),
     ("energy", &["geometry", "integrals", "minimize"]),
-    ("complex", &["geometry", "domain", "voronoi"]),
+    ("complex", &["geometry", "mesh", "domain", "voronoi"]),
     (
         "relax",
         &[
@@ -30,13 +30,13 @@ const MAY_IMPORT: [(&str, &[&str]); 14] = [
         "scene",
         &["geometry", "domain", "mesh", "relax", "integrals"],
     ),
-    ("export", &["geometry", "relax"]),
+    ("export", &["geometry", "mesh", "complex", "relax"]),
     ("plot", &["geometry", "relax"]),
     (
         "cli",
         &[
-            "geometry", "mesh", "domain", "mass", "voronoi", "energy", "relax", "scene", "export",
-            "plot",
+            "geometry", "mesh", "complex", "domain", "mass", "voronoi", "energy", "relax", "scene",
+            "export", "plot",
         ],
     ),
 ];

@@ -10,6 +10,8 @@ pub(crate) mod failure;
 pub(crate) mod fragments;
 pub(crate) mod mass;
 pub(crate) mod measure;
+pub(crate) mod mesh;
+pub(crate) mod mesh_report;
 pub(crate) mod options;
 pub(crate) mod plot;
 pub(crate) mod relax;

@@ -13,6 +13,7 @@ pub mod edges;
 pub mod formats;
 pub(crate) mod nesting;
 pub(crate) mod orient;
+pub(crate) mod poly_mesh;
 pub mod polygon;
 pub(crate) mod repair;
 pub mod report;
