@@ -15,7 +15,7 @@ const MAY_IMPORT: [(&str, &[&str]); 15] = [
     ("gcode", &["geometry"]),
     ("voronoi", &["geometry", "domain", "integrals"]),
     ("energy", &["geometry", "integrals", "minimize"]),
-    ("complex", &["geometry", "domain", "voronoi"]),
+    ("complex", &["geometry", "mesh", "domain", "voronoi"]),
     (
         "relax",
         &[
@@ -31,13 +31,13 @@ const MAY_IMPORT: [(&str, &[&str]); 15] = [
         "scene",
         &["geometry", "domain", "mesh", "relax", "integrals"],
     ),
-    ("export", &["geometry", "relax"]),
+    ("export", &["geometry", "mesh", "complex", "relax"]),
     ("plot", &["geometry", "relax"]),
     (
         "cli",
         &[
-            "geometry", "mesh", "domain", "mass", "gcode", "voronoi", "energy", "relax", "scene",
-            "export", "plot",
+            "geometry", "mesh", "complex", "domain", "mass", "gcode", "voronoi", "energy", "relax",
+            "scene", "export", "plot",
         ],
     ),
 ];

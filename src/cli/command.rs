@@ -7,7 +7,7 @@ use clap::{CommandFactory, Parser, Subcommand};
 
 use crate::cli::failure::Failure;
 use crate::cli::options::Common;
-use crate::cli::{bench, cpu_features, describe, fragments, mass, measure, plot, relax};
+use crate::cli::{bench, cpu_features, describe, fragments, mass, measure, mesh, plot, relax};
 
 /// Relaxes point sets under the Chebyshev norm until their Voronoi cells are near-cubic.
 ///
@@ -26,6 +26,7 @@ enum Command {
     Relax(relax::RelaxOptions),
     Measure(measure::MeasureOptions),
     Mass(mass::MassOptions),
+    Mesh(mesh::MeshOptions),
     Plot(plot::PlotOptions),
     Fragments(fragments::FragmentsOptions),
     Bench(bench::BenchOptions),
@@ -58,6 +59,7 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
         Command::Relax(options) => relax::run(options, common),
         Command::Measure(options) => measure::run(options),
         Command::Mass(options) => mass::run(options),
+        Command::Mesh(options) => mesh::run(options, common),
         Command::Plot(options) => plot::run(options, common),
         Command::Fragments(options) => fragments::run(options, common),
         Command::Bench(options) => bench::run(options, common.threads),

@@ -13,6 +13,8 @@ pub(crate) mod mass_gcode;
 pub(crate) mod mass_notes;
 pub(crate) mod mass_report;
 pub(crate) mod measure;
+pub(crate) mod mesh;
+pub(crate) mod mesh_report;
 pub(crate) mod options;
 pub(crate) mod plot;
 pub(crate) mod relax;

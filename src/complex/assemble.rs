@@ -8,11 +8,11 @@ use thiserror::Error;
 
 use crate::complex::cell_surface::CellSurface;
 use crate::complex::identify::{NumberedVertices, RESOLUTION};
-use crate::complex::loops::{CellLoops, Corner, merge, numbered_loops, straighten};
-use crate::complex::poly_mesh::{MeshPatch, PolyMesh};
+use crate::complex::loops::{CellLoops, LoopCorner, merge, numbered_loops, straighten};
 use crate::complex::vertex_key::{NO_SHIFT, Shift};
 use crate::domain::facet_kind::FacetKind;
 use crate::domain::shape::PieceScratch;
+use crate::mesh::poly_mesh::{MeshPatch, PolyMesh};
 use crate::voronoi::diagram::{Diagram, DiagramError};
 
 /// How often vertices that some cells have and others do not are merged with the nearest.
@@ -52,7 +52,7 @@ pub(crate) enum AssembleError {
 
 /// What a patch's faces border on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum Border {
+enum FaceBorder {
     Wall(u32),
     Image(Shift),
 }
@@ -145,7 +145,7 @@ fn disputes(cells: &[CellLoops]) -> Vec<Dispute> {
                     .push(least_first(corners));
             }
         }
-        let compare = move |((site, image), mut mine): ((u32, Shift), Vec<Vec<Corner>>)| {
+        let compare = move |((site, image), mut mine): ((u32, Shift), Vec<Vec<LoopCorner>>)| {
             let mut theirs = seen_from(&cells[site as usize], cell as u32, image);
             mine.sort_unstable();
             theirs.sort_unstable();
@@ -160,10 +160,10 @@ fn disputes(cells: &[CellLoops]) -> Vec<Dispute> {
 }
 
 /// Loops by the neighbor and its image.
-type BorderLoops = BTreeMap<(u32, Shift), Vec<Vec<Corner>>>;
+type BorderLoops = BTreeMap<(u32, Shift), Vec<Vec<LoopCorner>>>;
 
 /// The loops of `other`'s facets towards `cell`, as they look from there: `other` is at `image`.
-fn seen_from(other: &CellLoops, cell: u32, image: Shift) -> Vec<Vec<Corner>> {
+fn seen_from(other: &CellLoops, cell: u32, image: Shift) -> Vec<Vec<LoopCorner>> {
     let here = FacetKind::Neighbor {
         site: cell,
         image: image.map(|periods| -periods as i8),
@@ -177,15 +177,15 @@ fn seen_from(other: &CellLoops, cell: u32, image: Shift) -> Vec<Vec<Corner>> {
 }
 
 /// The same loop from its least corner on.
-fn least_first(corners: &[Corner]) -> Vec<Corner> {
+fn least_first(corners: &[LoopCorner]) -> Vec<LoopCorner> {
     let least = (0..corners.len()).min_by_key(|&place| corners[place]);
     let (before, after) = corners.split_at(least.unwrap_or(0));
     [after, before].concat()
 }
 
 /// The vertices that are in one list only; all if a list is empty or both have the same.
-fn one_sided(mine: &[Corner], theirs: &[Corner]) -> Vec<u32> {
-    let only = |one: &[Corner], other: &[Corner]| -> Vec<u32> {
+fn one_sided(mine: &[LoopCorner], theirs: &[LoopCorner]) -> Vec<u32> {
+    let only = |one: &[LoopCorner], other: &[LoopCorner]| -> Vec<u32> {
         let lacking = one.iter().filter(|corner| !other.contains(corner));
         lacking.map(|corner| corner.number()).collect()
     };
@@ -202,8 +202,8 @@ fn nearest(
     disputes: &[Dispute],
     positions: &[Point3<f64>],
     periods: &Vector3<f64>,
-) -> HashMap<u32, Corner> {
-    let mut targets: HashMap<u32, Corner> = HashMap::new();
+) -> HashMap<u32, LoopCorner> {
+    let mut targets: HashMap<u32, LoopCorner> = HashMap::new();
     let mut taken: HashSet<u32> = HashSet::new();
     for dispute in disputes {
         let edges = dispute.cells.iter().flat_map(|&cell| {
@@ -213,7 +213,7 @@ fn nearest(
             })
         });
         let touched = edges.filter(|(from, _)| dispute.vertices.contains(&from.number()));
-        let length = |(from, to): &(Corner, Corner)| {
+        let length = |(from, to): &(LoopCorner, LoopCorner)| {
             let [from, to] = [from, to].map(|corner| corner.position(positions, periods));
             (from - to).norm_squared()
         };
@@ -236,12 +236,12 @@ struct MeshBuilder {
     /// The points of vertices at shift zero.
     numbers: Vec<u32>,
     /// The points of all others.
-    shifted: HashMap<Corner, u32>,
+    shifted: HashMap<LoopCorner, u32>,
     mesh: PolyMesh,
 }
 
 /// A face that borders on a wall or on the image of a cell.
-type BorderFace<'a> = (u32, u32, &'a [Corner]);
+type BorderFace<'a> = (u32, u32, &'a [LoopCorner]);
 
 impl MeshBuilder {
     const UNUSED: u32 = u32::MAX;
@@ -258,18 +258,18 @@ impl MeshBuilder {
 
     fn build(mut self, cells: &[CellLoops], wall_name: &dyn Fn(u32) -> String) -> PolyMesh {
         self.mesh.cell_count = cells.len();
-        let mut borders: BTreeMap<Border, Vec<BorderFace<'_>>> = BTreeMap::new();
+        let mut borders: BTreeMap<FaceBorder, Vec<BorderFace<'_>>> = BTreeMap::new();
         for (cell, loops) in (0..).zip(cells) {
             let mut inner = Vec::new();
             for (label, corners) in loops.facets() {
                 let (border, other) = match FacetKind::of(label) {
                     FacetKind::Neighbor { site, image } => {
-                        (Border::Image(image.map(i16::from)), site)
+                        (FaceBorder::Image(image.map(i16::from)), site)
                     }
-                    FacetKind::Wall(number) => (Border::Wall(number), 0),
+                    FacetKind::Wall(number) => (FaceBorder::Wall(number), 0),
                     FacetKind::Inner => continue,
                 };
-                if border != Border::Image(NO_SHIFT) {
+                if border != FaceBorder::Image(NO_SHIFT) {
                     let faces = borders.entry(border).or_default();
                     faces.push((cell, other, corners));
                 } else if other > cell {
@@ -284,9 +284,9 @@ impl MeshBuilder {
         }
         for (border, faces) in borders {
             match border {
-                Border::Wall(number) => self.push_wall(wall_name(number), &faces),
-                Border::Image(image) if image > NO_SHIFT => self.push_pair(image, faces),
-                Border::Image(_) => {}
+                FaceBorder::Wall(number) => self.push_wall(wall_name(number), &faces),
+                FaceBorder::Image(image) if image > NO_SHIFT => self.push_pair(image, faces),
+                FaceBorder::Image(_) => {}
             }
         }
         self.mesh
@@ -329,14 +329,14 @@ impl MeshBuilder {
         });
     }
 
-    fn push_face(&mut self, owner: u32, corners: impl Iterator<Item = Corner>) {
+    fn push_face(&mut self, owner: u32, corners: impl Iterator<Item = LoopCorner>) {
         let points: Vec<u32> = corners.map(|corner| self.point(corner)).collect();
         self.mesh.push_corners(points);
         self.mesh.owner.push(owner);
     }
 
     /// The point of a corner, numbered on its first use.
-    fn point(&mut self, corner: Corner) -> u32 {
+    fn point(&mut self, corner: LoopCorner) -> u32 {
         let number = match corner.shift() {
             NO_SHIFT => &mut self.numbers[corner.number() as usize],
             _ => self.shifted.entry(corner).or_insert(Self::UNUSED),

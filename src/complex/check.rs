@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use rayon::prelude::*;
 use thiserror::Error;
 
-use crate::complex::poly_mesh::{CellFaces, PolyMesh};
+use crate::mesh::poly_mesh::{CellFaces, PolyMesh};
 
 /// Why a mesh is not sound. Numbers count from zero.
 #[derive(Clone, Debug, Error, PartialEq)]

@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 
 use nalgebra::Vector3;
 
-use crate::complex::poly_mesh::{CellFaces, PolyMesh};
+use crate::mesh::poly_mesh::{CellFaces, PolyMesh};
 
 /// The shape of a cell by its faces, its points in VTK's order but for polyhedra.
 #[derive(Clone, Debug, PartialEq, Eq)]

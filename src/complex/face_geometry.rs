@@ -7,7 +7,7 @@
 use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
 
-use crate::complex::poly_mesh::{CellFaces, PolyMesh};
+use crate::mesh::poly_mesh::{CellFaces, PolyMesh};
 
 /// Areas below this (L²) count as none (`ROOTVSMALL`).
 pub(crate) const NO_AREA: f64 = 1e-150;

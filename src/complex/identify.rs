@@ -18,7 +18,7 @@ use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
 
 use crate::complex::cell_surface::CellSurface;
-use crate::complex::shifted_union::{Place, ShiftedUnion};
+use crate::complex::shifted_union::{ShiftedNumber, ShiftedUnion};
 use crate::complex::vertex_key::{NO_SHIFT, Shift, VertexKey, difference, displacement};
 use crate::domain::facet_kind::FacetKind;
 
@@ -34,14 +34,14 @@ pub(crate) struct NumberedVertices {
     /// Per cell: where its vertices begin in `places`.
     starts: Vec<usize>,
     /// The number of every vertex of every cell, and the shift at which the cell sees it.
-    places: Vec<Place>,
+    places: Vec<ShiftedNumber>,
 }
 
 impl NumberedVertices {
     /// Numbers the vertices of `cells`, which repeat themselves by `periods`.
     #[must_use]
     pub(crate) fn new(cells: &[CellSurface], periods: &Vector3<f64>, resolution: f64) -> Self {
-        let reports = Reports::new(cells);
+        let reports = VertexReports::new(cells);
         let mut numbered = Numbering::default();
         numbered.number(cells, &reports, periods, resolution);
         let mut classes = ShiftedUnion::new(numbered.positions.len());
@@ -67,23 +67,23 @@ impl NumberedVertices {
     /// The number of a cell's vertex, and the shift at which the cell sees it.
     #[inline]
     #[must_use]
-    pub(crate) fn of(&self, cell: usize, vertex: u32) -> Place {
+    pub(crate) fn of(&self, cell: usize, vertex: u32) -> ShiftedNumber {
         self.places[self.starts[cell] + vertex as usize]
     }
 }
 
 /// A vertex of a cell by its key: cell and place in the cell.
-type Report = (VertexKey, u32, u32);
+type VertexReport = (VertexKey, u32, u32);
 
 /// The vertices of all cells.
-struct Reports {
+struct VertexReports {
     /// Sorted by key, then by cell.
-    sorted: Vec<Report>,
+    sorted: Vec<VertexReport>,
     /// Per cell: how many vertices are in the cells before it.
     starts: Vec<usize>,
 }
 
-impl Reports {
+impl VertexReports {
     fn new(cells: &[CellSurface]) -> Self {
         let mut total = 0;
         let start = |cell: &CellSurface| {
@@ -91,7 +91,7 @@ impl Reports {
             total - cell.vertices.len()
         };
         let starts: Vec<usize> = cells.iter().map(start).collect();
-        let mut sorted: Vec<Report> = Vec::with_capacity(total);
+        let mut sorted: Vec<VertexReport> = Vec::with_capacity(total);
         sorted.par_extend(cells.par_iter().enumerate().flat_map_iter(|(place, cell)| {
             let key = move |(vertex, at)| (cell.key(at).0, place as u32, vertex as u32);
             cell.vertices.iter().enumerate().map(key)
@@ -100,7 +100,7 @@ impl Reports {
         Self { sorted, starts }
     }
 
-    fn groups(&self) -> impl Iterator<Item = &[Report]> {
+    fn groups(&self) -> impl Iterator<Item = &[VertexReport]> {
         self.sorted.chunk_by(|one, other| one.0 == other.0)
     }
 }
@@ -115,14 +115,14 @@ struct Numbering {
     reaches: Vec<f64>,
     sightings: Vec<usize>,
     /// The number of every vertex of every cell, and the shift at which the cell sees it.
-    places: Vec<Place>,
+    places: Vec<ShiftedNumber>,
 }
 
 impl Numbering {
     fn number(
         &mut self,
         cells: &[CellSurface],
-        reports: &Reports,
+        reports: &VertexReports,
         periods: &Vector3<f64>,
         resolution: f64,
     ) {
@@ -170,7 +170,7 @@ impl Numbering {
         self.sightings[number] != self.keys[number].site_count()
     }
 
-    fn reach(&self, one: Place, other: Place) -> f64 {
+    fn reach(&self, one: ShiftedNumber, other: ShiftedNumber) -> f64 {
         let [one, other] = [one, other].map(|(number, _)| self.reaches[number as usize]);
         one.min(other)
     }
@@ -179,9 +179,9 @@ impl Numbering {
 /// The ends of all edges shorter than the lesser reach of their ends, cell by cell.
 fn short_edges(
     cells: &[CellSurface],
-    reports: &Reports,
+    reports: &VertexReports,
     numbered: &Numbering,
-) -> Vec<(Place, Place)> {
+) -> Vec<(ShiftedNumber, ShiftedNumber)> {
     let edges = cells
         .par_iter()
         .enumerate()
@@ -207,10 +207,10 @@ type FaceId = (u32, u32, Shift);
 /// Pairs of disputed vertices that two cells give their common face in one place.
 fn common_corners(
     cells: &[CellSurface],
-    reports: &Reports,
+    reports: &VertexReports,
     numbered: &Numbering,
     periods: &Vector3<f64>,
-) -> Vec<(Place, Place)> {
+) -> Vec<(ShiftedNumber, ShiftedNumber)> {
     let entries = cells
         .par_iter()
         .enumerate()
@@ -225,16 +225,17 @@ fn common_corners(
                 corners.into_iter().flatten()
             })
         });
-    let mut entries: Vec<(FaceId, Place)> = entries.collect();
+    let mut entries: Vec<(FaceId, ShiftedNumber)> = entries.collect();
     entries.par_sort_unstable();
     entries.dedup();
-    let position =
-        |(number, shift): Place| numbered.positions[number as usize] + displacement(shift, periods);
+    let position = |(number, shift): ShiftedNumber| {
+        numbered.positions[number as usize] + displacement(shift, periods)
+    };
     let mut pairs = Vec::new();
     for face in entries.chunk_by(|one, other| one.0 == other.0) {
         for (place, &(_, one)) in face.iter().enumerate() {
             let others = face[place + 1..].iter().map(|&(_, other)| other);
-            let is_near = |other: &Place| {
+            let is_near = |other: &ShiftedNumber| {
                 (position(one) - position(*other)).norm() <= numbered.reach(one, *other)
             };
             pairs.extend(others.filter(is_near).map(|other| (one, other)));
@@ -245,7 +246,7 @@ fn common_corners(
 
 /// The face that a cell's facet is, and where its first cell sees a vertex that this one sees at
 /// `place`.
-fn face_corner(cell: u32, facet: u64, place: Place) -> Option<(FaceId, Place)> {
+fn face_corner(cell: u32, facet: u64, place: ShiftedNumber) -> Option<(FaceId, ShiftedNumber)> {
     let FacetKind::Neighbor { site, image } = FacetKind::of(facet) else {
         return None;
     };

@@ -16,12 +16,12 @@ use crate::geometry::label::Label;
 
 /// A vertex where a cell sees it: its number, and in the bits above 32 its shift.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub(crate) struct Corner(u64);
+pub(crate) struct LoopCorner(u64);
 
 /// Added to every component of a shift, so that it is a positive number of 10 bits.
 const BIAS: i16 = 512;
 
-impl Corner {
+impl LoopCorner {
     /// The corner at vertex `number`, shifted.
     #[must_use]
     pub(crate) fn new(number: u32, shift: Shift) -> Self {
@@ -67,12 +67,12 @@ impl Corner {
 pub(crate) struct CellLoops {
     /// The label and the end in `corners` of every facet.
     facets: Vec<(Label, u32)>,
-    corners: Vec<Corner>,
+    corners: Vec<LoopCorner>,
 }
 
 impl CellLoops {
     /// The facets: labels and loops, counter-clockwise from outside.
-    pub(crate) fn facets(&self) -> impl Iterator<Item = (Label, &[Corner])> {
+    pub(crate) fn facets(&self) -> impl Iterator<Item = (Label, &[LoopCorner])> {
         let mut start = 0;
         self.facets.iter().map(move |&(label, end)| {
             let corners = &self.corners[start as usize..end as usize];
@@ -82,7 +82,7 @@ impl CellLoops {
     }
 
     /// The facets with new corners, without those that have fewer than three.
-    fn mapped(&self, mut corner: impl FnMut(Corner) -> Option<Corner>) -> Self {
+    fn mapped(&self, mut corner: impl FnMut(LoopCorner) -> Option<LoopCorner>) -> Self {
         let mut mapped = Self::default();
         let mut ring = Vec::new();
         for (label, corners) in self.facets() {
@@ -95,7 +95,7 @@ impl CellLoops {
 
     /// Adds a facet, shortened to what encloses an area, if anything does. A loop that touches itself
     /// in a vertex becomes two.
-    fn push(&mut self, label: Label, ring: &mut Vec<Corner>) {
+    fn push(&mut self, label: Label, ring: &mut Vec<LoopCorner>) {
         shorten(ring);
         if ring.len() < 3 {
             return;
@@ -103,7 +103,7 @@ impl CellLoops {
         let again = |place: &usize| ring[..*place].contains(&ring[*place]);
         if let Some(second) = (0..ring.len()).find(again) {
             let first = ring.iter().position(|&corner| corner == ring[second]);
-            let mut part: Vec<Corner> = ring.drain(first.unwrap_or(0)..second).collect();
+            let mut part: Vec<LoopCorner> = ring.drain(first.unwrap_or(0)..second).collect();
             self.push(label, &mut part);
             return self.push(label, ring);
         }
@@ -113,7 +113,7 @@ impl CellLoops {
 }
 
 /// Removes repetitions (a a) and spikes (a b a) from a closed loop.
-fn shorten(ring: &mut Vec<Corner>) {
+fn shorten(ring: &mut Vec<LoopCorner>) {
     let mut kept = 0;
     for place in 0..ring.len() {
         let corner = ring[place];
@@ -155,7 +155,7 @@ pub(crate) fn numbered_loops(cells: &[CellSurface], vertices: &NumberedVertices)
             ring.clear();
             ring.extend(corners.iter().map(|&vertex| {
                 let (number, shift) = vertices.of(cell, vertex);
-                Corner::new(number, shift)
+                LoopCorner::new(number, shift)
             }));
             loops.push(label, &mut ring);
         }
@@ -171,7 +171,7 @@ pub(crate) fn straighten(cells: &mut [CellLoops], count: usize) {
         if !edges.any_straight() {
             return;
         }
-        let keep = |corner: Corner| (!edges.is_straight(corner)).then_some(corner);
+        let keep = |corner: LoopCorner| (!edges.is_straight(corner)).then_some(corner);
         cells
             .par_iter_mut()
             .for_each(|cell| *cell = cell.mapped(keep));
@@ -180,7 +180,7 @@ pub(crate) fn straighten(cells: &mut [CellLoops], count: usize) {
 
 /// The other ends of every vertex's edges, two at most, and whether there are more.
 struct EdgeEnds {
-    ends: Vec<[Option<Corner>; 2]>,
+    ends: Vec<[Option<LoopCorner>; 2]>,
     is_branching: Vec<bool>,
 }
 
@@ -200,7 +200,7 @@ impl EdgeEnds {
         all
     }
 
-    fn add(&mut self, from: Corner, to: Corner) {
+    fn add(&mut self, from: LoopCorner, to: LoopCorner) {
         let number = from.number() as usize;
         if self.is_branching[number] {
             return;
@@ -214,7 +214,7 @@ impl EdgeEnds {
         self.is_branching[number] = true;
     }
 
-    fn is_straight(&self, corner: Corner) -> bool {
+    fn is_straight(&self, corner: LoopCorner) -> bool {
         let number = corner.number() as usize;
         !self.is_branching[number] && self.ends[number][1].is_some()
     }
@@ -227,8 +227,8 @@ impl EdgeEnds {
 }
 
 /// Makes one vertex of each of the pairs, the second where the first was.
-pub(crate) fn merge(cells: &mut [CellLoops], pairs: &HashMap<u32, Corner>) {
-    let moved = |corner: Corner| {
+pub(crate) fn merge(cells: &mut [CellLoops], pairs: &HashMap<u32, LoopCorner>) {
+    let moved = |corner: LoopCorner| {
         let target = pairs.get(&corner.number());
         Some(target.map_or(corner, |target| target.shifted(corner.shift())))
     };
@@ -243,7 +243,10 @@ mod tests {
     use crate::complex::vertex_key::NO_SHIFT;
 
     fn shortened(numbers: &[u32]) -> Vec<u32> {
-        let mut ring: Vec<Corner> = numbers.iter().map(|&n| Corner::new(n, NO_SHIFT)).collect();
+        let mut ring: Vec<LoopCorner> = numbers
+            .iter()
+            .map(|&n| LoopCorner::new(n, NO_SHIFT))
+            .collect();
         shorten(&mut ring);
         ring.iter().map(|corner| corner.number()).collect()
     }
@@ -260,7 +263,7 @@ mod tests {
 
     #[test]
     fn shifts_are_kept_with_their_signs() {
-        let corner = Corner::new(9, [-3, 0, 200]);
+        let corner = LoopCorner::new(9, [-3, 0, 200]);
         assert_eq!((corner.number(), corner.shift()), (9, [-3, 0, 200]));
         assert_eq!(corner.shifted([3, 1, -200]).shift(), [0, 1, 0]);
         assert_eq!(corner.relative_to(corner).shift(), NO_SHIFT);

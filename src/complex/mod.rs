@@ -3,7 +3,7 @@
 //! A cell on its own is exact, but it knows nothing of the others: neighbors compute their common
 //! vertices anew. Here vertices get an identity, the planes that meet in them ([`vertex_key`]).
 //! [`cell_surface`] lists a cell's boundary by its planes, [`identify`] numbers the vertices of all
-//! cells, [`loops`] removes what rounding alone made, [`assemble`] pairs faces into a [`poly_mesh`],
+//! cells, [`loops`] removes what rounding alone made, [`assemble`] pairs faces into a mesh,
 //! and [`check`] tests it. [`face_geometry`] and [`quality`] measure by the definitions of
 //! OpenFOAM's `checkMesh`, [`element`] recognizes hexahedra, prisms, pyramids and tetrahedra.
 
@@ -14,7 +14,6 @@ pub(crate) mod element;
 pub(crate) mod face_geometry;
 pub(crate) mod identify;
 pub(crate) mod loops;
-pub(crate) mod poly_mesh;
 pub(crate) mod quality;
 pub(crate) mod shifted_union;
 pub(crate) mod vertex_key;

@@ -7,7 +7,7 @@ use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
 
 use crate::complex::face_geometry::{MeshGeometry, NO_AREA};
-use crate::complex::poly_mesh::{CellFaces, PolyMesh};
+use crate::mesh::poly_mesh::{CellFaces, PolyMesh};
 
 /// The sum of a cell's areas may be this share of their sizes (`closedThreshold_`).
 const CLOSED: f64 = 1e-6;

@@ -5,13 +5,13 @@ use nalgebra::{Point3, Vector3};
 use crate::complex::vertex_key::{NO_SHIFT, Shift, difference, displacement, sum};
 
 /// A number, and the shift by whole periods at which it is seen.
-pub(crate) type Place = (u32, Shift);
+pub(crate) type ShiftedNumber = (u32, Shift);
 
 /// Classes of numbers that are one place; a number stands at a shift from the first of its class.
 #[derive(Debug)]
 pub(crate) struct ShiftedUnion {
     /// Per number: a lower one of its class, or itself, and the shift from there.
-    above: Vec<Place>,
+    above: Vec<ShiftedNumber>,
 }
 
 impl ShiftedUnion {
@@ -26,7 +26,7 @@ impl ShiftedUnion {
 
     /// The first of the class of a place's number, and the shift at which that stands there.
     #[must_use]
-    pub(crate) fn resolved(&self, place: Place) -> Place {
+    pub(crate) fn resolved(&self, place: ShiftedNumber) -> ShiftedNumber {
         let (mut number, mut shift) = place;
         loop {
             let (above, by) = self.above[number as usize];
@@ -38,7 +38,7 @@ impl ShiftedUnion {
     }
 
     /// Makes one of two places.
-    pub(crate) fn unite(&mut self, one: Place, other: Place) {
+    pub(crate) fn unite(&mut self, one: ShiftedNumber, other: ShiftedNumber) {
         let [one, other] = [one, other].map(|place| self.resolved(place));
         let (low, high) = if one.0 <= other.0 {
             (one, other)

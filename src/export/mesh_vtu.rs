@@ -8,8 +8,8 @@ use std::io::{self, Write};
 use std::path::Path;
 
 use crate::complex::element::Element;
-use crate::complex::poly_mesh::{CellFaces, PolyMesh};
 use crate::export::atomic_write;
+use crate::mesh::poly_mesh::{CellFaces, PolyMesh};
 
 /// Numbers for every cell.
 #[derive(Clone, Debug, PartialEq)]
@@ -38,7 +38,11 @@ pub(crate) fn write_mesh(
         "Points",
         "Float64",
         "Points".to_owned(),
-        real_bytes(mesh.points.iter().flat_map(|point| [point.x, point.y, point.z])),
+        real_bytes(
+            mesh.points
+                .iter()
+                .flat_map(|point| [point.x, point.y, point.z]),
+        ),
     )];
     arrays.extend(cell_arrays(mesh, standard));
     for (name, column) in columns {
@@ -81,7 +85,8 @@ fn cell_arrays(mesh: &PolyMesh, standard: bool) -> Vec<FileArray> {
         types.push(kind);
         stream_ends.push(if kind == 42 { streams.len() as i64 } else { -1 });
     }
-    let integers = |name: &str, all: &[i64]| ("Cells", "Int64", name.to_owned(), integer_bytes(all));
+    let integers =
+        |name: &str, all: &[i64]| ("Cells", "Int64", name.to_owned(), integer_bytes(all));
     let mut arrays = vec![
         integers("connectivity", &points),
         integers("offsets", &offsets),
@@ -100,12 +105,7 @@ fn vtk_prism([a, b, c, d, e, f]: [u32; 6]) -> [u32; 6] {
 }
 
 /// Adds a polyhedron's faces, each as seen from outside, and returns its points in ascending order.
-fn push_stream(
-    mesh: &PolyMesh,
-    faces: &CellFaces,
-    cell: usize,
-    stream: &mut Vec<i64>,
-) -> Vec<u32> {
+fn push_stream(mesh: &PolyMesh, faces: &CellFaces, cell: usize, stream: &mut Vec<i64>) -> Vec<u32> {
     let mut points = Vec::new();
     stream.push(faces.of(cell).len() as i64);
     for (face, is_owner) in faces.of(cell) {

@@ -9,8 +9,8 @@ use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
 
-use crate::complex::poly_mesh::{MeshPatch, PolyMesh};
 use crate::export::atomic_write;
+use crate::mesh::poly_mesh::{MeshPatch, PolyMesh};
 
 /// The files of a mesh, relative to the case.
 pub(crate) const MESH_FILES: [&str; 5] = [
@@ -45,27 +45,51 @@ pub(crate) fn write_case(folder: &Path, mesh: &PolyMesh) -> Result<(), CaseError
         mesh.face_count(),
         mesh.neighbor.len()
     );
-    write_list(folder, points, ("vectorField", ""), mesh.points.len(), |point, text| {
-        let [x, y, z] = mesh.points[point].into();
-        writeln!(text, "({x:e} {y:e} {z:e})")
-    })?;
-    write_list(folder, faces, ("faceList", ""), mesh.face_count(), |face, text| {
-        let corners = mesh.face(face);
-        write!(text, "{}(", corners.len())?;
-        for (place, corner) in corners.iter().enumerate() {
-            write!(text, "{}{corner}", if place > 0 { " " } else { "" })?;
-        }
-        writeln!(text, ")")
-    })?;
-    write_list(folder, owner, ("labelList", &note), mesh.owner.len(), |face, text| {
-        writeln!(text, "{}", mesh.owner[face])
-    })?;
-    write_list(folder, neighbor, ("labelList", &note), mesh.neighbor.len(), |face, text| {
-        writeln!(text, "{}", mesh.neighbor[face])
-    })?;
-    write_list(folder, boundary, ("polyBoundaryMesh", ""), mesh.patches.len(), |patch, text| {
-        write_patch(&mesh.patches[patch], &mesh.patches, text)
-    })?;
+    write_list(
+        folder,
+        points,
+        ("vectorField", ""),
+        mesh.points.len(),
+        |point, text| {
+            let [x, y, z] = mesh.points[point].into();
+            writeln!(text, "({x:?} {y:?} {z:?})")
+        },
+    )?;
+    write_list(
+        folder,
+        faces,
+        ("faceList", ""),
+        mesh.face_count(),
+        |face, text| {
+            let corners = mesh.face(face);
+            write!(text, "{}(", corners.len())?;
+            for (place, corner) in corners.iter().enumerate() {
+                write!(text, "{}{corner}", if place > 0 { " " } else { "" })?;
+            }
+            writeln!(text, ")")
+        },
+    )?;
+    write_list(
+        folder,
+        owner,
+        ("labelList", &note),
+        mesh.owner.len(),
+        |face, text| writeln!(text, "{}", mesh.owner[face]),
+    )?;
+    write_list(
+        folder,
+        neighbor,
+        ("labelList", &note),
+        mesh.neighbor.len(),
+        |face, text| writeln!(text, "{}", mesh.neighbor[face]),
+    )?;
+    write_list(
+        folder,
+        boundary,
+        ("polyBoundaryMesh", ""),
+        mesh.patches.len(),
+        |patch, text| write_patch(&mesh.patches[patch], &mesh.patches, text),
+    )?;
     write_system(folder)
 }
 
@@ -80,7 +104,9 @@ fn write_list(
     let chunk = |first: usize| {
         let mut text = Vec::new();
         let entries = first..count.min(first + CHUNK);
-        entries.into_iter().try_for_each(|number| entry(number, &mut text))?;
+        entries
+            .into_iter()
+            .try_for_each(|number| entry(number, &mut text))?;
         Ok(text)
     };
     let firsts: Vec<usize> = (0..count).step_by(CHUNK).collect();
@@ -106,12 +132,18 @@ fn write_file(
     let write = || {
         fs::create_dir_all(folder.join(location))?;
         atomic_write::write(&path, |file| {
-            writeln!(file, "FoamFile\n{{\n    version     2.0;\n    format      ascii;")?;
+            writeln!(
+                file,
+                "FoamFile\n{{\n    version     2.0;\n    format      ascii;"
+            )?;
             writeln!(file, "    class       {class};")?;
             if !note.is_empty() {
                 writeln!(file, "    note        \"{note}\";")?;
             }
-            writeln!(file, "    location    \"{location}\";\n    object      {object};\n}}\n")?;
+            writeln!(
+                file,
+                "    location    \"{location}\";\n    object      {object};\n}}\n"
+            )?;
             content(file)
         })
     };
@@ -122,14 +154,29 @@ fn write_file(
 }
 
 fn write_patch(patch: &MeshPatch, all: &[MeshPatch], text: &mut Vec<u8>) -> io::Result<()> {
-    let kind = if patch.partner.is_some() { "cyclic" } else { "patch" };
-    writeln!(text, "    {}\n    {{\n        type            {kind};", patch.name)?;
+    let kind = if patch.partner.is_some() {
+        "cyclic"
+    } else {
+        "patch"
+    };
+    writeln!(
+        text,
+        "    {}\n    {{\n        type            {kind};",
+        patch.name
+    )?;
     writeln!(text, "        nFaces          {};", patch.count)?;
     writeln!(text, "        startFace       {};", patch.start)?;
     if let Some((partner, way)) = patch.partner {
         let name = &all[partner].name;
-        writeln!(text, "        matchTolerance  0.0001;\n        transform       translational;")?;
-        writeln!(text, "        separationVector ({:e} {:e} {:e});", way.x, way.y, way.z)?;
+        writeln!(
+            text,
+            "        matchTolerance  0.0001;\n        transform       translational;"
+        )?;
+        writeln!(
+            text,
+            "        separationVector ({:?} {:?} {:?});",
+            way.x, way.y, way.z
+        )?;
         writeln!(text, "        neighbourPatch  {name};")?;
     }
     writeln!(text, "    }}")
@@ -155,7 +202,9 @@ const SYSTEM: [(&str, &str); 3] = [
 fn write_system(folder: &Path) -> Result<(), CaseError> {
     for (name, content) in SYSTEM {
         if !folder.join(name).exists() {
-            write_file(folder, name, "dictionary", "", |file| file.write_all(content.as_bytes()))?;
+            write_file(folder, name, "dictionary", "", |file| {
+                file.write_all(content.as_bytes())
+            })?;
         }
     }
     Ok(())

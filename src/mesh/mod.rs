@@ -17,6 +17,7 @@ pub(crate) mod orient;
 pub(crate) mod overlap;
 #[cfg(feature = "cli")]
 pub(crate) mod parts;
+pub(crate) mod poly_mesh;
 pub mod polygon;
 pub(crate) mod repair;
 pub mod report;

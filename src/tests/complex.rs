@@ -5,7 +5,6 @@ use nalgebra::{Point3, Vector3};
 use crate::complex::assemble::{assemble, assemble_within};
 use crate::complex::element::Element;
 use crate::complex::face_geometry::MeshGeometry;
-use crate::complex::poly_mesh::PolyMesh;
 use crate::complex::quality::MeshQuality;
 use crate::domain::convex::ConvexPolyhedron;
 use crate::domain::cuboid::Cuboid;
@@ -13,6 +12,7 @@ use crate::domain::domain::Domain;
 use crate::domain::shape::DomainShape;
 use crate::geometry::half_space::HalfSpace;
 use crate::geometry::random::Random;
+use crate::mesh::poly_mesh::PolyMesh;
 use crate::voronoi::diagram::Diagram;
 
 fn points(seed: u64, count: usize) -> Vec<Point3<f64>> {

@@ -9,6 +9,7 @@ pub mod medit;
 pub mod mesh;
 pub mod obj;
 pub mod off;
+pub(crate) mod open_foam;
 pub mod ply;
 pub(crate) mod point_data;
 pub mod read;

@@ -43,6 +43,20 @@ impl PolyMesh {
         self.ends.push(self.corners.len());
     }
 
+    /// Multiplies all coordinates by a positive factor.
+    pub(crate) fn scale(&mut self, factor: f64) {
+        for point in &mut self.points {
+            *point *= factor;
+        }
+        for (_, way) in self
+            .patches
+            .iter_mut()
+            .filter_map(|patch| patch.partner.as_mut())
+        {
+            *way *= factor;
+        }
+    }
+
     /// How many faces there are.
     #[must_use]
     pub(crate) fn face_count(&self) -> usize {

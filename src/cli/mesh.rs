@@ -1,0 +1,210 @@
+//! `chebloyd mesh`: the cells of a run as a mesh for solvers, and the quality of any mesh.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use nalgebra::Point3;
+
+use crate::cli::failure::{Failure, print, write_file};
+use crate::cli::mesh_report::{MeshLimit, MeshReport};
+use crate::cli::options::{Common, finite, named, space};
+use crate::cli::run::RunDescription;
+use crate::complex::assemble::assemble;
+use crate::complex::face_geometry::MeshGeometry;
+use crate::export::mesh_vtu::{CellColumn, write_mesh};
+use crate::export::poly_mesh::{MESH_FILES, write_case};
+use crate::mesh::formats::open_foam::load_case;
+use crate::mesh::poly_mesh::PolyMesh;
+use crate::relax::space::Space;
+use crate::scene::description::Scene;
+use crate::scene::domain::SceneDomain;
+use crate::scene::run::energy_spec;
+use crate::scene::site_file;
+use crate::voronoi::diagram::Diagram;
+
+const FORMATS: [(&str, &str); 2] = [
+    ("polymesh", "OpenFOAM's constant/polyMesh, in ASCII"),
+    ("vtu", "mesh.vtu, for ParaView and all readers of VTK files"),
+];
+
+/// Write the cells of a run as a conforming mesh, or measure a mesh
+///
+/// Cells share points, edges and faces. OUT becomes a case of OpenFOAM, with mesh.json: counts by kind
+/// and quality by the definitions of checkMesh.
+#[derive(Debug, Args)]
+pub(crate) struct MeshOptions {
+    /// The directory of a run, as `relax --out` left it
+    #[arg(value_name = "RUN_DIR", required_unless_present = "check")]
+    run: Option<PathBuf>,
+    /// The directory to write into
+    #[arg(long, short, value_name = "OUT", required_unless_present = "check")]
+    output: Option<PathBuf>,
+    /// Measure the polyMesh (ASCII or binary, plain or .gz) in PATH instead
+    #[arg(long, value_name = "PATH", conflicts_with_all = ["run", "output", "to", "scale"])]
+    check: Option<PathBuf>,
+    /// Formats to write
+    #[arg(long, value_name = "FORMAT", value_delimiter = ',', default_value = "polymesh", value_parser = named(&FORMATS))]
+    to: Vec<String>,
+    /// Fail where a measure is above its limit: nonorth=70,skew=4,pyramids=0,aspect=…,concave=…,open=0
+    #[arg(long, value_name = "NAME=MOST", value_delimiter = ',')]
+    limit: Vec<MeshLimit>,
+    /// Multiply all coordinates by F
+    #[arg(long, value_name = "F", value_parser = finite, default_value = "1")]
+    scale: f64,
+    /// Print the report as one JSON object
+    #[arg(long)]
+    json: bool,
+    /// Replace a mesh that OUT holds
+    #[arg(long)]
+    force: bool,
+}
+
+pub(crate) fn run(options: &MeshOptions, common: Common) -> Result<(), Failure> {
+    let report = match (&options.check, &options.run, &options.output) {
+        (Some(path), ..) => check(path)?,
+        (None, Some(run), Some(output)) => make(options, run, output)?,
+        _ => return Err(Failure::input("name a run and --output, or --check a mesh")),
+    };
+    if options.json {
+        print(json(&report)?)?;
+    } else if !common.quiet {
+        print(report.table())?;
+    }
+    let passed = report.beyond(&options.limit);
+    match passed.is_empty() {
+        true => Ok(()),
+        false => Err(Failure::run(format!(
+            "limits are passed: {}",
+            passed.join("; ")
+        ))),
+    }
+}
+
+fn json(report: &MeshReport) -> Result<String, Failure> {
+    let text = serde_json::to_string_pretty(report).map_err(Failure::run)?;
+    Ok(text + "\n")
+}
+
+/// The report of a mesh that is there.
+fn check(path: &Path) -> Result<MeshReport, Failure> {
+    let mesh = load_case(path).map_err(Failure::input)?;
+    mesh.check_structure()
+        .map_err(|error| Failure::input(format!("{}: {error}", path.display())))?;
+    let geometry = MeshGeometry::of(&mesh, &mesh.cell_faces());
+    Ok(MeshReport::new(&mesh, &geometry, None))
+}
+
+/// Writes the mesh of a run.
+fn make(options: &MeshOptions, run: &Path, output: &Path) -> Result<MeshReport, Failure> {
+    if options.scale <= 0.0 {
+        return Err(Failure::input(format!(
+            "--scale {} is not positive",
+            options.scale
+        )));
+    }
+    if !options.force {
+        refuse_existing(output, &options.to)?;
+    }
+    let (scene, sites) = read_run(run)?;
+    let space = space(&scene)?;
+    let mut mesh = mesh_of(&space, &scene, &sites)?;
+    let scale = options.scale;
+    mesh.scale(scale);
+    let geometry = MeshGeometry::of(&mesh, &mesh.cell_faces());
+    let volume = space.domain().volume() * scale.powi(3);
+    let report = MeshReport::new(&mesh, &geometry, Some(volume));
+    if options.to.iter().any(|format| format == "polymesh") {
+        write_case(output, &mesh).map_err(Failure::run)?;
+    }
+    if options.to.iter().any(|format| format == "vtu") {
+        let columns = columns(&space, &scene, &sites, &geometry)?;
+        let path = output.join("mesh.vtu");
+        fs::create_dir_all(output)
+            .map_err(|error| Failure::run(format!("cannot make {}: {error}", output.display())))?;
+        write_mesh(&path, &mesh, &columns, true)
+            .map_err(|error| Failure::run(format!("cannot write {}: {error}", path.display())))?;
+    }
+    let text = json(&report)?;
+    write_file(&output.join("mesh.json"), |file| {
+        std::io::Write::write_all(file, text.as_bytes())
+    })
+    .map_err(Failure::run)?;
+    Ok(report)
+}
+
+/// Refuses to replace files.
+fn refuse_existing(output: &Path, formats: &[String]) -> Result<(), Failure> {
+    let mut names = vec!["mesh.json"];
+    for format in formats {
+        match format.as_str() {
+            "polymesh" => names.extend(MESH_FILES),
+            _ => names.push("mesh.vtu"),
+        }
+    }
+    let mut paths = names.into_iter().map(|name| output.join(name));
+    match paths.find(|path| path.exists()) {
+        None => Ok(()),
+        Some(path) => Err(Failure::input(format!(
+            "{} exists; --force replaces the mesh, or name another directory",
+            path.display()
+        ))),
+    }
+}
+
+/// The scene and the sites that a run left.
+fn read_run(run: &Path) -> Result<(Scene, Vec<Point3<f64>>), Failure> {
+    let path = run.join("run.json");
+    let text = fs::read(&path).map_err(|error| {
+        Failure::input(format!(
+            "{} holds no run ({error}); make one: chebloyd relax --out {}",
+            run.display(),
+            run.display()
+        ))
+    })?;
+    let description: RunDescription = serde_json::from_slice(&text)
+        .map_err(|error| Failure::input(format!("{}: {error}", path.display())))?;
+    let scene = description.scene;
+    if scene.dimension != 3 {
+        let message = "meshes are made of cells in space: relax with \"dimension\": 3";
+        return Err(Failure::input(message));
+    }
+    let sites = site_file::read::<3>(&run.join("sites.csv")).map_err(Failure::input)?;
+    Ok((scene, sites))
+}
+
+fn mesh_of(space: &Space, scene: &Scene, sites: &[Point3<f64>]) -> Result<PolyMesh, Failure> {
+    const SIDES: [&str; 6] = ["xmin", "xmax", "ymin", "ymax", "zmin", "zmax"];
+    let is_box = matches!(scene.domain, SceneDomain::Box(_));
+    let name = |wall: u32| match SIDES.get(wall as usize) {
+        Some(side) if is_box => (*side).to_owned(),
+        _ => format!("wall{wall}"),
+    };
+    let diagram = Diagram::new(space.domain(), sites).map_err(Failure::input)?;
+    let mesh = assemble(&diagram, &name).map_err(Failure::run)?;
+    mesh.check().map_err(Failure::run)?;
+    Ok(mesh)
+}
+
+/// The data of every cell.
+fn columns(
+    space: &Space,
+    scene: &Scene,
+    sites: &[Point3<f64>],
+    geometry: &MeshGeometry,
+) -> Result<Vec<(&'static str, CellColumn)>, Failure> {
+    let cells = space
+        .metrics(sites, energy_spec(scene))
+        .map_err(Failure::input)?;
+    let energies = cells.iter().map(|cell| cell.energy).collect();
+    let cubeness = cells.iter().map(|cell| cell.cubeness).collect();
+    Ok(vec![
+        (
+            "site",
+            CellColumn::Integers((0..sites.len() as i64).collect()),
+        ),
+        ("volume", CellColumn::Reals(geometry.cell_volumes.clone())),
+        ("energy", CellColumn::Reals(energies)),
+        ("cubeness", CellColumn::Reals(cubeness)),
+    ])
+}
