@@ -6,7 +6,7 @@
 //! (`perturb`, `noise`), and the levels of [`multilevel`]. Its [`state`] is all that a later process
 //! needs to go on.
 //!
-//! [`evaluate_cell`] computes a cell's energy and minimizer in its own [`frames`]; [`metrics`] are
+//! [`evaluate_cell`] computes a cell's energy and minimizer in its own [`frames`]; `linf` the same of an L∞ cell; [`metrics`] are
 //! the figures of cells for `measure`.
 
 pub(crate) mod descent;
@@ -25,4 +25,5 @@ pub(crate) mod relaxation_space;
 pub(crate) mod space;
 pub(crate) mod state;
 
+mod linf;
 mod perturb;
