@@ -18,6 +18,11 @@ const NORMS: [(&str, &str); 2] = [
     ("l2", "Euclidean: the classical control"),
 ];
 
+const CELLS: [(&str, &str); 2] = [
+    ("l2", "Euclidean: convex cells"),
+    ("linf", "Chebyshev: star-shaped cells, in a box or a convex polyhedron"),
+];
+
 /// Options of every command.
 #[derive(Clone, Copy, Debug, Args)]
 pub(crate) struct Common {
@@ -47,6 +52,9 @@ pub(crate) struct SceneOptions {
     /// Seed of random sites, or of a grid's jitter
     #[arg(long, value_name = "S")]
     seed: Option<u64>,
+    /// The distance in which a cell's points are nearest to its site [default: l2]
+    #[arg(long, value_name = "NORM", value_parser = named(&CELLS))]
+    cells: Option<String>,
     /// The distance to integrate and to minimize
     #[arg(long, value_name = "NORM", value_parser = named(&NORMS))]
     norm: Option<String>,
@@ -117,7 +125,8 @@ impl SceneOptions {
             .sites
             .extend(given(json!({ "count": self.count, "seed": self.seed })));
         others.scene.extend(given(json!({
-            "drop_outside": self.drop_outside, "norm": self.norm, "order": self.order,
+            "drop_outside": self.drop_outside, "cells": self.cells, "norm": self.norm,
+            "order": self.order,
         })));
         change(&mut scene, &others)?;
         Ok(scene)

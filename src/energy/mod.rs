@@ -23,13 +23,15 @@
 //! # Before and after
 //!
 //! `preparation` makes prepared pieces, [`moments`] measures them, [`center`] minimizes the energy, for
-//! p = 1 by `prediction`. [`planar`] is all of this in the plane.
+//! p = 1 by `prediction`. [`planar`] is all of this in the plane, [`faceted`] for
+//! solids given by loose fragments of their boundary.
 //!
 //! \[BL\] Bukenberger & Lensch, *Tetrahedra of Varying Density and their Applications*.
 
 pub(crate) mod center;
 pub(crate) mod evaluation;
 pub(crate) mod facet_terms;
+pub(crate) mod faceted;
 pub(crate) mod fragments;
 pub(crate) mod moments;
 pub(crate) mod planar;

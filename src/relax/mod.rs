@@ -7,7 +7,7 @@
 //! needs to go on. An [`optimum`] is what energies are compared with, [`cell_check`] what must hold of
 //! them.
 //!
-//! [`evaluate_cell`] computes a cell's energy and minimizer in its own [`frames`]; [`metrics`] are
+//! [`evaluate_cell`] computes a cell's energy and minimizer in its own [`frames`]; `linf` the same of an L∞ cell; [`metrics`] are
 //! the figures of cells for `measure`.
 
 pub(crate) mod cell_check;
@@ -28,4 +28,5 @@ pub(crate) mod relaxation_space;
 pub(crate) mod space;
 pub(crate) mod state;
 
+mod linf;
 mod perturb;

@@ -1,4 +1,4 @@
-//! Relaxation in space: the cells of a domain's sites, each with its own axes of distance.
+//! Relaxation in space: the L2 or L∞ cells of a domain's sites, each with its own axes of distance.
 
 use nalgebra::{Point3, Vector3};
 use thiserror::Error;
@@ -14,11 +14,12 @@ use crate::geometry::shell::Shell;
 use crate::relax::cell_check::{CellsError, DomainTotals, EnergyKind};
 use crate::relax::evaluate_cell::CellMemory;
 use crate::relax::frames::Frames;
+use crate::relax::linf::LinfCells;
 use crate::relax::metrics::CellMetrics;
 use crate::relax::objective::{ObjectiveScratch, sum_of};
 use crate::relax::optimum::{EnergyOptimum, EnergyReference};
 use crate::relax::relaxation_space::{
-    CellCrowding, CellResult, EnergySpec, HALVINGS, ObjectiveValue, RelaxationError,
+    CellCrowding, CellResult, EnergySpec, HALVINGS, Norm, ObjectiveValue, RelaxationError,
     RelaxationSpace,
 };
 use crate::voronoi::cell::Cell;
@@ -48,6 +49,8 @@ pub enum SpaceError {
 pub struct Space {
     domain: Box<dyn Domain>,
     frames: Frames,
+    /// The distance in which a cell's points are nearest to its site.
+    cells: Norm,
 }
 
 impl Space {
@@ -60,13 +63,46 @@ impl Space {
     /// The space of `domain` whose cells measure the Chebyshev distance in these frames.
     #[must_use]
     pub fn with_frames(domain: Box<dyn Domain>, frames: Frames) -> Self {
-        Self { domain, frames }
+        Self {
+            domain,
+            frames,
+            cells: Norm::L2,
+        }
     }
 
     /// The same space with these frames.
     #[must_use]
     pub fn framed(self, frames: Frames) -> Self {
         Self { frames, ..self }
+    }
+
+    /// The same space with cells of this distance. L∞ cells want a convex domain without density, and
+    /// the axes of space.
+    #[must_use]
+    pub fn with_cells(self, cells: Norm) -> Self {
+        Self { cells, ..self }
+    }
+
+    /// The distance in which a cell's points are nearest to its site.
+    #[must_use]
+    pub fn cells(&self) -> Norm {
+        self.cells
+    }
+
+    /// The L∞ cells of `sites`, if the space has such.
+    fn linf<'a>(&'a self, sites: &'a [Point3<f64>]) -> Option<LinfCells<'a>> {
+        let domain = self.domain();
+        (self.cells == Norm::Linf).then_some(LinfCells { domain, sites })
+    }
+
+    /// The share of the domain's volume that is equidistant, equal in `f64`, to several of `sites` in
+    /// the Chebyshev distance.
+    ///
+    /// # Errors
+    /// When the sites have no cells.
+    pub(crate) fn tied_volume(&self, sites: &[Point3<f64>]) -> Result<f64, SpaceError> {
+        let domain = self.domain();
+        Ok(LinfCells { domain, sites }.tied_volume()?)
     }
 
     /// The frames in which cells measure the Chebyshev distance.
@@ -91,9 +127,12 @@ impl Space {
         spec: EnergySpec,
     ) -> Result<Vec<CellMetrics<3>>, SpaceError> {
         self.totals().check_scale::<3>(sites.len(), spec.kind())?;
-        let cells = self.map_loaded(sites, |memory, cell| {
-            memory.metrics(self.domain(), cell, spec)
-        })?;
+        let cells = match self.linf(sites) {
+            Some(cells) => cells.metrics(spec)?,
+            None => self.map_loaded(sites, |memory, cell| {
+                memory.metrics(self.domain(), cell, spec)
+            })?,
+        };
         let figures = cells.iter().map(|cell| (cell.volume, cell.energy));
         self.check(sites, figures, spec.kind())?;
         let mut numbered = cells.iter().enumerate();
@@ -210,6 +249,9 @@ impl RelaxationSpace<3> for Space {
     }
 
     fn energy(&self, sites: &[Point3<f64>], spec: EnergySpec) -> Result<f64, SpaceError> {
+        if let Some(cells) = self.linf(sites) {
+            return Ok(cells.energy(spec.order)?);
+        }
         let energies = self.map_loaded(sites, |memory, _| memory.energy_at_site(spec))?;
         Ok(energies.iter().sum())
     }
@@ -220,9 +262,12 @@ impl RelaxationSpace<3> for Space {
         spec: EnergySpec,
     ) -> Result<Vec<CellResult<3>>, SpaceError> {
         self.totals().check_scale::<3>(sites.len(), spec.kind())?;
-        let cells = self.map_loaded(sites, |memory, cell| {
-            memory.assess(self.domain(), cell, spec)
-        })?;
+        let cells = match self.linf(sites) {
+            Some(cells) => cells.assess(spec)?,
+            None => self.map_loaded(sites, |memory, cell| {
+                memory.assess(self.domain(), cell, spec)
+            })?,
+        };
         let figures = cells.iter().map(|cell| (cell.volume, cell.energy));
         self.check(sites, figures, spec.kind())?;
         Ok(cells)
@@ -235,6 +280,10 @@ impl RelaxationSpace<3> for Space {
     ) -> Result<ObjectiveValue<3>, RelaxationError<SpaceError>> {
         let kind = EnergyKind::Chebyshev(order);
         self.totals().check_scale::<3>(sites.len(), kind)?;
+        if let Some(cells) = self.linf(sites) {
+            let value = cells.objective(order).map_err(SpaceError::Diagram);
+            return value.map_err(RelaxationError::Space);
+        }
         let terms = self.map(sites, |scratch: &mut ObjectiveScratch, cell| {
             scratch.terms(self.domain(), &self.frames, &cell, order)
         });
@@ -248,6 +297,10 @@ impl RelaxationSpace<3> for Space {
         &self,
         sites: &[Point3<f64>],
     ) -> Result<Vec<CellCrowding<3>>, RelaxationError<SpaceError>> {
+        if let Some(cells) = self.linf(sites) {
+            let crowding = cells.crowding().map_err(SpaceError::Diagram);
+            return crowding.map_err(RelaxationError::Space);
+        }
         self.map_loaded(sites, |memory, cell| memory.crowding(self.domain(), cell))
             .map_err(RelaxationError::Space)
     }

@@ -43,6 +43,9 @@ pub struct Scene {
     /// Whether sites outside the domain are left out instead of refused.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub drop_outside: bool,
+    /// The distance in which a cell's points are nearest to its site: `"l2"` or `"linf"`.
+    #[serde(default = "l2", skip_serializing_if = "is_l2")]
+    pub cells: Norm,
     /// The distance a site minimizes over its cell.
     #[serde(default)]
     pub norm: Norm,
@@ -158,11 +161,34 @@ impl Scene {
             let message = "only \"lloyd\" can minimize another norm than \"linf\"";
             return Err(Error::value("norm", message));
         }
+        self.validate_cells()?;
         if levels > MOST_LEVELS {
             let message = format!("more than {MOST_LEVELS} levels make no sense");
             return Err(Error::value("coarse_to_fine", message));
         }
         Ok(())
+    }
+
+    /// Refuses what L∞ cells do not go with.
+    fn validate_cells(&self) -> Result<(), Error> {
+        if self.cells == Norm::L2 {
+            return Ok(());
+        }
+        let is_mesh = matches!(self.domain, SceneDomain::Surface(_) | SceneDomain::Tets(_));
+        let refused = [
+            (self.dimension != 3, "\"dimension\": 2"),
+            (is_mesh, "the domains `surface` and `tets`"),
+            (self.density.is_some(), "a density"),
+            (self.frames.is_some(), "frames"),
+            (self.norm == Norm::L2, "\"norm\": \"l2\""),
+        ];
+        match refused.into_iter().find(|(is_given, _)| *is_given) {
+            Some((_, what)) => {
+                let message = format!("\"linf\" does not go with {what}; choose \"l2\"");
+                Err(Error::value("cells", message))
+            }
+            None => Ok(()),
+        }
     }
 
     /// Fills in the defaults that depend on the dimension.
@@ -178,6 +204,14 @@ impl Scene {
             frames.anchor(folder);
         }
     }
+}
+
+fn l2() -> Norm {
+    Norm::L2
+}
+
+fn is_l2(norm: &Norm) -> bool {
+    *norm == Norm::L2
 }
 
 fn three() -> usize {

@@ -154,7 +154,7 @@ pub fn plane(scene: &Scene) -> Result<Plane, Error> {
 /// When the scene's domain or its density is none, or its frames do not fit its sites.
 pub fn space(scene: &Scene) -> Result<(Space, Vec<String>), Error> {
     let (domain, notes) = scene.solid()?;
-    let space = Space::new(domain);
+    let space = Space::new(domain).with_cells(scene.cells);
     let Some(choice) = &scene.frames else {
         return Ok((space, notes));
     };

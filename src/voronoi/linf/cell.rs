@@ -1,8 +1,12 @@
 //! One L∞ Voronoi cell: the envelopes of its six cones.
 
+use std::collections::BTreeMap;
+
 use nalgebra::{Point3, Vector3};
 
 use crate::domain::domain::Domain;
+use crate::domain::facet_kind::FacetKind;
+use crate::geometry::bounds::Bounds;
 use crate::geometry::label::Label;
 use crate::geometry::polyhedron::Polyhedron;
 use crate::voronoi::kd_tree::tree::KdTree;
@@ -29,6 +33,7 @@ pub(crate) struct LinfCell<'a> {
     pub(crate) position: Point3<f64>,
     cones: &'a [Envelope; CONES],
     labels: &'a [Label],
+    has_ties: bool,
 }
 
 /// A fragment of a facet of a cell: a convex polygon, counter-clockwise from outside. With the site
@@ -63,6 +68,83 @@ impl LinfCell<'_> {
         }
     }
 
+    /// Passes the boundary of the cell to `visit`, as convex polygons that are counter-clockwise from
+    /// outside: its fragments, and where regions are tied also the sides of its cones, which cancel
+    /// except where the cell ends between two of them.
+    pub(crate) fn visit_boundary(&self, mut visit: impl FnMut(&[Vector3<f64>])) {
+        self.visit_fragments(|fragment| visit(&fragment.corners));
+        if !self.has_ties {
+            return;
+        }
+        for (cone, envelope) in Cone::all().into_iter().zip(self.cones) {
+            for patch in envelope.patches() {
+                let corners = patch.corners();
+                for (from, to) in corners.iter().zip(corners.iter().cycle().skip(1)) {
+                    if [0, 1].iter().any(|&k| from[k].abs() == 1.0 && from[k] == to[k]) {
+                        let [a, b] = [from, to].map(|corner| cone.displacement(*corner));
+                        let ends = if cone.is_negative { [a, b] } else { [b, a] };
+                        visit(&[Vector3::zeros(), ends[0], ends[1]]);
+                    }
+                }
+            }
+        }
+    }
+
+    /// The share of a displacement from the site that lies in the cell, which is star-shaped: at least
+    /// 1 for one that ends in it. Infinite for none.
+    pub(crate) fn share_within(&self, displacement: &Vector3<f64>) -> f64 {
+        let of_cone = |cone: &Cone| cone.coordinates(displacement)[0];
+        let ahead = Cone::all().into_iter().enumerate();
+        let Some((number, cone)) = ahead.max_by(|a, b| of_cone(&a.1).total_cmp(&of_cone(&b.1)))
+        else {
+            return f64::INFINITY;
+        };
+        let [height, along_u, along_v] = cone.coordinates(displacement);
+        if height <= 0.0 {
+            return f64::INFINITY;
+        }
+        1.0 / (height * self.cones[number].at(along_u / height, along_v / height))
+    }
+
+    /// The least axis-aligned box around the cell, relative to its site.
+    pub(crate) fn bounds(&self) -> Bounds<3> {
+        let mut bounds = Bounds::of(&[Point3::origin()]);
+        for (cone, envelope) in Cone::all().into_iter().zip(self.cones) {
+            for corner in envelope.patches().iter().flat_map(Patch::corners) {
+                bounds.include(&cone.displacement(*corner).into());
+            }
+        }
+        bounds
+    }
+
+    /// Its volume within the cube of half side `half` about the site (L³).
+    pub(crate) fn volume_within(&self, half: f64) -> f64 {
+        let within = |envelope: &Envelope| {
+            let mut envelope = envelope.clone();
+            envelope.insert_constant(1.0 / half);
+            envelope.integral(0)
+        };
+        self.cones.iter().map(within).sum()
+    }
+
+    /// The area vectors of its facets (L²), by what is beyond and by the cone and the normal, of which
+    /// a neighbor may have several.
+    pub(crate) fn facet_areas(&self) -> BTreeMap<(Label, usize, u8), Vector3<f64>> {
+        let mut areas: BTreeMap<_, Vector3<f64>> = BTreeMap::new();
+        let mut fragment = Fragment::default();
+        for ((number, cone), envelope) in Cone::all().into_iter().enumerate().zip(self.cones) {
+            for patch in envelope.patches() {
+                fragment.assign(cone, patch, self.labels);
+                let key = match FacetKind::of(fragment.label) {
+                    FacetKind::Neighbor { .. } => (fragment.label, number, patch.form),
+                    FacetKind::Wall(_) | FacetKind::Inner => (fragment.label, 0, 0),
+                };
+                *areas.entry(key).or_default() += fragment.area_vector();
+            }
+        }
+        areas
+    }
+
     /// How many fragments there are.
     pub(crate) fn fragment_count(&self) -> usize {
         self.cones.iter().map(|cone| cone.patches().len()).sum()
@@ -70,6 +152,12 @@ impl LinfCell<'_> {
 }
 
 impl Fragment {
+    fn area_vector(&self) -> Vector3<f64> {
+        let arm = |corner: usize| self.corners[corner] - self.corners[0];
+        let fan = (2..self.corners.len()).map(|corner| arm(corner - 1).cross(&arm(corner)) * 0.5);
+        fan.sum()
+    }
+
     fn assign(&mut self, cone: Cone, patch: &Patch, labels: &[Label]) {
         self.label = labels[patch.source as usize];
         self.corners.clear();
@@ -111,12 +199,13 @@ impl LinfCellBuilder {
             search,
             ..
         } = self;
-        let reach = security_distance(cones);
+        let (reach, mut has_ties) = (security_distance(cones), false);
         search.walk(tree, place, reach, |nearby| {
             if nearby.distance <= 0.0 {
                 let (first, second) = (site.min(nearby.site), site.max(nearby.site));
                 return Err(Duplicate { first, second });
             }
+            has_ties |= nearby.displacement.iter().any(|&along| along == 0.0);
             let wins_ties = ties == Ties::Cut || nearby.site < site;
             if cut(cones, nearby, wins_ties, labels.len() as u32) {
                 labels.push(nearby.label(tree));
@@ -128,6 +217,7 @@ impl LinfCellBuilder {
             position,
             cones,
             labels,
+            has_ties,
         })
     }
 

@@ -14,7 +14,8 @@ use crate::voronoi::linf::envelope::{Demand, Gauge};
 pub(crate) const CONES: usize = 6;
 
 /// A wall that the site touches, or lies beyond by rounding, counts as this near, relative to its
-/// normal: any other length is infinitely longer.
+/// normal, and a difference of coordinates as at least this large (L): any other length is
+/// infinitely longer.
 const TOUCHING: f64 = 1e-290;
 
 /// The forms of a neighbor's demand: facets with normals ±k, ±k ± (k+1) and ±k ± (k+2).
@@ -73,7 +74,7 @@ impl Cone {
         let [ahead, along_u, along_v] = self.coordinates(displacement);
         let mut demand = Demand::default();
         if ahead > 0.0 {
-            let constant = 2.0 / ahead;
+            let constant = 2.0 / ahead.max(TOUCHING);
             demand.push(
                 AHEAD,
                 Gauge {
@@ -86,7 +87,8 @@ impl Cone {
             return demand;
         }
         if along_u != 0.0 {
-            let (constant, by_u) = (1.0 / along_u.abs(), 1.0 / along_u);
+            let constant = 1.0 / along_u.abs().max(TOUCHING);
+            let by_u = constant.copysign(along_u);
             demand.push(
                 ALONG_U,
                 Gauge {
@@ -97,7 +99,8 @@ impl Cone {
             );
         }
         if along_v != 0.0 {
-            let (constant, by_v) = (1.0 / along_v.abs(), 1.0 / along_v);
+            let constant = 1.0 / along_v.abs().max(TOUCHING);
+            let by_v = constant.copysign(along_v);
             demand.push(
                 ALONG_V,
                 Gauge {

@@ -85,6 +85,27 @@ impl Patch {
         self.ring.corners()
     }
 
+    /// The gauge of a direction in the patch (1/L), from the triangle of its fan that holds it.
+    fn gauge_at(&self, [u, v]: [f64; 2]) -> f64 {
+        let [first, others @ ..] = self.corners() else {
+            return 0.0;
+        };
+        let mut best = (f64::NEG_INFINITY, first[2]);
+        for pair in others.windows(2) {
+            let arms = [pair[0], pair[1], [u, v, 0.0]].map(|at| [at[0] - first[0], at[1] - first[1]]);
+            let cross = |a: [f64; 2], b: [f64; 2]| a[0] * b[1] - a[1] * b[0];
+            let whole = cross(arms[0], arms[1]);
+            let shares = [cross(arms[2], arms[1]), cross(arms[0], arms[2])].map(|part| part / whole);
+            let rest = 1.0 - shares[0] - shares[1];
+            let depth = shares[0].min(shares[1]).min(rest);
+            if depth > best.0 {
+                let gauge = shares[0] * pair[0][2] + shares[1] * pair[1][2] + rest * first[2];
+                best = (depth, gauge);
+            }
+        }
+        best.1
+    }
+
     /// Whether a function exceeds the patch's own somewhere by more than rounding.
     #[inline]
     fn is_exceeded(&self, function: &Gauge) -> bool {
@@ -127,6 +148,25 @@ impl Envelope {
     /// The least gauge (1/L).
     pub(crate) fn least(&self) -> f64 {
         self.least
+    }
+
+    /// The gauge of a direction (1/L): that of the patch in which the direction lies deepest.
+    pub(crate) fn at(&self, u: f64, v: f64) -> f64 {
+        let depth = |patch: &&Patch| patch.ring.depth([u, v]);
+        let patch = self.patches.iter().max_by(|a, b| depth(a).total_cmp(&depth(b)));
+        patch.map_or(0.0, |patch| patch.gauge_at([u, v]))
+    }
+
+    /// Raises the envelope to a constant gauge (1/L) of no source.
+    pub(crate) fn insert_constant(&mut self, constant: f64) {
+        let demand = Demand::single(
+            u8::MAX,
+            Gauge {
+                constant,
+                ..Gauge::default()
+            },
+        );
+        self.insert(&demand, u32::MAX);
     }
 
     /// Raises the envelope to a demand of `source`; says whether that changes it.

@@ -103,6 +103,19 @@ impl<const N: usize> Ring<N> {
         Split::Both(positive, negative)
     }
 
+    /// How far a point lies within the ring, measured from its sides; negative outside.
+    pub(crate) fn depth(&self, at: [f64; 2]) -> f64 {
+        let corners = self.corners();
+        let next = corners.iter().cycle().skip(1);
+        let depths = corners.iter().zip(next).filter_map(|(a, b)| {
+            let (along, to) = ([b[0] - a[0], b[1] - a[1]], [at[0] - a[0], at[1] - a[1]]);
+            let length = along[0].hypot(along[1]);
+            (length > 0.0).then(|| (along[0] * to[1] - along[1] * to[0]) / length)
+        });
+        let least = depths.fold(f64::INFINITY, f64::min);
+        if least.is_finite() { least } else { f64::NEG_INFINITY }
+    }
+
     /// Two halves of a polygon of many corners.
     pub(crate) fn halves(&self) -> [Self; 2] {
         let (corners, middle) = (self.corners(), self.count / 2);
