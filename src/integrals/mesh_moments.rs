@@ -155,7 +155,8 @@ pub fn polynomial<const K: usize>(
 #[must_use]
 pub(crate) fn mass_of_piece(piece: Piece<'_>, density: &Polynomial, monomials: &Monomials) -> f64 {
     let (corners, triangles) = triangles_of(piece);
-    let sums = monomial_sums(&corners, &triangles, monomials, &Point3::origin());
+    let origin = Point3::origin();
+    let sums = monomial_sums(&corners, &triangles, monomials, &origin, Precision::Single);
     let terms = density.coefficients(monomials).into_iter().zip(&sums.0);
     let terms = terms.zip(monomials.exponents());
     terms

@@ -59,6 +59,7 @@ impl LinfCells<'_> {
             let about_site = terms(cell, spec.order);
             let center = center(self.domain, boundary, cell, spec);
             CellResult {
+                volume: cell.volume(),
                 energy: about_site.energy,
                 chebyshev: about_site.chebyshev,
                 target: limited_step(self.domain, cell, &center.point),
@@ -86,7 +87,11 @@ impl LinfCells<'_> {
             cell.visit_fragments(|fragment| {
                 let corners = fragment.corners.iter();
                 farthest = corners.fold(farthest, |farthest, corner| {
-                    if corner.amax() > farthest.amax() { *corner } else { farthest }
+                    if corner.amax() > farthest.amax() {
+                        *corner
+                    } else {
+                        farthest
+                    }
                 });
             });
             CellCrowding {
@@ -112,7 +117,9 @@ impl LinfCells<'_> {
 
 /// Integrates over a cell about its site.
 fn terms(cell: &LinfCell<'_>, order: u32) -> CellTerms {
-    let fragments = cell.integrals(order - 1).map(|part| part * f64::from(order));
+    let fragments = cell
+        .integrals(order - 1)
+        .map(|part| part * f64::from(order));
     let energy = cell.integrals(order).iter().sum();
     let along = |axis: usize| fragments[2 * axis + 1] - fragments[2 * axis];
     CellTerms {
@@ -174,7 +181,11 @@ fn limited_step(domain: &dyn Domain, cell: &LinfCell<'_>, step: &Vector3<f64>) -
     } else {
         // By rounding.
         let inside = domain.wrap(&(cell.position + step * (BOUNDARY_FRACTION * share)));
-        if domain.contains(&inside) { inside } else { cell.position }
+        if domain.contains(&inside) {
+            inside
+        } else {
+            cell.position
+        }
     }
 }
 
@@ -208,6 +219,7 @@ fn metrics(
         center_energy: center.energy,
         facets,
         chebyshev: about_site.chebyshev,
+        relative_density: 1.0,
         cubeness: overlap / (2.0 * volume - overlap),
         axis_aligned: if area > 0.0 { aligned / area } else { 0.0 },
     }
