@@ -39,7 +39,7 @@ impl Sub for DoubleDouble {
     type Output = Self;
 
     fn sub(self, other: Self) -> Self {
-        self + Self(-other.0, -other.1)
+        self.add(Self(-other.0, -other.1))
     }
 }
 

@@ -130,11 +130,8 @@ pub(crate) fn drop_twins(triangles: &mut Triangles, vertices: usize) -> (Tally<u
             repeats[at as usize] = true;
         }
     }
-    let mut kept = repeats.iter().zip(&marked);
-    let repeats: Vec<bool> = kept
-        .by_ref()
-        .filter_map(|(&repeat, &marked)| (!marked).then_some(repeat))
-        .collect();
+    let kept = repeats.iter().zip(&marked).filter(|&(_, &marked)| !marked);
+    let repeats: Vec<bool> = kept.map(|(&repeat, _)| repeat).collect();
     let cancelled = triangles.drop_marked(&marked);
     let mut once = triangles.clone();
     let dropped = once.drop_marked(&repeats);
