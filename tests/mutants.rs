@@ -72,6 +72,7 @@ fn cases() -> Vec<Seed> {
 }
 
 /// Small files of every format.
+#[allow(clippy::too_many_lines, reason = "a list of files")]
 fn seeds() -> Vec<Seed> {
     let cube = shapes::unit_cube();
     let tets = shapes::unit_cube_five_tets();

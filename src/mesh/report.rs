@@ -253,6 +253,11 @@ pub enum Refusal {
         "has a coordinate or value at vertex {0} that is not finite; repair or export the mesh again"
     )]
     NotFinite(usize),
+    /// A coordinate so great that volumes overflow.
+    #[error(
+        "has a coordinate beyond 1e98 at vertex {0} (zero-based), where volumes overflow; scale the mesh down"
+    )]
+    TooFar(u32),
     /// An element refers to a vertex that is not there.
     #[error(
         "element {element} refers to vertex {vertex} of {vertices} (zero-based); export the mesh again"

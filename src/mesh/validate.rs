@@ -32,6 +32,9 @@ use crate::mesh::similarity::Similarity;
 use crate::mesh::surface::{SurfaceMesh, triangle_area};
 use crate::mesh::tets::{FACETS, TetMesh, compact, tet_volume, used_vertices};
 
+/// Coordinates beyond this (L) are refused: the product of three of them, 2³² times, still is a number.
+const FARTHEST: f64 = 1e98;
+
 /// A triangle whose area is below this share of its longest edge squared is called flat: the
 /// cross product's own rounding.
 const FLAT_TRIANGLE: f64 = 1e-14;
@@ -157,6 +160,21 @@ pub fn validate_surface(mesh: &SurfaceMesh) -> Result<(ValidSurface, SurfaceRepo
     Ok((Valid { mesh: surface }, report))
 }
 
+/// Refuses elements that reach so far that their volumes overflow.
+fn check_reach<const N: usize>(
+    vertices: &[Point3<f64>],
+    elements: &[[u32; N]],
+) -> Result<(), Refusal> {
+    let is_far = |vertex: &&u32| {
+        let point = vertices.get(**vertex as usize);
+        point.is_some_and(|point| point.coords.amax() > FARTHEST)
+    };
+    match elements.iter().flatten().find(is_far) {
+        Some(&vertex) => Err(Refusal::TooFar(vertex)),
+        None => Ok(()),
+    }
+}
+
 /// Refuses elements without meaning: none, out of range, not finite.
 fn check_elements<const N: usize>(
     vertices: &[Point3<f64>],
@@ -170,6 +188,7 @@ fn check_elements<const N: usize>(
     if let Some(vertex) = vertices.iter().position(|point| !finite(point)) {
         return Err(Refusal::NotFinite(vertex));
     }
+    check_reach(vertices, elements)?;
     for (element, corners) in elements.iter().enumerate() {
         if let Some(&vertex) = corners
             .iter()

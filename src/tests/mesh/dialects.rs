@@ -388,3 +388,14 @@ fn small_letters_are_headers_of_off_too() {
     assert!(obj::parse(b"V 0 0 0\nV 1 0 0\nV 0 1 0\nF 1 2 3\n").is_ok());
     assert!(medit::parse(b"meshversionformatted 1\nDIMENSION 3\nvertices 3\n0 0 0 0\n1 0 0 0\n0 1 0 0\ntriangles 1\n1 2 3 0\nEND\n").is_ok());
 }
+
+/// Found by `tests/mutants.rs`: the determinant was NaN and the tetrahedron turned without a word.
+#[test]
+fn a_coordinate_beyond_the_range_of_volumes_is_refused() {
+    let head = VTK.replace("0 0 0 1 0 0 0 1 0", "2147483648 0 0 1 0 0 0 1 1e308");
+    let Ok(Mesh::Tets(mesh)) = vtk::parse(head.as_bytes()) else {
+        panic!("tetrahedra")
+    };
+    let message = validate_tets(&mesh).unwrap_err().to_string();
+    assert!(message.contains("beyond 1e98 at vertex 2"), "{message}");
+}
