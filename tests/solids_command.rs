@@ -369,3 +369,123 @@ fn cells_that_the_surface_cuts_are_taken_apart_too() {
     let text = String::from_utf8_lossy(&dir.read("parts.vtu")).into_owned();
     assert_all_in(&text, &["NumberOfCells=\"6\"", "energy", "volume"]);
 }
+
+/// Relaxes by a method and returns the energies in percent and why the run ended.
+fn relaxed(dir: &TestDir, method: &[&str]) -> (Vec<f64>, String) {
+    let plain = ["relax", "scene.json", "--out", "run", "--force"];
+    dir.stdout(&[&plain[..], method].concat());
+    let log = String::from_utf8(dir.read("run/log.jsonl")).expect("text");
+    let percent = |line: &str| {
+        let record: serde_json::Value = serde_json::from_str(line).expect("a record");
+        record["energy_percent"].as_f64().expect("a number")
+    };
+    let ended = dir.json("run/run.json")["ended"]
+        .as_str()
+        .map(str::to_owned);
+    (log.lines().map(percent).collect(), ended.expect("an end"))
+}
+
+const EVERY_METHOD: [&[&str]; 4] = [
+    &["--method", "lloyd", "--iterations", "6"],
+    &["--method", "lloyd", "--accelerate", "--iterations", "6"],
+    &["--method", "quasi-newton", "--iterations", "6"],
+    &["--method", "anneal", "--rounds", "2", "--iterations", "12"],
+];
+
+/// The bounds of a half-space solid are rounded: a site on its extreme vertex was "outside" of them.
+#[test]
+fn sites_on_vertices_edges_and_facets_relax_by_every_method() {
+    let dir = TestDir::new();
+    dir.write("cube.off", cube());
+    let octahedron = r#"{"half_spaces": [[1,1,1,1], [1,1,-1,1], [1,-1,1,1], [1,-1,-1,1],
+        [-1,1,1,1], [-1,1,-1,1], [-1,-1,1,1], [-1,-1,-1,1]]}"#;
+    let unit = r#"{"box": {"min": [0,0,0], "max": [1,1,1]}}"#;
+    let in_cube = "[[0,0,0], [1,0.5,0], [0.5,0.5,1], [0.3,0.4,0.2], [0.6,0.7,0.4], [0.2,0.7,0.8]]";
+    let in_octahedron = "[[1,0,0], [0,-1,0], [0.5,0,0.5], [0.25,0.25,0.5], [0.1,0.2,0.3], \
+        [-0.2,-0.3,0.1], [0.2,-0.3,0.1]]";
+    for (domain, sites) in [
+        (octahedron, in_octahedron),
+        (unit, in_cube),
+        (r#"{"surface": "cube.off"}"#, in_cube),
+    ] {
+        let output = r#""output": {"cells": false, "plot": false}"#;
+        let text = format!(r#"{{"domain": {domain}, "sites": {{"list": {sites}}}, {output}}}"#);
+        dir.write("scene.json", text);
+        for method in EVERY_METHOD {
+            let (percent, _) = relaxed(&dir, method);
+            let is_lower = percent[percent.len() - 1] < percent[0];
+            assert!(
+                is_lower && percent.len() > 6,
+                "{domain} {method:?}: {percent:?}"
+            );
+        }
+    }
+}
+
+/// The best place of a single site in a U is in the gap; within the solid it is the middle of the gap's
+/// bottom. A step through that wall held up all others: such descents ended at once, by "tolerance".
+#[test]
+fn a_descent_goes_on_along_the_wall_that_it_meets() {
+    let outline = [
+        [0, 0],
+        [3, 0],
+        [3, 3],
+        [2, 3],
+        [2, 1],
+        [1, 1],
+        [1, 3],
+        [0, 3],
+    ];
+    let corners: Vec<[f64; 3]> = (0..16)
+        .map(|k| {
+            [
+                f64::from(outline[k % 8][0]),
+                (k / 8) as f64,
+                f64::from(outline[k % 8][1]),
+            ]
+        })
+        .collect();
+    let cap = [
+        [5, 6, 7],
+        [0, 5, 7],
+        [0, 1, 5],
+        [1, 4, 5],
+        [1, 2, 4],
+        [2, 3, 4],
+    ];
+    let mut triangles: Vec<[u32; 3]> = cap.to_vec();
+    triangles.extend(cap.map(|[a, b, c]| [c + 8, b + 8, a + 8]));
+    for i in 0..8 {
+        let j = (i + 1) % 8;
+        triangles.extend([[j, i, i + 8], [j, i + 8, j + 8]]);
+    }
+    let mut text = format!("OFF\n{} {} 0\n", corners.len(), triangles.len());
+    for [x, y, z] in corners {
+        text += &format!("{x} {y} {z}\n");
+    }
+    for [a, b, c] in triangles {
+        text += &format!("3 {a} {b} {c}\n");
+    }
+    let dir = TestDir::new();
+    dir.write("u.off", text);
+    dir.write(
+        "scene.json",
+        r#"{"domain": {"surface": "u.off"}, "sites": {"list": [[1.2, 0.3, 0.9999999]]},
+            "output": {"cells": false, "plot": false}}"#,
+    );
+    relaxed(&dir, &["--method", "quasi-newton", "--iterations", "60"]);
+    let sites = String::from_utf8(dir.read("run/sites.csv")).expect("text");
+    let site: Vec<f64> = sites
+        .lines()
+        .nth(1)
+        .expect("a site")
+        .split(',')
+        .map(|x| x.parse().expect("a number"))
+        .collect();
+    let off: Vec<f64> = site
+        .iter()
+        .zip([1.5, 0.5, 1.0])
+        .map(|(x, best)| (x - best).abs())
+        .collect();
+    assert!(off.iter().all(|off| *off < 1e-6), "{site:?}");
+}
