@@ -308,7 +308,7 @@ mod tests {
             let cells = cells.iter().copied();
             CUBE.check::<3>(cells, EnergyKind::Chebyshev(1), || None)
         };
-        let half = 0.03;
+        let half = 0.2;
         assert_eq!(check(&[(0.5, half), (0.5, half)]), Ok(()));
         let short = check(&[(0.5, half), (0.4, half)]).expect_err("a tenth is missing");
         assert!(short.to_string().contains("sum to 0.9"), "{short}");
