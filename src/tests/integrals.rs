@@ -785,7 +785,7 @@ fn thirty_digits_may_cancel_where_a_text_is_multiplied_out() {
     for (text, x, value) in [
         ("x^2 - 2000000*x + 1000000000000", 1e6 + 0.25, 0.0625),
         ("x/3 - 333333", 1e6, 1.0 / 3.0),
-        ("-(x - 1e6)*(x + -1000001)", 1e6 + 0.25, 0.1875),
+        ("-(x - 1e6)*(x - 1000001)", 1e6 + 0.25, 0.1875),
     ] {
         let polynomial: Polynomial = text.parse().unwrap();
         let place = Point3::new(x, 0.0, 0.0);
