@@ -213,7 +213,7 @@ fn filament_is_counted_as_a_printer_counts_it() {
         ("M83\nG01 X 10 Y-2 E +1.\nG1X0(a comment E7)E1;E9\n", 2.0),
         ("M83\nN1 G1 X1 E1\nN2 G1 X2 E1*52\nM110 N0\n", 2.0),
         (
-            "M83\nM117 G1 X5 E100\nG1_MACRO X1 E5\nMY_MACRO X=1 E=2\n%\nG1 X1 E1\n",
+            "M83\nM117 G1 X5 E100\nN4 ; note\n\u{c}\nN5\u{c}\nN6\nG1_MACRO X1 E5\nMY_MACRO X=1 E=2\n%\nG1 X1 E1\n",
             1.0,
         ),
         (
@@ -413,6 +413,8 @@ fn objects_are_told_by_the_surest_marks() {
         .map(|one| (one.object, (one.moments.mass / SECTION).round()))
         .collect();
     assert_eq!(lengths, [(Some(0), 2.0), (Some(1), 1.0), (None, 1.0)]);
+    let twins = "M83\nM486 S0\nM486 Abox\nG1 X1 E1\nM486 S1\nM486 Abox\nG1 X2 E1\n";
+    assert_eq!(weighed(twins).objects.list(), ["box", "box (S1)"]);
     let comments = "M83\n; start printing object, unique label id: 7\nG1 X1 E1\n\
         ; stop printing object, unique label id: 7\n; printing object B\nG1 X2 E1\n";
     assert_eq!(
