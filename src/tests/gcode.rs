@@ -266,6 +266,7 @@ fn unknown_motion_and_damage_are_refused_by_line() {
     let begin = "M83\nG1 X1 Y1 E1\n";
     for (line, parts) in [
         ("G5 X1 Y1 I1 J1 P1 Q1\n", &["G5 is refused", "spline"][..]),
+        ("G2.5 X1 E1\n", &["G2.5 is refused"]),
         ("G92 X0\n", &["G92", "axis X", "from 1 to 0"]),
         ("G92\n", &["G92 without an axis"]),
         ("G1 A5 E1\n", &["the axis A of G1"]),
@@ -345,7 +346,9 @@ fn filament_is_what_the_settings_say_tool_by_tool() {
             .notes
             .iter()
             .filter(|note| note.contains("diameter"));
-        let assumed = diameters.iter().filter(|&&diameter| diameter == 1.75);
+        let assumed = diameters
+            .iter()
+            .filter(|&&diameter| (diameter - 1.75).abs() < 1e-9);
         assert_eq!(notes.count(), assumed.count(), "{settings}");
     }
     for volumetric in ["; use_volumetric_e = 1\n", ";FLAVOR:UltiGCode\n"] {
