@@ -64,6 +64,7 @@
 //! | … for p = 1 | | `energy::sums_linear` |
 //! | … for any p | | `energy::sums_power` |
 //! | … with a density | | `energy::sums_polynomial` |
+//! | \[BL\] section 3.4 | moments of a print's beads | `gcode::bead`, `gcode::weigh` |
 //! | \[BL\] section 3.5 | Lloyd's move | `relax::lloyd` |
 //! | \[BL\] Fig. 12 | the six fragments | `energy::fragments` |
 //! | \[BL\] Fig. 13 | energy and movement in percent | [`Record`] |

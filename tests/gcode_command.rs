@@ -265,6 +265,7 @@ fn bad_files_and_options_are_refused_with_nothing_printed() {
             &["plate.gcode", "--material-density", "1,2,-3"],
             &["zero or more"],
         ),
+        (&["plate.gcode", "--filament", "0"], &["positive"]),
         (&["plate.gcode", "plate.gcode"], &["one at a time"]),
         (&["plate.gcode", "--density", "2"], &["--material-density"]),
         (

@@ -8,7 +8,7 @@ use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 
 use crate::cli::failure::{Failure, print};
-use crate::cli::mass_report::{AxisMoment, MassProperties, figure};
+use crate::cli::mass_report::{AxisMoment, MassProperties, figure, positive};
 use crate::gcode::labels::is_part;
 use crate::gcode::settings::{Filament, PerTool};
 use crate::gcode::weigh::{Deposit, Weighed, weigh};
@@ -48,7 +48,7 @@ pub(crate) struct GcodeOptions {
         visible_alias = "filament-diameter",
         value_name = "MM,…",
         value_delimiter = ',',
-        value_parser = not_negative
+        value_parser = positive
     )]
     filament: Vec<f64>,
 }
@@ -89,7 +89,6 @@ struct PrintReport<'a> {
     deposited: Weight,
     types: Listed<Share>,
     tools: Listed<Shares>,
-    #[serde(skip_serializing_if = "Listed::is_empty")]
     objects: Listed<Shares>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     notes: Vec<String>,
@@ -125,12 +124,6 @@ struct Shares {
 /// Names with their values, in the order of their appearance.
 #[derive(Debug)]
 struct Listed<T>(Vec<(String, T)>);
-
-impl<T> Listed<T> {
-    fn is_empty(&self) -> bool {
-        self.0.is_empty()
-    }
-}
 
 impl<T: Serialize> Serialize for Listed<T> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {

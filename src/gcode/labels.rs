@@ -54,14 +54,6 @@ impl Names {
         self.list.len() - 1
     }
 
-    /// Another name for the one at `place`, unless another has it.
-    pub(crate) fn rename(&mut self, place: usize, name: &str) {
-        if !self.places.contains_key(name) {
-            self.places.insert(name.to_owned(), place);
-            self.list[place] = name.to_owned();
-        }
-    }
-
     pub(crate) fn list(&self) -> &[String] {
         &self.list
     }

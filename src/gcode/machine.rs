@@ -159,7 +159,7 @@ impl Machine {
         words: &mut Words,
     ) -> Result<Option<Bead>, Fault> {
         match (command.letter, command.number) {
-            (b'G', 0..=3) => {
+            (b'G', 0..=3) if command.fraction == 0 => {
                 words.read(text, command)?;
                 words.lone().map_or(Ok(()), Err)?;
                 self.motion(command.number, words)
@@ -455,6 +455,7 @@ impl Machine {
 /// Why the motion of G and this number is unknown, if it is.
 fn unknown_motion(number: u32) -> Option<&'static str> {
     match number {
+        0..=3 => Some("a motion that only some machines know"),
         5 => Some("a spline, whose points are not weighed; export without it"),
         6 => Some("it moves motors, not coordinates"),
         41 | 42 => Some("it moves the path sideways"),

@@ -83,6 +83,14 @@ fn refuse_containers(source: &mut (impl Read + Seek)) -> Result<(), GcodeError> 
     }
 }
 
+/// The object being printed, as marks name it.
+#[derive(Clone, Debug)]
+enum Present {
+    Named(String),
+    /// M486 S.
+    Numbered(i64),
+}
+
 /// The state of reading.
 #[derive(Debug)]
 struct Reader {
@@ -97,9 +105,11 @@ struct Reader {
     raft: bool,
     /// Whether the part has begun.
     begun: bool,
-    object: Option<usize>,
-    /// M486: the numbers of objects.
-    numbered: HashMap<i64, usize>,
+    object: Option<Present>,
+    /// M486: names of objects by their numbers.
+    numbered: HashMap<i64, String>,
+    /// The places of numbered objects that have plastic.
+    numbered_places: HashMap<i64, usize>,
     deposits: Vec<Deposit>,
     places: HashMap<(usize, u32, Option<usize>), usize>,
     /// The deposit that beads go to, until type, tool or object change.
@@ -129,6 +139,7 @@ impl Reader {
             begun: false,
             object: None,
             numbered: HashMap::new(),
+            numbered_places: HashMap::new(),
             deposits: Vec::new(),
             places: HashMap::new(),
             present: None,
@@ -224,7 +235,7 @@ impl Reader {
             }
             Mark::Object(kind, name) => {
                 if self.survey.objects == Some(kind) {
-                    self.object = name.map(|name| self.objects.place(&name));
+                    self.object = name.map(Present::Named);
                     self.present = None;
                 }
             }
@@ -258,9 +269,7 @@ impl Reader {
             let value = &rest[at + 1..];
             if rest[at..].starts_with(['A', 'a']) {
                 let name = value.trim().trim_matches(['"', '\'']);
-                if let Some(place) = self.object {
-                    self.objects.rename(place, &text(name.as_bytes()));
-                }
+                self.name_numbered(&text(name.as_bytes()));
                 break;
             }
             let digits = value.split_whitespace().next().unwrap_or_default();
@@ -270,11 +279,35 @@ impl Reader {
 
     fn begin_numbered(&mut self, number: i64) {
         self.present = None;
-        self.object = (number >= 0).then(|| {
-            let objects = &mut self.objects;
-            let known = self.numbered.entry(number);
-            *known.or_insert_with(|| objects.place(&number.to_string()))
-        });
+        self.object = (number >= 0).then_some(Present::Numbered(number));
+    }
+
+    fn name_numbered(&mut self, name: &str) {
+        if let Some(Present::Numbered(number)) = self.object
+            && self.numbered.len() < MOST_KINDS
+        {
+            self.numbered.insert(number, name.to_owned());
+        }
+    }
+
+    /// The place of the present object; objects of one name keep apart by their numbers.
+    fn object_place(&mut self) -> Option<usize> {
+        match self.object.as_ref()? {
+            Present::Named(name) => Some(self.objects.place(name)),
+            Present::Numbered(number) => {
+                if let Some(&place) = self.numbered_places.get(number) {
+                    return Some(place);
+                }
+                let name = match self.numbered.get(number) {
+                    Some(name) if !self.objects.list().contains(name) => name.clone(),
+                    Some(name) => format!("{name} (S{number})"),
+                    None => number.to_string(),
+                };
+                let place = self.objects.place(&name);
+                self.numbered_places.insert(*number, place);
+                Some(place)
+            }
+        }
     }
 
     fn deposit(&mut self, bead: &Bead, number: u64) -> Result<(), GcodeError> {
@@ -305,7 +338,7 @@ impl Reader {
         if !self.machine.is_volumetric() && !self.by_length.contains(&tool) {
             self.by_length.push(tool);
         }
-        let object = self.object;
+        let object = self.object_place();
         let next = self.deposits.len();
         let place = *self.places.entry((kind, tool, object)).or_insert(next);
         if place == next {

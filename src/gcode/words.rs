@@ -85,7 +85,7 @@ fn numbered(text: &[u8], first: usize) -> Result<Content<'_>, Fault> {
         .iter()
         .take_while(|byte| byte.is_ascii_digit());
     let name = skip_blanks(&text[..end], first + 1 + digits.count());
-    if name == end {
+    if name == end || text[name] == b';' {
         return Ok(Content::Blank);
     }
     command(text, name, end)
@@ -148,13 +148,14 @@ fn foreign(text: &[u8], name: usize) -> Result<Content<'_>, Fault> {
     let code = before_comment(text);
     let is_alien = |&byte: &u8| byte.is_ascii_control() && byte != b'\t';
     let alien = code.iter().position(is_alien);
-    let alien = alien.or_else(|| (!code[name].is_ascii()).then_some(name));
+    let begins = code.get(name).copied().unwrap_or(b' ');
+    let alien = alien.or_else(|| (!begins.is_ascii()).then_some(name));
     match alien {
         Some(at) => Err(Fault::Byte {
             byte: code[at],
             column: at + 1,
         }),
-        None => Ok(Content::Foreign(&code[name..])),
+        None => Ok(Content::Foreign(&code[name.min(code.len())..])),
     }
 }
 

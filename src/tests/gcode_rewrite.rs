@@ -129,7 +129,11 @@ impl Writer {
         self.line(line);
         if self.style.tools && line.starts_with(";LAYER") && !line.starts_with(";LAYER_COUNT") {
             self.layers += 1;
-            self.line(if self.layers % 2 == 0 { "T1" } else { "T0" });
+            self.line(if self.layers.is_multiple_of(2) {
+                "T1"
+            } else {
+                "T0"
+            });
         }
     }
 
@@ -189,7 +193,7 @@ impl Writer {
         if self
             .style
             .resets
-            .is_some_and(|every| self.moves % every == 0)
+            .is_some_and(|every| self.moves.is_multiple_of(every))
         {
             self.register = self.moves as f64 / 7.0;
             self.line(&format!("G92 E{}", self.register));
@@ -203,7 +207,7 @@ impl Writer {
             return None;
         }
         let code = ["G2", "G3"][self.moves / 2 % 2];
-        if self.moves % 2 == 0 {
+        if self.moves.is_multiple_of(2) {
             return Some((code, format!(" R{}", self.unit(radius))));
         }
         let side = if code == "G2" { -1.0 } else { 1.0 };
