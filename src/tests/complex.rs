@@ -3,9 +3,10 @@
 use nalgebra::{Point3, Vector3};
 
 use crate::complex::assemble::{assemble, assemble_within};
-use crate::complex::element::Element;
+use crate::complex::element::CellElement;
 use crate::complex::face_geometry::MeshGeometry;
 use crate::complex::quality::MeshQuality;
+use crate::complex::wall_patches::WallPatches;
 use crate::domain::convex::ConvexPolyhedron;
 use crate::domain::cuboid::Cuboid;
 use crate::domain::domain::Domain;
@@ -56,7 +57,7 @@ fn periodic(axes: [bool; 3]) -> Cuboid {
 
 fn mesh(domain: &dyn Domain, sites: &[Point3<f64>]) -> PolyMesh {
     let diagram = Diagram::new(domain, sites).unwrap();
-    assemble(&diagram, &|wall| format!("wall{wall}")).unwrap()
+    assemble(&diagram, &WallPatches::Each).unwrap()
 }
 
 fn quality(mesh: &PolyMesh) -> MeshQuality {
@@ -67,10 +68,11 @@ fn quality(mesh: &PolyMesh) -> MeshQuality {
 /// A mesh that is sound, closed, and as large as the domain.
 fn assert_conforms(domain: &dyn Domain, sites: &[Point3<f64>], what: &str) -> PolyMesh {
     let diagram = Diagram::new(domain, sites).unwrap();
-    let mesh = assemble(&diagram, &|wall| format!("wall{wall}"));
+    let mesh = assemble(&diagram, &WallPatches::Each);
     let mesh = mesh.unwrap_or_else(|error| panic!("{what}: {error}"));
-    mesh.check()
-        .unwrap_or_else(|error| panic!("{what}: {error}"));
+    let not_balls = mesh.check_closed();
+    let not_balls = not_balls.unwrap_or_else(|error| panic!("{what}: {error}"));
+    assert!(not_balls.is_empty(), "{what}: {}", not_balls[0]);
     assert_eq!(mesh.cell_count, sites.len(), "{what}");
     let quality = quality(&mesh);
     let off = quality.volume / domain.volume() - 1.0;
@@ -176,8 +178,12 @@ fn an_exact_lattice_is_a_mesh_of_cubes() {
         let counts: Vec<_> = mesh.patches.iter().map(|patch| patch.count).collect();
         assert_eq!(counts, [100; 6]);
         let cells = mesh.cell_faces();
-        let is_hexahedron =
-            |cell: usize| matches!(Element::of(&mesh, &cells, cell), Element::Hexahedron(_));
+        let is_hexahedron = |cell: usize| {
+            matches!(
+                CellElement::of(&mesh, &cells, cell),
+                CellElement::Hexahedron(_)
+            )
+        };
         assert!((0..1000).all(is_hexahedron));
         let quality = quality(&mesh);
         assert!(quality.non_orthogonality_max < 1e-4, "{quality:?}");
@@ -196,10 +202,9 @@ fn the_mesh_does_not_depend_on_the_resolution() {
     for (what, sites) in sets {
         let domain = Cuboid::unit();
         let diagram = Diagram::new(&domain, &sites).unwrap();
-        let name = |wall: u32| wall.to_string();
-        let expected = assemble(&diagram, &name).unwrap();
+        let expected = assemble(&diagram, &WallPatches::Each).unwrap();
         for resolution in [1e-12, 1e-11, 1e-10, 1e-9, 1e-8, 1e-7] {
-            let other = assemble_within(&diagram, resolution, &name).unwrap();
+            let other = assemble_within(&diagram, resolution, &WallPatches::Each).unwrap();
             let same = (other.points.len(), other.owner, other.neighbor);
             let expected = (
                 expected.points.len(),

@@ -145,6 +145,10 @@ impl DomainShape for SurfaceSolid {
         outline(&self.surface, site, cell, scratch, visit);
     }
 
+    fn surface_mesh(&self) -> Option<&SurfaceMesh> {
+        Some(&self.surface.mesh)
+    }
+
     fn first_exit(&self, site: &Point3<f64>, step: &Vector3<f64>) -> f64 {
         self.surface.ray_exit(site, step)
     }
