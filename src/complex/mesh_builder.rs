@@ -54,7 +54,10 @@ impl<'a> MeshBuilder<'a> {
     ) -> Self {
         let mut mesh = PolyMesh::default();
         mesh.sites.extend(0..cells.len() as u32);
-        let pieces = number_pieces(cells, &mut mesh.sites);
+        let volumes = |loops: &CellLoops, pieces: &mut [u32]| {
+            join_cavities(loops, pieces, positions, &periods);
+        };
+        let pieces = number_pieces(cells, volumes, &mut mesh.sites);
         mesh.cell_count = mesh.sites.len();
         Self {
             cells,
@@ -228,9 +231,16 @@ pub(crate) fn turned(corners: &[LoopCorner], image: Shift) -> Vec<LoopCorner> {
 }
 
 /// Cells for the pieces of every site that has several: per facet. Sites of further cells are appended.
-fn number_pieces(cells: &[CellLoops], sites: &mut Vec<u32>) -> HashMap<u32, Vec<u32>> {
+fn number_pieces(
+    cells: &[CellLoops],
+    join: impl Fn(&CellLoops, &mut [u32]) + Sync,
+    sites: &mut Vec<u32>,
+) -> HashMap<u32, Vec<u32>> {
     let several = |(site, loops): (usize, &CellLoops)| {
-        let pieces = loops.pieces();
+        let mut pieces = loops.pieces();
+        if pieces.iter().any(|&piece| piece > 0) {
+            join(loops, &mut pieces);
+        }
         let is_split = pieces.iter().any(|&piece| piece > 0);
         is_split.then_some((site as u32, pieces))
     };
@@ -250,6 +260,37 @@ fn number_pieces(cells: &[CellLoops], sites: &mut Vec<u32>) -> HashMap<u32, Vec<
         cells.insert(site, pieces);
     }
     cells
+}
+
+/// Gives the surfaces of cavities, which enclose a negative volume, to the largest piece of the cell, and
+/// numbers the pieces anew.
+fn join_cavities(
+    loops: &CellLoops,
+    pieces: &mut [u32],
+    positions: &[Point3<f64>],
+    periods: &Vector3<f64>,
+) {
+    let count = pieces.iter().max().map_or(0, |&last| last as usize + 1);
+    let mut volumes = vec![0.0; count];
+    let mut origin = None;
+    for ((_, corners), &piece) in loops.facets().zip(pieces.iter()) {
+        let place = |corner: &LoopCorner| corner.position(positions, periods);
+        let origin = *origin.get_or_insert_with(|| place(&corners[0]));
+        for pair in corners.windows(2).skip(1) {
+            let [a, b, c] = [&corners[0], &pair[0], &pair[1]].map(|corner| place(corner) - origin);
+            volumes[piece as usize] += a.dot(&b.cross(&c));
+        }
+    }
+    let largest = (0..count).max_by(|&one, &other| volumes[one].total_cmp(&volumes[other]));
+    let mut next = 0;
+    let mut numbers = vec![0; count];
+    for piece in (0..count).filter(|&piece| volumes[piece] > 0.0 && Some(piece) != largest) {
+        next += 1;
+        numbers[piece] = next;
+    }
+    for piece in pieces {
+        *piece = numbers[*piece as usize];
+    }
 }
 
 /// The sides of the box through which an image is reached.
