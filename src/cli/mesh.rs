@@ -12,6 +12,7 @@ use crate::cli::options::{Common, finite, named, space};
 use crate::cli::run::RunDescription;
 use crate::complex::assemble::assemble;
 use crate::complex::face_geometry::MeshGeometry;
+use crate::complex::wall_patches::WallPatches;
 use crate::export::mesh_vtu::{CellColumn, write_mesh};
 use crate::export::poly_mesh::{MESH_FILES, write_case};
 use crate::mesh::formats::open_foam::load_case;
@@ -41,7 +42,7 @@ pub(crate) struct MeshOptions {
     #[arg(long, short, value_name = "OUT", required_unless_present = "check")]
     output: Option<PathBuf>,
     /// Measure the polyMesh (ASCII or binary, plain or .gz) in PATH instead
-    #[arg(long, value_name = "PATH", conflicts_with_all = ["run", "output", "to", "scale"])]
+    #[arg(long, value_name = "PATH", conflicts_with_all = ["run", "output", "to", "scale", "feature_angle"])]
     check: Option<PathBuf>,
     /// Formats to write
     #[arg(long, value_name = "FORMAT", value_delimiter = ',', default_value = "polymesh", value_parser = named(&FORMATS))]
@@ -49,6 +50,9 @@ pub(crate) struct MeshOptions {
     /// Fail where a measure is above its limit: nonorth=70,skew=4,pyramids=0,aspect=…,concave=…,open=0
     #[arg(long, value_name = "NAME=MOST", value_delimiter = ',')]
     limit: Vec<MeshLimit>,
+    /// Part the walls of a solid into patches along edges where they turn by more than A degrees
+    #[arg(long, value_name = "A", value_parser = finite, default_value = "40")]
+    feature_angle: f64,
     /// Multiply all coordinates by F
     #[arg(long, value_name = "F", value_parser = finite, default_value = "1")]
     scale: f64,
@@ -89,7 +93,7 @@ fn json(report: &MeshReport) -> Result<String, Failure> {
 /// The report of a mesh that is there.
 fn check(path: &Path) -> Result<MeshReport, Failure> {
     let mesh = load_case(path).map_err(Failure::input)?;
-    mesh.check_structure()
+    mesh.check_closed()
         .map_err(|error| Failure::input(format!("{}: {error}", path.display())))?;
     let geometry = MeshGeometry::of(&mesh, &mesh.cell_faces());
     Ok(MeshReport::new(&mesh, &geometry, None))
@@ -108,7 +112,7 @@ fn make(options: &MeshOptions, run: &Path, output: &Path) -> Result<MeshReport, 
     }
     let (scene, sites) = read_run(run)?;
     let space = space(&scene)?;
-    let mut mesh = mesh_of(&space, &scene, &sites)?;
+    let mut mesh = mesh_of(&space, &scene, &sites, options.feature_angle)?;
     let scale = options.scale;
     mesh.scale(scale);
     let geometry = MeshGeometry::of(&mesh, &mesh.cell_faces());
@@ -118,7 +122,7 @@ fn make(options: &MeshOptions, run: &Path, output: &Path) -> Result<MeshReport, 
         write_case(output, &mesh).map_err(Failure::run)?;
     }
     if options.to.iter().any(|format| format == "vtu") {
-        let columns = columns(&space, &scene, &sites, &geometry)?;
+        let columns = columns(&space, &scene, (&sites, &mesh.sites), &geometry)?;
         let path = output.join("mesh.vtu");
         fs::create_dir_all(output)
             .map_err(|error| Failure::run(format!("cannot make {}: {error}", output.display())))?;
@@ -173,16 +177,25 @@ fn read_run(run: &Path) -> Result<(Scene, Vec<Point3<f64>>), Failure> {
     Ok((scene, sites))
 }
 
-fn mesh_of(space: &Space, scene: &Scene, sites: &[Point3<f64>]) -> Result<PolyMesh, Failure> {
-    const SIDES: [&str; 6] = ["xmin", "xmax", "ymin", "ymax", "zmin", "zmax"];
-    let is_box = matches!(scene.domain, SceneDomain::Box(_));
-    let name = |wall: u32| match SIDES.get(wall as usize) {
-        Some(side) if is_box => (*side).to_owned(),
-        _ => format!("wall{wall}"),
+fn mesh_of(
+    space: &Space,
+    scene: &Scene,
+    sites: &[Point3<f64>],
+    angle: f64,
+) -> Result<PolyMesh, Failure> {
+    let domain = space.domain();
+    let patches = match (&scene.domain, domain.surface_mesh()) {
+        (SceneDomain::Box(_), _) => WallPatches::Box,
+        (_, Some(surface)) => WallPatches::by_features(surface, angle),
+        (_, None) => WallPatches::Each,
     };
-    let diagram = Diagram::new(space.domain(), sites).map_err(Failure::input)?;
-    let mesh = assemble(&diagram, &name).map_err(Failure::run)?;
-    mesh.check().map_err(Failure::run)?;
+    let diagram = Diagram::new(domain, sites).map_err(Failure::input)?;
+    let mesh = assemble(&diagram, &patches).map_err(Failure::run)?;
+    let not_balls = mesh.check_closed().map_err(Failure::run)?;
+    if let Some(first) = not_balls.first() {
+        let count = not_balls.len();
+        eprintln!("note: {count} cells are no balls, the first: {first}; more sites mend that");
+    }
     Ok(mesh)
 }
 
@@ -190,18 +203,19 @@ fn mesh_of(space: &Space, scene: &Scene, sites: &[Point3<f64>]) -> Result<PolyMe
 fn columns(
     space: &Space,
     scene: &Scene,
-    sites: &[Point3<f64>],
+    (sites, of_cells): (&[Point3<f64>], &[u32]),
     geometry: &MeshGeometry,
 ) -> Result<Vec<(&'static str, CellColumn)>, Failure> {
     let cells = space
         .metrics(sites, energy_spec(scene))
         .map_err(Failure::input)?;
-    let energies = cells.iter().map(|cell| cell.energy).collect();
-    let cubeness = cells.iter().map(|cell| cell.cubeness).collect();
+    let of_cells = of_cells.iter().map(|&site| site as usize);
+    let energies = of_cells.clone().map(|site| cells[site].energy).collect();
+    let cubeness = of_cells.clone().map(|site| cells[site].cubeness).collect();
     Ok(vec![
         (
             "site",
-            CellColumn::Integers((0..sites.len() as i64).collect()),
+            CellColumn::Integers(of_cells.map(|site| site as i64).collect()),
         ),
         ("volume", CellColumn::Reals(geometry.cell_volumes.clone())),
         ("energy", CellColumn::Reals(energies)),

@@ -6,7 +6,7 @@ use std::fmt::Write;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::complex::element::{Element, KINDS, scaled_jacobian};
+use crate::complex::element::{CellElement, KINDS, scaled_jacobian};
 use crate::complex::face_geometry::MeshGeometry;
 use crate::complex::quality::MeshQuality;
 use crate::mesh::poly_mesh::PolyMesh;
@@ -52,13 +52,13 @@ impl MeshReport {
         let cells = mesh.cell_faces();
         let quality = MeshQuality::of(mesh, &cells, geometry);
         let elements = (0..mesh.cell_count).into_par_iter();
-        let elements: Vec<Element> = elements
-            .map(|cell| Element::of(mesh, &cells, cell))
+        let elements: Vec<CellElement> = elements
+            .map(|cell| CellElement::of(mesh, &cells, cell))
             .collect();
         let mut jacobians: Vec<f64> = elements
             .iter()
             .filter_map(|element| match element {
-                Element::Hexahedron(corners) => Some(scaled_jacobian(mesh, corners)),
+                CellElement::Hexahedron(corners) => Some(scaled_jacobian(mesh, corners)),
                 _ => None,
             })
             .collect();
@@ -165,7 +165,7 @@ impl MeshReport {
     }
 }
 
-fn kinds(elements: &[Element], geometry: &MeshGeometry) -> BTreeMap<&'static str, KindShare> {
+fn kinds(elements: &[CellElement], geometry: &MeshGeometry) -> BTreeMap<&'static str, KindShare> {
     let mut kinds: BTreeMap<_, _> = KINDS.map(|name| (name, KindShare::default())).into();
     for (element, volume) in elements.iter().zip(&geometry.cell_volumes) {
         let share = kinds.entry(KINDS[element.kind()]).or_default();

@@ -8,11 +8,15 @@ use thiserror::Error;
 
 use crate::complex::cell_surface::CellSurface;
 use crate::complex::identify::{NumberedVertices, RESOLUTION};
-use crate::complex::loops::{CellLoops, LoopCorner, merge, numbered_loops, straighten};
-use crate::complex::vertex_key::{NO_SHIFT, Shift};
+use crate::complex::loops::{
+    CellLoops, LoopCorner, least_first, merge, numbered_loops, straighten,
+};
+use crate::complex::mesh_builder::{MeshBuilder, turned};
+use crate::complex::vertex_key::Shift;
+use crate::complex::wall_patches::WallPatches;
 use crate::domain::facet_kind::FacetKind;
 use crate::domain::shape::PieceScratch;
-use crate::mesh::poly_mesh::{MeshPatch, PolyMesh};
+use crate::mesh::poly_mesh::PolyMesh;
 use crate::voronoi::diagram::{Diagram, DiagramError};
 
 /// How often vertices that some cells have and others do not are merged with the nearest.
@@ -50,30 +54,22 @@ pub(crate) enum AssembleError {
     },
 }
 
-/// What a patch's faces border on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum FaceBorder {
-    Wall(u32),
-    Image(Shift),
-}
-
-/// The mesh of the cells of `diagram`, one cell for each site in site order. Walls are named by
-/// `wall_name`.
+/// The mesh of the cells of `diagram` in site order.
 ///
 /// # Errors
 /// [`AssembleError`] when a site has no cell, or cells do not fit together.
 pub(crate) fn assemble(
     diagram: &Diagram<'_>,
-    wall_name: &dyn Fn(u32) -> String,
+    patches: &WallPatches,
 ) -> Result<PolyMesh, AssembleError> {
-    assemble_within(diagram, RESOLUTION, wall_name)
+    assemble_within(diagram, RESOLUTION, patches)
 }
 
 /// As [`assemble`], with edges contracted that are shorter than `resolution` times their cells' size.
 pub(crate) fn assemble_within(
     diagram: &Diagram<'_>,
     resolution: f64,
-    wall_name: &dyn Fn(u32) -> String,
+    patches: &WallPatches,
 ) -> Result<PolyMesh, AssembleError> {
     let domain = diagram.domain();
     let periods = Vector3::from(domain.periods().map(|period| period.unwrap_or(0.0)));
@@ -86,7 +82,7 @@ pub(crate) fn assemble_within(
     drop(cells);
     let positions = vertices.positions;
     agree(&mut loops, &positions, &periods)?;
-    Ok(MeshBuilder::new(positions, periods).build(&loops, wall_name))
+    Ok(MeshBuilder::new(&loops, &positions, periods).build(patches))
 }
 
 fn refuse_open(cells: &[(CellSurface, Point3<f64>)]) -> Result<(), AssembleError> {
@@ -169,18 +165,7 @@ fn seen_from(other: &CellLoops, cell: u32, image: Shift) -> Vec<Vec<LoopCorner>>
         image: image.map(|periods| -periods as i8),
     };
     let facets = other.facets().filter(|(label, _)| *label == here.label());
-    let turned = facets.map(|(_, corners)| {
-        let back = corners.iter().rev().map(|corner| corner.shifted(image));
-        least_first(&back.collect::<Vec<_>>())
-    });
-    turned.collect()
-}
-
-/// The same loop from its least corner on.
-fn least_first(corners: &[LoopCorner]) -> Vec<LoopCorner> {
-    let least = (0..corners.len()).min_by_key(|&place| corners[place]);
-    let (before, after) = corners.split_at(least.unwrap_or(0));
-    [after, before].concat()
+    facets.map(|(_, corners)| turned(corners, image)).collect()
 }
 
 /// The vertices that are in one list only; all if a list is empty or both have the same.
@@ -227,137 +212,4 @@ fn nearest(
         }
     }
     targets
-}
-
-/// A mesh under construction.
-struct MeshBuilder {
-    positions: Vec<Point3<f64>>,
-    periods: Vector3<f64>,
-    /// The points of vertices at shift zero.
-    numbers: Vec<u32>,
-    /// The points of all others.
-    shifted: HashMap<LoopCorner, u32>,
-    mesh: PolyMesh,
-}
-
-/// A face that borders on a wall or on the image of a cell.
-type BorderFace<'a> = (u32, u32, &'a [LoopCorner]);
-
-impl MeshBuilder {
-    const UNUSED: u32 = u32::MAX;
-
-    fn new(positions: Vec<Point3<f64>>, periods: Vector3<f64>) -> Self {
-        Self {
-            numbers: vec![Self::UNUSED; positions.len()],
-            positions,
-            periods,
-            shifted: HashMap::new(),
-            mesh: PolyMesh::default(),
-        }
-    }
-
-    fn build(mut self, cells: &[CellLoops], wall_name: &dyn Fn(u32) -> String) -> PolyMesh {
-        self.mesh.cell_count = cells.len();
-        let mut borders: BTreeMap<FaceBorder, Vec<BorderFace<'_>>> = BTreeMap::new();
-        for (cell, loops) in (0..).zip(cells) {
-            let mut inner = Vec::new();
-            for (label, corners) in loops.facets() {
-                let (border, other) = match FacetKind::of(label) {
-                    FacetKind::Neighbor { site, image } => {
-                        (FaceBorder::Image(image.map(i16::from)), site)
-                    }
-                    FacetKind::Wall(number) => (FaceBorder::Wall(number), 0),
-                    FacetKind::Inner => continue,
-                };
-                if border != FaceBorder::Image(NO_SHIFT) {
-                    let faces = borders.entry(border).or_default();
-                    faces.push((cell, other, corners));
-                } else if other > cell {
-                    inner.push((other, corners));
-                }
-            }
-            inner.sort_by_key(|&(other, _)| other);
-            for (other, corners) in inner {
-                self.push_face(cell, corners.iter().copied());
-                self.mesh.neighbor.push(other);
-            }
-        }
-        for (border, faces) in borders {
-            match border {
-                FaceBorder::Wall(number) => self.push_wall(wall_name(number), &faces),
-                FaceBorder::Image(image) if image > NO_SHIFT => self.push_pair(image, faces),
-                FaceBorder::Image(_) => {}
-            }
-        }
-        self.mesh
-    }
-
-    fn push_wall(&mut self, name: String, faces: &[BorderFace<'_>]) {
-        let start = self.mesh.face_count();
-        for &(cell, _, corners) in faces {
-            self.push_face(cell, corners.iter().copied());
-        }
-        self.push_patch(name, start, None);
-    }
-
-    /// The faces towards an image and, in the same order, those on the other side.
-    fn push_pair(&mut self, image: Shift, mut faces: Vec<BorderFace<'_>>) {
-        faces.sort_by_key(|&(cell, other, _)| (cell, other));
-        let back = image.map(|periods| -periods);
-        let way = Vector3::from(image.map(f64::from)).component_mul(&self.periods);
-        let here = self.mesh.patches.len();
-        let start = self.mesh.face_count();
-        for &(cell, _, corners) in &faces {
-            self.push_face(cell, corners.iter().copied());
-        }
-        self.push_patch(image_name(image), start, Some((here + 1, -way)));
-        let start = self.mesh.face_count();
-        for &(_, other, corners) in &faces {
-            let turned = corners[..1].iter().chain(corners[1..].iter().rev());
-            self.push_face(other, turned.map(|corner| corner.shifted(back)));
-        }
-        self.push_patch(image_name(back), start, Some((here, way)));
-    }
-
-    fn push_patch(&mut self, name: String, start: usize, partner: Option<(usize, Vector3<f64>)>) {
-        let count = self.mesh.face_count() - start;
-        self.mesh.patches.push(MeshPatch {
-            name,
-            start,
-            count,
-            partner,
-        });
-    }
-
-    fn push_face(&mut self, owner: u32, corners: impl Iterator<Item = LoopCorner>) {
-        let points: Vec<u32> = corners.map(|corner| self.point(corner)).collect();
-        self.mesh.push_corners(points);
-        self.mesh.owner.push(owner);
-    }
-
-    /// The point of a corner, numbered on its first use.
-    fn point(&mut self, corner: LoopCorner) -> u32 {
-        let number = match corner.shift() {
-            NO_SHIFT => &mut self.numbers[corner.number() as usize],
-            _ => self.shifted.entry(corner).or_insert(Self::UNUSED),
-        };
-        if *number == Self::UNUSED {
-            *number = self.mesh.points.len() as u32;
-            let place = corner.position(&self.positions, &self.periods);
-            self.mesh.points.push(place);
-        }
-        *number
-    }
-}
-
-/// The sides of the box through which an image is reached.
-fn image_name(image: Shift) -> String {
-    let mut names = Vec::new();
-    for (axis, periods) in ["x", "y", "z"].into_iter().zip(image) {
-        let side = if periods < 0 { "min" } else { "max" };
-        for _ in 0..periods.abs() {
-            names.push(format!("{axis}{side}"));
-        }
-    }
-    names.join("_")
 }

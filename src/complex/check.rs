@@ -90,30 +90,24 @@ pub(crate) enum MeshCheckError {
     },
 }
 
-/// What the boundary of a cell is.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) enum CellTopology {
-    /// A closed surface, V − E + F = 2.
-    Ball,
-    /// Anything else.
-    Unsound(MeshCheckError),
-}
-
 impl PolyMesh {
-    /// Tests the invariants of a mesh.
+    /// Tests the invariants of a mesh, and lists the cells that are closed and yet no balls, since they wrap
+    /// around a hole of the domain or hold a cavity.
     ///
     /// # Errors
     /// [`MeshCheckError`] for the first that does not hold.
-    pub(crate) fn check(&self) -> Result<(), MeshCheckError> {
+    pub(crate) fn check_closed(&self) -> Result<Vec<MeshCheckError>, MeshCheckError> {
         self.check_structure()?;
         let faces = self.cell_faces();
-        let unsound = (0..self.cell_count).into_par_iter().find_map_first(|cell| {
-            match self.topology(&faces, cell) {
-                CellTopology::Ball => None,
-                CellTopology::Unsound(error) => Some(error),
-            }
-        });
-        unsound.map_or(Ok(()), Err)
+        let cells = (0..self.cell_count).into_par_iter();
+        let unsound: Vec<MeshCheckError> = cells
+            .filter_map(|cell| self.topology(&faces, cell).err())
+            .collect();
+        let is_open = |error: &&MeshCheckError| matches!(error, MeshCheckError::Open { .. });
+        match unsound.iter().find(is_open) {
+            None => Ok(unsound),
+            Some(open) => Err(open.clone()),
+        }
     }
 
     /// Tests all that makes it safe to measure: counts, numbers in range, the order of faces.
@@ -190,9 +184,8 @@ impl PolyMesh {
         }
     }
 
-    /// What the boundary of a cell is.
-    #[must_use]
-    pub(crate) fn topology(&self, faces: &CellFaces, cell: usize) -> CellTopology {
+    /// Whether a cell is a closed ball.
+    fn topology(&self, faces: &CellFaces, cell: usize) -> Result<(), MeshCheckError> {
         let mut runs: HashMap<(u32, u32), [u32; 2]> = HashMap::new();
         let mut vertices = Vec::new();
         for (face, is_owner) in faces.of(cell) {
@@ -209,7 +202,7 @@ impl PolyMesh {
         vertices.dedup();
         let open = runs.iter().filter(|(_, run)| **run != [1, 1]).min();
         if let Some((&(from, to), &[forward, back])) = open {
-            return CellTopology::Unsound(MeshCheckError::Open {
+            return Err(MeshCheckError::Open {
                 cell,
                 from,
                 to,
@@ -219,8 +212,8 @@ impl PolyMesh {
         }
         let (vertices, edges, faces) = (vertices.len(), runs.len(), faces.of(cell).len());
         match vertices + faces == edges + 2 {
-            true => CellTopology::Ball,
-            false => CellTopology::Unsound(MeshCheckError::Euler {
+            true => Ok(()),
+            false => Err(MeshCheckError::Euler {
                 cell,
                 vertices,
                 edges,

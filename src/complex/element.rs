@@ -11,7 +11,7 @@ use crate::mesh::poly_mesh::{CellFaces, PolyMesh};
 
 /// The shape of a cell by its faces, its points in VTK's order but for polyhedra.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) enum Element {
+pub(crate) enum CellElement {
     /// Four triangles.
     Tetrahedron([u32; 4]),
     /// A quadrilateral and four triangles.
@@ -33,7 +33,7 @@ pub(crate) const KINDS: [&str; 5] = [
     "polyhedron",
 ];
 
-impl Element {
+impl CellElement {
     /// The shape of a cell.
     #[must_use]
     pub(crate) fn of(mesh: &PolyMesh, cells: &CellFaces, cell: usize) -> Self {

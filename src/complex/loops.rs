@@ -81,6 +81,26 @@ impl CellLoops {
         })
     }
 
+    /// The connected piece of the boundary to which every facet belongs, from zero.
+    #[must_use]
+    pub(crate) fn pieces(&self) -> Vec<u32> {
+        let mut pieces: Vec<usize> = (0..self.facets.len()).collect();
+        let mut first_at: HashMap<LoopCorner, usize> = HashMap::new();
+        for (facet, (_, corners)) in self.facets().enumerate() {
+            for &corner in corners {
+                let other = *first_at.entry(corner).or_insert(facet);
+                let [one, other] = [facet, other].map(|facet| root(&pieces, facet));
+                pieces[one.max(other)] = one.min(other);
+            }
+        }
+        let mut numbers = HashMap::new();
+        let number = |facet: usize| {
+            let count = numbers.len() as u32;
+            *numbers.entry(root(&pieces, facet)).or_insert(count)
+        };
+        (0..pieces.len()).map(number).collect()
+    }
+
     /// The facets with new corners, without those that have fewer than three.
     fn mapped(&self, mut corner: impl FnMut(LoopCorner) -> Option<LoopCorner>) -> Self {
         let mut mapped = Self::default();
@@ -110,6 +130,14 @@ impl CellLoops {
         self.corners.extend_from_slice(ring);
         self.facets.push((label, self.corners.len() as u32));
     }
+}
+
+/// The first facet of a piece.
+fn root(pieces: &[usize], mut facet: usize) -> usize {
+    while pieces[facet] != facet {
+        facet = pieces[facet];
+    }
+    facet
 }
 
 /// Removes repetitions (a a) and spikes (a b a) from a closed loop.
@@ -143,6 +171,14 @@ fn shorten(ring: &mut Vec<LoopCorner>) {
             _ => return,
         }
     }
+}
+
+/// The same loop from its least corner on.
+#[must_use]
+pub(crate) fn least_first(corners: &[LoopCorner]) -> Vec<LoopCorner> {
+    let least = (0..corners.len()).min_by_key(|&place| corners[place]);
+    let (before, after) = corners.split_at(least.unwrap_or(0));
+    [after, before].concat()
 }
 
 /// The facets of all cells by the numbers of their vertices.

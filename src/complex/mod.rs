@@ -14,6 +14,8 @@ pub(crate) mod element;
 pub(crate) mod face_geometry;
 pub(crate) mod identify;
 pub(crate) mod loops;
+pub(crate) mod mesh_builder;
 pub(crate) mod quality;
 pub(crate) mod shifted_union;
 pub(crate) mod vertex_key;
+pub(crate) mod wall_patches;

@@ -13,6 +13,7 @@ use crate::geometry::bounds::Bounds;
 use crate::geometry::brep::Piece;
 use crate::geometry::clip::ClipScratch;
 use crate::geometry::polyhedron::Polyhedron;
+use crate::mesh::surface::SurfaceMesh;
 
 /// A bounded solid Ω in space, possibly periodic along some axes.
 ///
@@ -118,6 +119,11 @@ pub trait DomainShape: Debug + Send + Sync + 'static {
         visit: &mut dyn FnMut(&Polyhedron),
     ) {
         visit(part);
+    }
+
+    /// The triangles that bound Ω, where it is given by triangles; walls are numbered by them.
+    fn surface_mesh(&self) -> Option<&SurfaceMesh> {
+        None
     }
 
     /// The share of `step` after which the way from `site` first leaves Ω otherwise than by

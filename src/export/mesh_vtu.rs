@@ -7,7 +7,7 @@
 use std::io::{self, Write};
 use std::path::Path;
 
-use crate::complex::element::Element;
+use crate::complex::element::CellElement;
 use crate::export::atomic_write;
 use crate::mesh::poly_mesh::{CellFaces, PolyMesh};
 
@@ -70,15 +70,15 @@ fn cell_arrays(mesh: &PolyMesh, standard: bool) -> Vec<FileArray> {
     let (mut streams, mut stream_ends) = (Vec::new(), Vec::new());
     for cell in 0..mesh.cell_count {
         let element = match standard {
-            true => Element::of(mesh, &faces, cell),
-            false => Element::Polyhedron,
+            true => CellElement::of(mesh, &faces, cell),
+            false => CellElement::Polyhedron,
         };
         let (kind, corners): (u8, Vec<u32>) = match element {
-            Element::Tetrahedron(corners) => (10, corners.into()),
-            Element::Hexahedron(corners) => (12, corners.into()),
-            Element::Prism(corners) => (13, vtk_prism(corners).into()),
-            Element::Pyramid(corners) => (14, corners.into()),
-            Element::Polyhedron => (42, push_stream(mesh, &faces, cell, &mut streams)),
+            CellElement::Tetrahedron(corners) => (10, corners.into()),
+            CellElement::Hexahedron(corners) => (12, corners.into()),
+            CellElement::Prism(corners) => (13, vtk_prism(corners).into()),
+            CellElement::Pyramid(corners) => (14, corners.into()),
+            CellElement::Polyhedron => (42, push_stream(mesh, &faces, cell, &mut streams)),
         };
         points.extend(corners.iter().map(|&corner| i64::from(corner)));
         offsets.push(points.len() as i64);

@@ -32,6 +32,8 @@ pub(crate) struct PolyMesh {
     pub(crate) neighbor: Vec<u32>,
     /// The other faces.
     pub(crate) patches: Vec<MeshPatch>,
+    /// The site of every cell; empty where the mesh is not of a diagram.
+    pub(crate) sites: Vec<u32>,
     /// How many cells there are.
     pub(crate) cell_count: usize,
 }
@@ -61,12 +63,6 @@ impl PolyMesh {
     #[must_use]
     pub(crate) fn face_count(&self) -> usize {
         self.ends.len()
-    }
-
-    /// How many corners all faces have together.
-    #[must_use]
-    pub(crate) fn corner_count(&self) -> usize {
-        self.corners.len()
     }
 
     /// The points of a face.

@@ -3,16 +3,23 @@
 use nalgebra::{Point3, Vector3};
 
 use crate::complex::assemble::{assemble, assemble_within};
-use crate::complex::element::Element;
+use crate::complex::element::CellElement;
 use crate::complex::face_geometry::MeshGeometry;
 use crate::complex::quality::MeshQuality;
+use crate::complex::wall_patches::WallPatches;
 use crate::domain::convex::ConvexPolyhedron;
 use crate::domain::cuboid::Cuboid;
 use crate::domain::domain::Domain;
 use crate::domain::shape::DomainShape;
+use crate::domain::tet_mesh::TetSolid;
+use crate::domain::tri_surface::solid::SurfaceSolid;
+use crate::geometry::bounds::Bounds;
 use crate::geometry::half_space::HalfSpace;
 use crate::geometry::random::Random;
 use crate::mesh::poly_mesh::PolyMesh;
+use crate::mesh::shapes::{bracket, icosphere, torus, unit_cube, unit_cube_tets};
+use crate::mesh::surface::SurfaceMesh;
+use crate::mesh::validate::{validate_surface, validate_tets};
 use crate::voronoi::diagram::Diagram;
 
 fn points(seed: u64, count: usize) -> Vec<Point3<f64>> {
@@ -56,7 +63,7 @@ fn periodic(axes: [bool; 3]) -> Cuboid {
 
 fn mesh(domain: &dyn Domain, sites: &[Point3<f64>]) -> PolyMesh {
     let diagram = Diagram::new(domain, sites).unwrap();
-    assemble(&diagram, &|wall| format!("wall{wall}")).unwrap()
+    assemble(&diagram, &WallPatches::Each).unwrap()
 }
 
 fn quality(mesh: &PolyMesh) -> MeshQuality {
@@ -67,10 +74,11 @@ fn quality(mesh: &PolyMesh) -> MeshQuality {
 /// A mesh that is sound, closed, and as large as the domain.
 fn assert_conforms(domain: &dyn Domain, sites: &[Point3<f64>], what: &str) -> PolyMesh {
     let diagram = Diagram::new(domain, sites).unwrap();
-    let mesh = assemble(&diagram, &|wall| format!("wall{wall}"));
+    let mesh = assemble(&diagram, &WallPatches::Each);
     let mesh = mesh.unwrap_or_else(|error| panic!("{what}: {error}"));
-    mesh.check()
-        .unwrap_or_else(|error| panic!("{what}: {error}"));
+    let not_balls = mesh.check_closed();
+    let not_balls = not_balls.unwrap_or_else(|error| panic!("{what}: {error}"));
+    assert!(not_balls.is_empty(), "{what}: {}", not_balls[0]);
     assert_eq!(mesh.cell_count, sites.len(), "{what}");
     let quality = quality(&mesh);
     let off = quality.volume / domain.volume() - 1.0;
@@ -176,8 +184,12 @@ fn an_exact_lattice_is_a_mesh_of_cubes() {
         let counts: Vec<_> = mesh.patches.iter().map(|patch| patch.count).collect();
         assert_eq!(counts, [100; 6]);
         let cells = mesh.cell_faces();
-        let is_hexahedron =
-            |cell: usize| matches!(Element::of(&mesh, &cells, cell), Element::Hexahedron(_));
+        let is_hexahedron = |cell: usize| {
+            matches!(
+                CellElement::of(&mesh, &cells, cell),
+                CellElement::Hexahedron(_)
+            )
+        };
         assert!((0..1000).all(is_hexahedron));
         let quality = quality(&mesh);
         assert!(quality.non_orthogonality_max < 1e-4, "{quality:?}");
@@ -196,10 +208,9 @@ fn the_mesh_does_not_depend_on_the_resolution() {
     for (what, sites) in sets {
         let domain = Cuboid::unit();
         let diagram = Diagram::new(&domain, &sites).unwrap();
-        let name = |wall: u32| wall.to_string();
-        let expected = assemble(&diagram, &name).unwrap();
+        let expected = assemble(&diagram, &WallPatches::Each).unwrap();
         for resolution in [1e-12, 1e-11, 1e-10, 1e-9, 1e-8, 1e-7] {
-            let other = assemble_within(&diagram, resolution, &name).unwrap();
+            let other = assemble_within(&diagram, resolution, &WallPatches::Each).unwrap();
             let same = (other.points.len(), other.owner, other.neighbor);
             let expected = (
                 expected.points.len(),
@@ -251,4 +262,148 @@ fn any_number_of_threads_makes_the_same_mesh() {
         pool.install(|| mesh(&periodic([true, false, false]), &sites))
     };
     assert_eq!(make(1), make(4));
+}
+
+/// Random points of a solid.
+fn points_in(solid: &dyn Domain, seed: u64, count: usize) -> Vec<Point3<f64>> {
+    let mut random = Random::new(seed);
+    let bounds = solid.bounds();
+    let all = std::iter::repeat_with(|| random.point(&bounds));
+    all.filter(|point| solid.contains(point))
+        .take(count)
+        .collect()
+}
+
+/// Every corner of a face on a wall lies on the surface.
+fn assert_walls_on(solid: &dyn Domain, mesh: &PolyMesh) {
+    let surface = solid.surface_mesh().expect("a surface");
+    let planes: Vec<_> = surface
+        .all_corners()
+        .map(|[a, b, c]| ((b - a).cross(&(c - a)).normalize(), a))
+        .collect();
+    let extent = solid.bounds().extent().max();
+    for face in mesh.neighbor.len()..mesh.face_count() {
+        for corner in mesh.face_places(face) {
+            let off = planes
+                .iter()
+                .map(|(normal, at)| normal.dot(&(corner - at)).abs());
+            assert!(off.fold(f64::INFINITY, f64::min) < 1e-9 * extent);
+        }
+    }
+}
+
+#[test]
+fn solids_have_conforming_meshes_of_their_volume() {
+    let shapes: [(&str, SurfaceMesh, usize); 4] = [
+        ("cube", unit_cube(), 6),
+        ("bracket", bracket(6), 0),
+        ("torus", torus(0.3, 0.12, 24, 12), 1),
+        ("ball", icosphere(2), 1),
+    ];
+    for (what, shape, patches) in shapes {
+        let solid = SurfaceSolid::new(&validate_surface(&shape).unwrap().0).unwrap();
+        let sites = points_in(&solid, 2, 150);
+        let groups = WallPatches::by_features(&shape, 40.0);
+        let mesh = assemble(&Diagram::new(&solid, &sites).unwrap(), &groups).unwrap();
+        mesh.check_closed()
+            .unwrap_or_else(|error| panic!("{what}: {error}"));
+        let quality = quality(&mesh);
+        let off = quality.volume / DomainShape::volume(&solid) - 1.0;
+        assert!(
+            off.abs() < 1e-9 && quality.open_cells == 0,
+            "{what}: {off:e}"
+        );
+        assert!(patches == 0 || mesh.patches.len() == patches, "{what}");
+        assert!(mesh.cell_count >= 150 && mesh.sites[..150].is_sorted());
+        assert_walls_on(&solid, &mesh);
+    }
+}
+
+#[test]
+fn lattices_in_step_with_a_solid_have_conforming_meshes() {
+    let solid = SurfaceSolid::new(&validate_surface(&unit_cube()).unwrap().0).unwrap();
+    for k in [2, 4, 5] {
+        let sites = lattice(k, 0.0);
+        let patches = WallPatches::by_features(&unit_cube(), 40.0);
+        let mesh = assemble(&Diagram::new(&solid, &sites).unwrap(), &patches).unwrap();
+        assert_eq!(mesh.check_closed(), Ok(Vec::new()));
+        assert_eq!(
+            (mesh.points.len(), mesh.face_count()),
+            ((k + 1).pow(3), 3 * k * k * (k + 1))
+        );
+        assert!((quality(&mesh).volume - 1.0).abs() < 1e-12);
+    }
+    let tets = unit_cube_tets(3);
+    let solid = TetSolid::new(&validate_tets(&tets).unwrap().0).unwrap();
+    let solid: &dyn Domain = &solid;
+    let patches = WallPatches::by_features(solid.surface_mesh().unwrap(), 40.0);
+    let mesh = assemble(&Diagram::new(solid, &points(6, 100)).unwrap(), &patches).unwrap();
+    assert_eq!(mesh.check_closed(), Ok(Vec::new()));
+    assert_eq!(mesh.patches.len(), 6);
+}
+
+#[test]
+fn a_cell_in_two_pieces_becomes_two_cells() {
+    // A U: the cell of the first site reaches into both arms.
+    let boxes = [
+        ([0.0; 3], [3.0, 1.0, 1.0]),
+        ([0.0, 1.0, 0.0], [1.0, 3.0, 1.0]),
+        ([2.0, 1.0, 0.0], [3.0, 3.0, 1.0]),
+    ];
+    let inside = |p: &Point3<f64>| {
+        boxes
+            .iter()
+            .any(|(min, max)| Bounds::from_corners(*min, *max).contains(p))
+    };
+    let solid = u_shape();
+    assert!((DomainShape::volume(&solid) - 7.0).abs() < 1e-12);
+    let sites = [
+        [0.5, 0.4, 0.5],
+        [2.5, 0.4, 0.5],
+        [1.5, 0.5, 0.5],
+        [0.5, 1.5, 0.5],
+        [0.4, 2.8, 0.5],
+    ];
+    assert!(sites.iter().all(|site| inside(&Point3::from(*site))));
+    let mesh = assemble(&Diagram::new(&solid, &sites).unwrap(), &WallPatches::Each).unwrap();
+    mesh.check_closed().unwrap();
+    let volume = quality(&mesh).volume;
+    assert!((volume - 7.0).abs() < 1e-9, "{volume}");
+    assert_eq!(mesh.sites.len(), mesh.cell_count);
+    assert!(
+        mesh.cell_count > sites.len(),
+        "the cell of site 4 reaches across the gap"
+    );
+}
+
+/// A bar of 3 × 1 × 1 with two posts of height 2 on its ends.
+fn u_shape() -> SurfaceSolid {
+    let outline = [
+        [0., 0.],
+        [3., 0.],
+        [3., 3.],
+        [2., 3.],
+        [2., 1.],
+        [1., 1.],
+        [1., 3.],
+        [0., 3.],
+    ];
+    let corner = |z: f64| outline.map(|[x, y]| Point3::new(x, y, z));
+    let vertices: Vec<_> = corner(0.0).into_iter().chain(corner(1.0)).collect();
+    let caps = [
+        [0, 1, 4],
+        [1, 2, 4],
+        [2, 3, 4],
+        [0, 4, 5],
+        [0, 5, 7],
+        [5, 6, 7],
+    ];
+    let bottom = caps.map(|[a, b, c]| [a, c, b]);
+    let top = caps.map(|cap| cap.map(|corner| corner + 8));
+    let sides = (0..8_u32).flat_map(|k| {
+        let next = (k + 1) % 8;
+        [[k, next, next + 8], [k, next + 8, k + 8]]
+    });
+    let triangles: Vec<_> = bottom.into_iter().chain(top).chain(sides).collect();
+    SurfaceSolid::from_arrays(&vertices, &triangles).unwrap()
 }

@@ -166,6 +166,10 @@ impl DomainShape for SurfaceSolid {
         convex_parts(&self.surface, site, part, &mut scratch.clip, visit);
     }
 
+    fn surface_mesh(&self) -> Option<&SurfaceMesh> {
+        Some(&self.surface.mesh)
+    }
+
     fn first_exit(&self, site: &Point3<f64>, step: &Vector3<f64>) -> f64 {
         let exit = self.surface.ray_exit(site, step);
         exit.map_or(f64::INFINITY, |(share, _)| share)

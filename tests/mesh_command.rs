@@ -1,0 +1,303 @@
+//! `chebloyd mesh`: files, reports, limits, refusals.
+
+#[path = "common/test_dir.rs"]
+mod test_dir;
+
+use std::io::Write;
+
+use serde_json::Value;
+
+use test_dir::{TestDir, assert_all_in};
+
+const KEYS: [&str; 20] = [
+    "points",
+    "faces",
+    "cells",
+    "patches",
+    "kinds",
+    "volume",
+    "non_orthogonality_max",
+    "non_orthogonality_mean",
+    "skewness_max",
+    "skewness_wall_max",
+    "bad_pyramids",
+    "aspect_max",
+    "flatness_min",
+    "concave_cells",
+    "edge_min",
+    "face_min",
+    "solid_volume",
+    "scaled_jacobian_min",
+    "scaled_jacobian_p5",
+    "open_cells",
+];
+
+const FILES: [&str; 5] = ["points", "faces", "owner", "neighbour", "boundary"];
+
+/// A directory with a run of 30 sites in `run`.
+fn with_run() -> TestDir {
+    let dir = TestDir::new();
+    dir.stdout(&[
+        "relax",
+        "--count",
+        "30",
+        "--iterations",
+        "2",
+        "--out",
+        "run",
+        "--quiet",
+    ]);
+    dir
+}
+
+/// Asserts that a command is refused with all of these words.
+fn assert_refused(dir: &TestDir, arguments: &[&str], words: &[&str]) {
+    assert_all_in(&dir.refusal(arguments), words);
+}
+
+fn report(text: &str) -> Value {
+    serde_json::from_str(text).expect("one JSON object")
+}
+
+#[test]
+fn a_run_becomes_a_case_that_reads_back_the_same() {
+    let dir = with_run();
+    let made = dir.stdout(&[
+        "mesh",
+        "run",
+        "-o",
+        "case",
+        "--to",
+        "polymesh,vtu",
+        "--json",
+    ]);
+    let made = report(&made);
+    for key in KEYS {
+        assert!(made.get(key).is_some(), "{key}");
+    }
+    assert_eq!(made, dir.json("case/mesh.json"));
+    assert_eq!(
+        (&made["cells"], &made["open_cells"], &made["bad_pyramids"]),
+        (&30.into(), &0.into(), &0.into())
+    );
+    assert!((made["volume"].as_f64().expect("a volume") - 1.0).abs() < 1e-12);
+    let sides = made["patches"].as_object().expect("patches").keys();
+    assert_eq!(
+        sides.collect::<Vec<_>>(),
+        ["xmax", "xmin", "ymax", "ymin", "zmax", "zmin"]
+    );
+    let mut checked = report(&dir.stdout(&["mesh", "--check", "case", "--json"]));
+    checked["solid_volume"] = made["solid_volume"].clone();
+    assert_eq!(checked, made);
+    for name in ["controlDict", "fvSchemes", "fvSolution"] {
+        assert!(dir.path("case/system").join(name).exists());
+    }
+    let head = String::from_utf8_lossy(&dir.read("case/mesh.vtu")[..400]).into_owned();
+    assert_all_in(&head, &["UnstructuredGrid", "NumberOfCells=\"30\""]);
+    let points = format!("NumberOfPoints=\"{}\"", made["points"]);
+    assert_all_in(&head, &[points.as_str()]);
+    let table = dir.stdout(&["mesh", "--check", "case"]);
+    assert_all_in(
+        &table,
+        &["30 cells", "polyhedron", "non-orthogonality", "skewness"],
+    );
+}
+
+#[test]
+fn threads_do_not_change_a_byte() {
+    let dir = with_run();
+    for threads in ["1", "3"] {
+        dir.stdout(&[
+            "mesh",
+            "run",
+            "-o",
+            threads,
+            "--to",
+            "polymesh,vtu",
+            "--quiet",
+            "--threads",
+            threads,
+        ]);
+    }
+    for name in FILES {
+        let name = |threads: &str| format!("{threads}/constant/polyMesh/{name}");
+        assert_eq!(dir.read(&name("1")), dir.read(&name("3")));
+    }
+    assert_eq!(dir.read("1/mesh.vtu"), dir.read("3/mesh.vtu"));
+}
+
+#[test]
+fn a_mesh_is_replaced_on_request_only_and_system_stays() {
+    let dir = with_run();
+    let mesh = ["mesh", "run", "-o", "case", "--quiet"];
+    dir.stdout(&mesh);
+    dir.write("case/system/fvSchemes", "mine");
+    assert_refused(&dir, &mesh, &["points exists", "--force"]);
+    dir.stdout(&["mesh", "run", "-o", "case", "--quiet", "--force"]);
+    assert_eq!(dir.read("case/system/fvSchemes"), b"mine");
+}
+
+#[test]
+fn a_passed_limit_fails_and_the_report_is_printed_all_the_same() {
+    let dir = with_run();
+    let output = dir.run(&[
+        "mesh",
+        "run",
+        "-o",
+        "case",
+        "--json",
+        "--limit",
+        "skew=0.01,nonorth=90",
+    ]);
+    assert_eq!(output.status.code(), Some(1));
+    let text = String::from_utf8_lossy(&output.stdout);
+    assert_eq!(report(&text)["cells"], 30);
+    let error = String::from_utf8_lossy(&output.stderr);
+    assert_all_in(&error, &["skew is", "above 0.01"]);
+    assert!(!error.contains("nonorth"));
+}
+
+#[test]
+fn a_periodic_run_has_pairs_of_patches() {
+    let dir = TestDir::new();
+    dir.write(
+        "s.json",
+        r#"{ "domain": { "box": { "max": [2, 1, 1], "periodic": [true, false, false] } }, "sites": { "random": { "count": 40 } } }"#,
+    );
+    dir.stdout(&[
+        "relax",
+        "s.json",
+        "--iterations",
+        "1",
+        "--out",
+        "run",
+        "--quiet",
+    ]);
+    let made = report(&dir.stdout(&["mesh", "run", "-o", "case", "--scale", "2", "--json"]));
+    assert!((made["volume"].as_f64().expect("a volume") - 16.0).abs() < 1e-11);
+    let boundary = String::from_utf8(dir.read("case/constant/polyMesh/boundary")).expect("text");
+    assert_all_in(
+        &boundary,
+        &[
+            "cyclic;",
+            "separationVector (4.0 0.0 0.0)",
+            "neighbourPatch  xmin;",
+            "ymax",
+        ],
+    );
+    let mut checked = report(&dir.stdout(&["mesh", "--check", "case", "--json"]));
+    checked["solid_volume"] = made["solid_volume"].clone();
+    assert_eq!(checked, made);
+}
+
+#[test]
+fn bad_input_is_refused_with_the_mend() {
+    let dir = with_run();
+    assert_refused(
+        &dir,
+        &["mesh", "nowhere", "-o", "case"],
+        &["nowhere holds no run", "chebloyd relax"],
+    );
+    assert_refused(&dir, &["mesh", "run"], &["--output"]);
+    assert_refused(
+        &dir,
+        &["mesh", "run", "-o", "case", "--to", "stl"],
+        &["polymesh", "vtu"],
+    );
+    assert_refused(
+        &dir,
+        &["mesh", "run", "-o", "case", "--limit", "skewness=4"],
+        &["skew"],
+    );
+    assert_refused(
+        &dir,
+        &["mesh", "run", "-o", "case", "--scale", "-1"],
+        &["not positive"],
+    );
+    assert!(!dir.path("case").exists());
+    dir.stdout(&[
+        "relax",
+        "--count",
+        "5",
+        "--iterations",
+        "0",
+        "--out",
+        "plane",
+        "--quiet",
+    ]);
+    let run = String::from_utf8(dir.read("plane/run.json")).expect("text");
+    dir.write(
+        "plane/run.json",
+        run.replace("\"dimension\": 3", "\"dimension\": 2"),
+    );
+    assert_refused(
+        &dir,
+        &["mesh", "plane", "-o", "case"],
+        &["\"dimension\": 3"],
+    );
+}
+
+#[test]
+fn damaged_meshes_are_refused_with_the_place() {
+    let dir = with_run();
+    dir.stdout(&["mesh", "run", "-o", "case", "--quiet"]);
+    let check = ["mesh", "--check", "case"];
+    let owner = "case/constant/polyMesh/owner";
+    let good = String::from_utf8(dir.read(owner)).expect("text");
+    dir.write(owner, &good[..good.len() - 20]);
+    assert_refused(&dir, &check, &["owner:", "truncated"]);
+    dir.write(owner, good.replacen("\n0\n", "\nzero\n", 1));
+    assert_refused(&dir, &check, &["owner:", "`zero`"]);
+    dir.write(owner, good.replacen("\n0\n", "\n29\n", 1));
+    assert_refused(&dir, &check, &["upper-triangular"]);
+    dir.write(owner, &good);
+    let faces = "case/constant/polyMesh/faces";
+    let text = String::from_utf8(dir.read(faces)).expect("text");
+    let first = text
+        .lines()
+        .find(|line| line.contains('(') && line.len() > 2)
+        .expect("a face");
+    let (count, corners) = first.split_once('(').expect("a face");
+    let mut numbers: Vec<&str> = corners.trim_end_matches(')').split(' ').collect();
+    numbers.swap(0, 1);
+    dir.write(
+        faces,
+        text.replacen(first, &format!("{count}({})", numbers.join(" ")), 1),
+    );
+    assert_refused(&dir, &check, &["is not closed"]);
+    std::fs::remove_file(dir.path(faces)).expect("it is there");
+    assert_refused(&dir, &check, &["faces", "cannot be read"]);
+}
+
+/// The numbers of an ASCII list, without its header.
+fn body(text: &str) -> &str {
+    let start = text.find("}\n").expect("a header") + 2;
+    text[start..].trim()
+}
+
+#[test]
+fn compressed_and_binary_meshes_are_read() {
+    let dir = with_run();
+    let made = report(&dir.stdout(&["mesh", "run", "-o", "case", "--json"]));
+    let folder = "case/constant/polyMesh";
+    let owner = dir.read(&format!("{folder}/owner"));
+    let file = std::fs::File::create(dir.path(folder).join("owner.gz")).expect("a file");
+    let mut packed = flate2::write::GzEncoder::new(file, flate2::Compression::default());
+    packed.write_all(&owner).expect("room");
+    packed.finish().expect("room");
+    std::fs::remove_file(dir.path(folder).join("owner")).expect("it is there");
+    let text = String::from_utf8(dir.read(&format!("{folder}/neighbour"))).expect("text");
+    let numbers: Vec<i64> = body(&text)
+        .split_whitespace()
+        .filter_map(|word| word.parse().ok())
+        .skip(1)
+        .collect();
+    let head = "FoamFile { version 2.0; format binary; arch \"LSB;label=64;scalar=64\"; class labelList; object neighbour; }";
+    let mut binary = format!("{head}\n{}\n(", numbers.len()).into_bytes();
+    binary.extend(numbers.iter().flat_map(|number| number.to_le_bytes()));
+    binary.extend(b")\n");
+    dir.write(&format!("{folder}/neighbour"), binary);
+    let mut checked = report(&dir.stdout(&["mesh", "--check", folder, "--json"]));
+    checked["solid_volume"] = made["solid_volume"].clone();
+    assert_eq!(checked, made);
+}
