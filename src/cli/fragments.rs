@@ -25,6 +25,7 @@ use crate::voronoi::diagram::Diagram;
 
 use crate::cli::failure::{Failure, format_of, print, write_file};
 use crate::cli::options::{Common, SceneOptions, space};
+use crate::cli::output::OutputRule;
 
 /// Take one cell apart into its six fragments, as a picture or as polyhedra
 ///
@@ -40,6 +41,9 @@ pub(crate) struct FragmentsOptions {
     /// The file to write: .png or .vtu
     #[arg(long, short, value_name = "FILE", required = true)]
     output: PathBuf,
+    /// Replace FILE if it is there
+    #[arg(long)]
+    force: bool,
 }
 
 pub(crate) fn run(options: &FragmentsOptions, common: Common) -> Result<(), Failure> {
@@ -49,6 +53,12 @@ pub(crate) fn run(options: &FragmentsOptions, common: Common) -> Result<(), Fail
         return Err(Failure::input(message));
     }
     let is_picture = format_of(&options.output, ["png", "vtu"])? == "png";
+    let rule = OutputRule {
+        inputs: &options.scene.inputs(&scene),
+        force: options.force,
+        option: "-o",
+    };
+    rule.check(std::slice::from_ref(&options.output))?;
     let space = space(&scene)?;
     let sites = space.place(&scene).map_err(Failure::input)?;
     let site = options.site.unwrap_or_else(|| middle(&space, &sites));

@@ -10,6 +10,7 @@ use std::path::Path;
 use nalgebra::Point;
 
 use crate::scene::error::{Error, bare_message};
+use crate::scene::memory;
 use crate::scene::npy;
 
 const AXES: [&str; 3] = ["x", "y", "z"];
@@ -31,6 +32,7 @@ pub fn read<const D: usize>(path: &Path) -> Result<Vec<Point<f64, D>>, Error> {
             });
         }
     };
+    memory::check_file(path)?;
     let bytes = std::fs::read(path).map_err(|source| Error::Read {
         path: path.to_owned(),
         source,

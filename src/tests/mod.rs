@@ -9,6 +9,7 @@ mod fragments;
 mod frames;
 mod geometry;
 mod integrals;
+mod levels;
 mod mass;
 mod memory;
 mod mesh;
