@@ -259,3 +259,50 @@ fn a_place_that_cannot_hold_a_run_is_refused() {
         &["none holds no run"],
     );
 }
+
+/// More sites than there is memory for, by every way to name them.
+#[test]
+fn more_sites_than_there_is_memory_for_are_refused_with_the_estimate() {
+    let dir = TestDir::new();
+    let words = &["000000000000 sites need about", "B of memory", "take fewer"];
+    let many = "1000000000000";
+    for command in [
+        &["measure", "--count", many][..],
+        &["relax", "--count", many],
+        &["relax", "--count", many, "--method", "quasi-newton"],
+        &["fragments", "--count", many, "-o", "cell.vtu"],
+        &["bench", "--count", many, "--sites", "random"],
+    ] {
+        assert_all_in(&dir.refusal(command), words);
+    }
+    dir.write(
+        "s.json",
+        r#"{"sites": {"grid": {"counts": [10000, 10000, 10000]}}}"#,
+    );
+    assert_all_in(&dir.refusal(&["measure", "s.json"]), words);
+    let huge = r#"{"sites": {"grid": {"counts": [4000000000000, 4000000000000, 4000000000000]}}}"#;
+    dir.write("s.json", huge);
+    assert_all_in(&dir.refusal(&["measure", "s.json"]), &words[1..]);
+
+    let header = "{'descr': '<f8', 'fortran_order': False, 'shape': (1000000000000, 3), }";
+    let mut npy = b"\x93NUMPY\x01\x00\x76\x00".to_vec();
+    npy.extend(format!("{header:<117}\n").as_bytes());
+    dir.write("p.npy", npy);
+    let announced = dir.refusal(&["measure", "--sites", "p.npy"]);
+    assert_all_in(&announced, &["p.npy", "0 of 3000000000000 numbers"]);
+}
+
+/// A sparse file of 10 TB takes no room on the disk.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_site_file_larger_than_the_memory_is_refused_unread() {
+    let dir = TestDir::new();
+    let file = std::fs::File::create(dir.path("p.csv")).expect("a file");
+    if file.set_len(10_000_000_000_000).is_err() {
+        return;
+    }
+    let output = dir.run(&["measure", "--sites", "p.csv"]);
+    let message = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(2), "{message}");
+    assert_all_in(&message, &["p.csv: holds 10 TB", "of memory are available"]);
+}

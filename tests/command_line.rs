@@ -206,10 +206,16 @@ fn plot_draws_one_or_several_runs_as_svg_or_png() {
         &dir.refusal(&["plot", "linf", "-o", "both.pdf"]),
         &[".svg or .png"],
     );
+    assert_all_in(
+        &dir.refusal(&["plot", "linf"]),
+        &["convergence.svg is there already", "--force", "-o"],
+    );
+    dir.stdout(&["plot", "linf", "--force"]);
     dir.write("bad.jsonl", "{\"iteration\": 0}\n");
-    assert_all_in(&dir.refusal(&["plot", "bad.jsonl"]), &["bad.jsonl, line 1"]);
+    let refusal = |file| dir.refusal(&["plot", file, "-o", "new.svg"]);
+    assert_all_in(&refusal("bad.jsonl"), &["bad.jsonl, line 1"]);
     dir.write("empty.jsonl", "");
-    assert_all_in(&dir.refusal(&["plot", "empty.jsonl"]), &["no records"]);
+    assert_all_in(&refusal("empty.jsonl"), &["no records"]);
 }
 
 #[test]

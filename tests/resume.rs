@@ -123,9 +123,9 @@ fn a_run_killed_before_its_first_record_starts_again() {
 fn ctrl_c_finishes_the_iteration_and_leaves_complete_files() {
     let dir = TestDir::new();
     let child = dir.start("r", 4);
-    interrupt(&child);
+    send(&child, "-INT");
     let output = child.wait_with_output().expect("a child");
-    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    assert_eq!(output.status.code(), Some(130), "{output:?}");
     assert_all_in(
         &String::from_utf8_lossy(&output.stdout),
         &["interrupted", "--resume --out r"],
@@ -154,9 +154,9 @@ fn ctrl_c_finishes_the_iteration_and_leaves_complete_files() {
 }
 
 #[cfg(unix)]
-fn interrupt(child: &Child) {
+fn send(child: &Child, signal: &str) {
     let sent = Command::new("kill")
-        .args(["-INT", &child.id().to_string()])
+        .args([signal, &child.id().to_string()])
         .status();
     assert!(sent.expect("kill is there").success());
 }
@@ -268,4 +268,155 @@ fn an_annealing_that_was_cut_short_goes_on_with_its_rounds() {
     dir.stdout(&["relax", "--resume", "--out", "r", "--iterations", "260"]);
     assert!(round() > before, "{before}");
     assert!(best(&dir.json("r/run.json")) <= energy * (1.0 + 1e-12));
+}
+
+/// Sites that never become cubes on their coarse level of 30, without pictures.
+const COARSE: &str = r#"{"sites": {"random": {"count": 240, "seed": 4}}, "coarse_to_fine": 1,
+    "method": {"anneal": {"exchange": true, "iterations": 60}},
+    "output": {"cells": false, "plot": false}}"#;
+
+/// Starts a relaxation of the scene `s.json` in `directory` and waits for so many lines of its log.
+#[cfg(unix)]
+fn start(dir: &TestDir, directory: &str, lines: usize) -> Child {
+    let mut command = dir.command(&["relax", "s.json", "-q", "--out", directory]);
+    let mut child = command.spawn().expect("the program starts");
+    let log = dir.path(directory).join("log.jsonl");
+    let count = || fs::read_to_string(&log).map_or(0, |text| text.lines().count());
+    while !log.exists() || count() < lines {
+        assert!(child.try_wait().expect("a child").is_none(), "too early");
+        std::thread::sleep(std::time::Duration::from_millis(2));
+    }
+    child
+}
+
+#[cfg(unix)]
+#[test]
+fn a_signal_on_a_coarse_level_leaves_all_sites_and_the_run_goes_on_to_the_bit() {
+    let dir = TestDir::new();
+    dir.write("s.json", COARSE);
+    dir.stdout(&["relax", "s.json", "-q", "--out", "whole"]);
+    for (name, code) in [("TERM", 143), ("INT", 130), ("HUP", 129)] {
+        let mut child = start(&dir, name, 6);
+        send(&child, &format!("-{name}"));
+        assert_eq!(child.wait().expect("a child").code(), Some(code));
+        let run = dir.json(&format!("{name}/run.json"));
+        assert_eq!(run["ended"], "interrupted");
+        let records = dir.records(name);
+        let last = &records[records.len() - 1];
+        assert_eq!((&last["level"], &last["sites"]), (&1.into(), &30.into()));
+        let text = String::from_utf8(dir.read(&format!("{name}/sites.csv"))).expect("text");
+        assert_eq!(text.lines().count(), 241);
+        assert_eq!(run["final"]["sites"], 240);
+        let sum = run["final"]["volume_sum"].as_f64().expect("a number");
+        assert!((sum - 1.0).abs() < 1e-12, "{sum}");
+
+        dir.stdout(&["relax", "--resume", "-q", "--out", name]);
+        let file = |run: &str| dir.read(&format!("{run}/sites.csv"));
+        assert_eq!(file(name), file("whole"));
+        assert_eq!(dir.records(name), dir.records("whole"));
+    }
+}
+
+/// A signal before the first record too.
+#[cfg(unix)]
+#[test]
+fn a_signal_at_the_start_of_a_run_leaves_complete_files() {
+    let dir = TestDir::new();
+    dir.write("s.json", COARSE);
+    let mut child = start(&dir, "r", 0);
+    send(&child, "-INT");
+    assert_eq!(child.wait().expect("a child").code(), Some(130));
+    assert_eq!(dir.json("r/run.json")["ended"], "interrupted");
+    let text = String::from_utf8(dir.read("r/sites.csv")).expect("text");
+    assert_eq!(text.lines().count(), 241);
+    assert!(!dir.records("r").is_empty() && dir.path("r/checkpoint.bin").exists());
+}
+
+/// A quick run without pictures.
+fn quick(dir: &TestDir, out: &str, seed: &str) {
+    dir.write(
+        "s.json",
+        r#"{"sites": {"random": {"count": 9}}, "method": {"lloyd": {"iterations": 3}},
+            "output": {"cells": false, "plot": false}}"#,
+    );
+    dir.stdout(&["relax", "s.json", "-q", "--out", out, "--seed", seed]);
+}
+
+fn refused_resumption(dir: &TestDir, words: &[&str]) {
+    let message = dir.refusal(&["relax", "--resume", "--out", "r", "--iterations", "5"]);
+    assert_all_in(&message, words);
+}
+
+#[test]
+fn flipped_and_foreign_checkpoints_are_refused() {
+    let dir = TestDir::new();
+    quick(&dir, "r", "1");
+    quick(&dir, "other", "2");
+    let own = dir.read("r/checkpoint.bin");
+    for place in (0..own.len()).step_by(37).chain([own.len() - 1]) {
+        let mut flipped = own.clone();
+        flipped[place] ^= 4;
+        dir.write("r/checkpoint.bin", &flipped);
+        refused_resumption(&dir, &["r/checkpoint.bin cannot be resumed", "--force"]);
+    }
+    dir.write("r/checkpoint.bin", &own[..own.len() - 3]);
+    refused_resumption(&dir, &["r/checkpoint.bin", "cut off"]);
+    dir.write("r/checkpoint.bin", dir.read("other/checkpoint.bin"));
+    refused_resumption(&dir, &["r/checkpoint.bin", "another run's"]);
+    let older = "{\"format\":1,\"dimension\":3,\"sites\":1,\"iteration\":3,\"memory\":0}\n";
+    dir.write("r/checkpoint.bin", format!("{older}{}", "0".repeat(24)));
+    refused_resumption(&dir, &["r/checkpoint.bin", "older version", "checksum"]);
+    dir.write("r/checkpoint.bin", own);
+    dir.stdout(&["relax", "--resume", "-q", "--out", "r", "--iterations", "5"]);
+}
+
+#[test]
+fn a_run_whose_scene_or_sites_have_changed_is_refused() {
+    let dir = TestDir::new();
+    quick(&dir, "r", "1");
+    let text = String::from_utf8(dir.read("r/run.json")).expect("text");
+    let order = text.replace("\"order\": 1", "\"order\": 2");
+    dir.write("r/run.json", order);
+    refused_resumption(&dir, &["r/run.json", "its scene", "--force"]);
+    let mut older: Value = serde_json::from_str(&text).expect("JSON");
+    older.as_object_mut().expect("an object").remove("identity");
+    dir.write("r/run.json", older.to_string());
+    refused_resumption(&dir, &["r/run.json", "older version", "--force"]);
+
+    dir.write("p.csv", "0.25,0.5,0.5\n0.7,0.5,0.5\n0.3,0.2,0.1\n");
+    dir.stdout(&["relax", "s.json", "-q", "--out", "f", "--sites", "p.csv"]);
+    fs::remove_file(dir.path("f/checkpoint.bin")).expect("a file to remove");
+    dir.write("p.csv", "0.25,0.5,0.5\n0.7,0.5,0.5\n0.3,0.2,0.2\n");
+    let message = dir.refusal(&["relax", "--resume", "--out", "f"]);
+    assert_all_in(&message, &["f/run.json", "sites that its scene names"]);
+}
+
+#[test]
+fn a_whole_checkpoint_goes_on_without_its_log() {
+    let dir = TestDir::new();
+    quick(&dir, "whole", "1");
+    dir.stdout(&[
+        "relax",
+        "--resume",
+        "-q",
+        "--out",
+        "whole",
+        "--iterations",
+        "5",
+    ]);
+    let whole = dir.records("whole");
+    for cut in [0, 40, 700] {
+        quick(&dir, "r", "1");
+        let log = dir.read("r/log.jsonl");
+        dir.write("r/log.jsonl", &log[..cut]);
+        let output = dir.run(&["relax", "--resume", "-q", "--out", "r", "--iterations", "5"]);
+        assert_eq!(output.status.code(), Some(0), "{output:?}");
+        let message = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_all_in(&message, &["note: log.jsonl lacks", "before iteration 3"]);
+        assert_eq!(dir.read("r/sites.csv"), dir.read("whole/sites.csv"));
+        let records = dir.records("r");
+        assert!(records.iter().all(|record| whole.contains(record)));
+        assert_eq!(records[records.len() - 3..], whole[3..]);
+        fs::remove_dir_all(dir.path("r")).expect("a directory to remove");
+    }
 }

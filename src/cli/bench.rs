@@ -9,6 +9,7 @@ use rayon::ThreadPoolBuilder;
 
 use crate::cli::bench_sites::{BenchSites, ENERGY, SiteKind};
 use crate::cli::failure::{Failure, print};
+use crate::cli::output::OutputRule;
 use crate::cli::stopwatch::{Stopwatch, peak_memory, reset_peak_memory};
 use crate::domain::domain::Domain;
 use crate::relax::evaluate_cell::CellMemory;
@@ -110,10 +111,13 @@ pub(crate) fn run(options: &BenchOptions, threads: Option<u32>) -> Result<(), Fa
 
 /// Writes the last of the sites.
 fn save(file: &Path, options: &BenchOptions) -> Result<(), Failure> {
-    if file.exists() && !options.force {
-        let message = "is there already; replace it by --force, or choose another file by --save";
-        return Err(Failure::input(format!("{} {message}", file.display())));
-    }
+    let inputs: Vec<PathBuf> = options.points.iter().cloned().collect();
+    let rule = OutputRule {
+        inputs: &inputs,
+        force: options.force,
+        option: "--save",
+    };
+    rule.check(&[file.to_owned()])?;
     match (&options.points, options.sites.last(), options.count.last()) {
         (Some(points), ..) => BenchSites::read(points)?.save(file),
         (None, Some(&kind), Some(&count)) => {

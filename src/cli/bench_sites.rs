@@ -12,6 +12,7 @@ use crate::geometry::bounds::Bounds;
 use crate::geometry::random::Random;
 use crate::relax::relaxation_space::{EnergySpec, Minimizer, Norm, RelaxationSpace};
 use crate::relax::space::Space;
+use crate::scene::memory::check;
 use crate::scene::site_file;
 
 use crate::cli::failure::{Failure, write_file};
@@ -58,6 +59,7 @@ pub(crate) struct BenchSites {
 impl BenchSites {
     /// Sites of a kind, about `count`, relaxed ones by so many moves.
     pub(crate) fn new(kind: SiteKind, count: usize, moves: usize) -> Result<Self, Failure> {
+        check(count as u64).map_err(Failure::input)?;
         let mut random = Random::new(1);
         let mut domain = Cuboid::unit();
         let mut sites: Vec<_> = match kind {

@@ -11,7 +11,7 @@ use crate::cli::{bench, cpu_features, describe, fragments, mass, measure, mesh, 
 
 /// Relaxes point sets under the Chebyshev norm until their Voronoi cells are near-cubic.
 ///
-/// Exit codes: 0 done, 1 the run failed, 2 bad input or usage.
+/// Exit codes: 0 done, 1 the run failed, 2 bad input or usage, 130 interrupted (by SIGTERM 143).
 #[derive(Debug, Parser)]
 #[command(name = "chebloyd", version, propagate_version = true)]
 struct Arguments {
@@ -43,6 +43,7 @@ pub fn command_line() -> ExitCode {
     let ran = cpu_features::check().and_then(|()| run(&Arguments::parse()));
     match ran {
         Ok(()) => ExitCode::SUCCESS,
+        Err(failure @ Failure::Interrupted(_)) => failure.exit_code(),
         Err(failure) => {
             // Where stderr is closed the exit code alone remains.
             let _ = writeln!(std::io::stderr(), "error: {failure}");

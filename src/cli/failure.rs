@@ -15,6 +15,8 @@ pub(crate) enum Failure {
     Input(String),
     /// The work itself failed.
     Run(String),
+    /// A signal ended the work, whose files are complete: the exit code.
+    Interrupted(u8),
 }
 
 impl Failure {
@@ -30,6 +32,7 @@ impl Failure {
         match self {
             Self::Run(_) => ExitCode::from(1),
             Self::Input(_) => ExitCode::from(2),
+            Self::Interrupted(code) => ExitCode::from(*code),
         }
     }
 }
@@ -38,6 +41,7 @@ impl fmt::Display for Failure {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Input(message) | Self::Run(message) => formatter.write_str(message),
+            Self::Interrupted(_) => formatter.write_str("interrupted"),
         }
     }
 }

@@ -8,6 +8,7 @@ use nalgebra::{Point3, Rotation3, Vector3};
 
 use crate::cli::failure::{Failure, format_of, print, write_file};
 use crate::cli::options::{Common, SceneOptions, space};
+use crate::cli::output::OutputRule;
 use crate::domain::facet_kind::FacetKind;
 use crate::domain::{domain::Domain, shape::PieceScratch};
 use crate::energy::fragments::fragments_in_frame;
@@ -51,6 +52,9 @@ pub(crate) struct FragmentsOptions {
     /// The file to write: .png or .vtu
     #[arg(long, short, value_name = "FILE", required = true)]
     output: PathBuf,
+    /// Replace FILE if it is there
+    #[arg(long)]
+    force: bool,
 }
 
 pub(crate) fn run(options: &FragmentsOptions, common: Common) -> Result<(), Failure> {
@@ -64,6 +68,12 @@ pub(crate) fn run(options: &FragmentsOptions, common: Common) -> Result<(), Fail
         let message = "--all and --tets write a .vtu file; a picture shows one cell";
         return Err(Failure::input(message));
     }
+    let rule = OutputRule {
+        inputs: &options.scene.inputs(&scene),
+        force: options.force,
+        option: "-o",
+    };
+    rule.check(std::slice::from_ref(&options.output))?;
     let space = space(&scene)?;
     let sites = space.place(&scene).map_err(Failure::input)?;
     let site = options.site.unwrap_or_else(|| middle(&space, &sites));

@@ -134,6 +134,13 @@ impl SceneOptions {
         change(&mut scene, &others)?;
         Ok(scene)
     }
+
+    /// The files that a command reads for `scene`, which these options name.
+    pub(crate) fn inputs(&self, scene: &Scene) -> Vec<PathBuf> {
+        let mut inputs = scene.files();
+        inputs.extend(self.scene.clone());
+        inputs
+    }
 }
 
 /// Applies overrides and validates what comes of it.

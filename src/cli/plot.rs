@@ -8,6 +8,7 @@ use clap::Args;
 use crate::cli::cell_files::PNG_SCALE;
 use crate::cli::failure::{Failure, format_of, print, write_file};
 use crate::cli::options::Common;
+use crate::cli::output::OutputRule;
 use crate::export::run::log::read_log;
 use crate::plot::convergence::{Run, convergence};
 use crate::plot::{png, svg};
@@ -22,11 +23,20 @@ pub(crate) struct PlotOptions {
     /// The picture to write: .svg or .png
     #[arg(long, short, value_name = "FILE", default_value = "convergence.svg")]
     output: PathBuf,
+    /// Replace FILE if it is there
+    #[arg(long)]
+    force: bool,
 }
 
 pub(crate) fn run(options: &PlotOptions, common: Common) -> Result<(), Failure> {
     let format = format_of(&options.output, ["svg", "png"])?;
     let logs: Vec<PathBuf> = options.logs.iter().map(|path| log_in(path)).collect();
+    let rule = OutputRule {
+        inputs: &logs,
+        force: options.force,
+        option: "-o",
+    };
+    rule.check(std::slice::from_ref(&options.output))?;
     let records = logs
         .iter()
         .map(|path| records(path))

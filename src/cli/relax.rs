@@ -1,14 +1,16 @@
 //! `chebloyd relax`: a run in a directory, new or taken up again.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use serde_json::json;
 
 use crate::cli::failure::Failure;
+use crate::cli::interrupt::Interrupt;
 use crate::cli::options::{
     Common, MethodOptions, SceneOptions, change, finite, given, named, space,
 };
+use crate::cli::output::OutputRule;
 use crate::cli::run::{FiledRun, RunDescription};
 use crate::export::run::directory::RunDirectory;
 use crate::scene::overrides::Overrides;
@@ -34,7 +36,8 @@ const GOALS: [(&str, &str); 1] = [(
 /// Relax sites until their cells are near-cubic
 ///
 /// Leaves log.jsonl, run.json, sites.csv, the cells and the convergence curves in a directory.
-/// Ctrl-C finishes the iteration under way and leaves complete files; a second one ends at once.
+/// Ctrl-C finishes the iteration under way and leaves complete files, with every site in sites.csv; a
+/// second one ends at once.
 #[derive(Debug, Args)]
 pub(crate) struct RelaxOptions {
     #[command(flatten)]
@@ -42,7 +45,7 @@ pub(crate) struct RelaxOptions {
     /// The directory of the run
     #[arg(long, value_name = "DIR", default_value = "relaxed")]
     out: PathBuf,
-    /// Replace the run that DIR holds
+    /// Replace the run and the files that DIR holds, but never a file that this run reads
     #[arg(long)]
     force: bool,
     /// Go on with the run that DIR holds
@@ -76,27 +79,46 @@ pub(crate) fn run(options: &RelaxOptions, common: Common) -> Result<(), Failure>
 }
 
 fn start(options: &RelaxOptions, common: Common) -> Result<(), Failure> {
+    let interrupt = Interrupt::listen()?;
     if !options.force {
         RunDirectory::check_vacant(&options.out).map_err(Failure::input)?;
     }
     let scene = options.scene.scene(options.overrides())?;
+    let inputs = options.scene.inputs(&scene);
+    check_outputs(&options.out, &inputs, options.force)?;
     if scene.dimension == 2 {
         let plane = plane(&scene).map_err(Failure::input)?;
-        return FiledRun::start(&plane, scene, &options.out)?.run(common);
+        return FiledRun::start(&plane, scene, &options.out, interrupt)?.run(common);
     }
-    FiledRun::start(&space(&scene)?, scene, &options.out)?.run(common)
+    FiledRun::start(&space(&scene)?, scene, &options.out, interrupt)?.run(common)
+}
+
+/// Refuses a directory in which a run would replace other files than it may.
+fn check_outputs(out: &Path, inputs: &[PathBuf], force: bool) -> Result<(), Failure> {
+    let mut outputs = RunDirectory::files(out);
+    if !force {
+        outputs.retain(|file| !RunDirectory::is_empty_log(file));
+    }
+    let rule = OutputRule {
+        inputs,
+        force,
+        option: "--out",
+    };
+    rule.check(&outputs)
 }
 
 fn resume(options: &RelaxOptions, common: Common) -> Result<(), Failure> {
+    let interrupt = Interrupt::listen()?;
     let found = RunDirectory::reopen::<RunDescription>(&options.out).map_err(Failure::input)?;
     let (directory, mut description) = (found.directory, found.description);
     change(&mut description.scene, &options.overrides())?;
+    check_outputs(&options.out, &description.scene.files(), true)?;
     if description.scene.dimension == 2 {
         let plane = plane(&description.scene).map_err(Failure::input)?;
-        return FiledRun::resume(&plane, directory, description)?.run(common);
+        return FiledRun::resume(&plane, directory, description, interrupt)?.run(common);
     }
     let space = space(&description.scene)?;
-    FiledRun::resume(&space, directory, description)?.run(common)
+    FiledRun::resume(&space, directory, description, interrupt)?.run(common)
 }
 
 impl RelaxOptions {

@@ -4,13 +4,14 @@ use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::ops::ControlFlow;
 use std::path::Path;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 use indicatif::{ProgressBar, ProgressStyle};
 use nalgebra::Point;
 
 use crate::cli::cell_files::DrawCells;
 use crate::cli::failure::{Failure, print, write_file};
+use crate::cli::identity::{identity, of_scene, of_sites};
+use crate::cli::interrupt::Interrupt;
 use crate::cli::options::Common;
 use crate::export::run::directory;
 use crate::export::run::directory::RunDirectory;
@@ -25,17 +26,12 @@ use crate::relax::record::Record;
 use crate::relax::relaxation::Checkpoint;
 use crate::relax::state::RunState;
 use crate::scene::description::Scene;
-use crate::scene::run::{energy_spec, relax};
+use crate::scene::run::{all_sites, check_memory, energy_spec, relax};
 
 /// How `run.json` calls the end that Ctrl-C brings.
 const INTERRUPTED: &str = "interrupted";
 
 const TEMPLATE: &str = "{bar:30} {pos}/{len}  {msg}  {elapsed} (left: {eta})";
-
-static IS_INTERRUPTED: AtomicBool = AtomicBool::new(false);
-
-/// The exit code of a program that Ctrl-C ended.
-const KILLED: i32 = 130;
 
 /// What `run.json` holds.
 pub(crate) type RunDescription = directory::Description<Scene, Metrics>;
@@ -46,19 +42,28 @@ pub(crate) struct FiledRun<'a, const D: usize, S> {
     directory: RunDirectory,
     description: RunDescription,
     checkpoint: Checkpoint<D>,
+    interrupt: Interrupt,
 }
 
 impl<'a, const D: usize, S: DrawCells<D>> FiledRun<'a, D, S> {
     /// A new run in the directory `out`.
-    pub(crate) fn start(space: &'a S, scene: Scene, out: &Path) -> Result<Self, Failure> {
+    pub(crate) fn start(
+        space: &'a S,
+        scene: Scene,
+        out: &Path,
+        interrupt: Interrupt,
+    ) -> Result<Self, Failure> {
         let sites = space.place(&scene).map_err(Failure::input)?;
         let (volume, optimum) = (space.volume(), space.optimum());
         space
             .check_scale(sites.len(), energy_spec(&scene))
             .map_err(Failure::input)?;
+        check_memory(&scene, sites.len()).map_err(Failure::input)?;
+        let run = identity(&scene, &sites)?;
         let description = RunDescription {
             program: env!("CARGO_PKG_NAME").to_owned(),
             version: env!("CARGO_PKG_VERSION").to_owned(),
+            identity: run.clone(),
             scene,
             sites: sites.len(),
             domain_volume: volume,
@@ -71,12 +76,14 @@ impl<'a, const D: usize, S: DrawCells<D>> FiledRun<'a, D, S> {
             seconds: 0.0,
             threads: rayon::current_num_threads(),
         };
-        let directory = RunDirectory::create(out, &description).map_err(Failure::input)?;
+        interrupt.finish_first();
+        let directory = RunDirectory::create(out, &run, &description).map_err(Failure::input)?;
         Ok(Self {
             space,
             directory,
             description,
             checkpoint: Checkpoint::at_start(sites),
+            interrupt,
         })
     }
 
@@ -85,8 +92,17 @@ impl<'a, const D: usize, S: DrawCells<D>> FiledRun<'a, D, S> {
         space: &'a S,
         mut directory: RunDirectory,
         mut description: RunDescription,
+        interrupt: Interrupt,
     ) -> Result<Self, Failure> {
-        let checkpoint = Self::last_checkpoint(space, &mut directory, &description.scene)?;
+        check_scene(&description, directory.path())?;
+        interrupt.finish_first();
+        let checkpoint = Self::last_checkpoint(space, &mut directory, &description)?;
+        let (count, optimum) = (checkpoint.count(), space.optimum());
+        description.sites = count;
+        description.domain_volume = space.volume();
+        description.optimal_energy = optimum.energy::<D>(count);
+        description.optimal_energy_error = optimum.energy_error::<D>(count);
+        description.energy_reference = optimum.kind;
         description.last = None;
         description.ended = None;
         description.threads = rayon::current_num_threads();
@@ -96,6 +112,7 @@ impl<'a, const D: usize, S: DrawCells<D>> FiledRun<'a, D, S> {
             directory,
             description,
             checkpoint,
+            interrupt,
         })
     }
 
@@ -103,46 +120,66 @@ impl<'a, const D: usize, S: DrawCells<D>> FiledRun<'a, D, S> {
     fn last_checkpoint(
         space: &S,
         directory: &mut RunDirectory,
-        scene: &Scene,
+        description: &RunDescription,
     ) -> Result<Checkpoint<D>, Failure> {
-        let Some(kept) = directory.checkpoint().map_err(Failure::input)? else {
-            let sites = space.place(scene).map_err(Failure::input)?;
+        let run = &description.identity;
+        let Some(kept) = directory.checkpoint(run).map_err(Failure::input)? else {
+            let sites = space.place(&description.scene).map_err(Failure::input)?;
+            if !run.ends_with(&of_sites(&sites)) {
+                return Err(other_run(
+                    directory.path(),
+                    "the sites that its scene names",
+                ));
+            }
             directory.log().clear().map_err(Failure::input)?;
             return Ok(Checkpoint::at_start(sites));
         };
-        let wanted = scene.method.iterations();
-        if wanted < kept.iteration {
-            return Err(already_further(wanted, kept.iteration));
+        let (wanted, done) = (description.scene.method.iterations(), kept.record.iteration);
+        if wanted < done {
+            return Err(already_further(wanted, done));
         }
-        let last = directory.log().rewind(kept.iteration);
-        let last = last.map_err(Failure::input)?;
-        Checkpoint::from_parts(kept.sites, last, &kept.memory).map_err(Failure::input)
+        let checkpoint = Checkpoint::from_parts(kept.sites, kept.record.clone(), &kept.memory);
+        let checkpoint = checkpoint.map_err(Failure::input)?;
+        let missing = directory.log().rewind(&kept.record);
+        let missing = missing.map_err(Failure::input)?;
+        if missing > 0 {
+            eprintln!(
+                "note: log.jsonl lacks {missing} of the {done} records before iteration {done}; the \
+                 run goes on from its checkpoint"
+            );
+        }
+        Ok(checkpoint)
     }
 
     /// Runs to the end and leaves all files.
     pub(crate) fn run(mut self, common: Common) -> Result<(), Failure> {
-        install_interrupt_handler()?;
         if self.description.initial.is_none() {
-            self.description.initial = Some(self.metrics(&self.cells()?)?);
+            let initial = self.cells(&self.checkpoint.sites)?;
+            self.description.initial = Some(self.metrics(&initial)?);
             self.directory
                 .describe(&self.description)
                 .map_err(Failure::run)?;
         }
-        let ended = self.relax(common)?;
-        let cells = self.cells()?;
-        self.leave_files(&cells)?;
+        let mut ended = self.relax(common)?;
+        let sites = all_sites(self.space, &self.checkpoint).map_err(Failure::run)?;
+        let cells = self.cells(&sites)?;
+        self.leave_files(&sites, &cells)?;
         let last = self.checkpoint.record.as_ref();
+        let interrupted = self.interrupt.exit_code();
+        if interrupted.is_some() {
+            ended = INTERRUPTED;
+        }
         self.description.last = Some(self.metrics(&cells)?);
         self.description.ended = Some(ended.to_owned());
         self.description.seconds = last.map_or(0.0, |record| record.seconds);
         self.directory
             .describe(&self.description)
             .map_err(Failure::run)?;
-        if common.quiet {
-            return Ok(());
+        if !common.quiet {
+            let done = last.map_or(0, |record| record.iteration);
+            print(summary(&self.description, done, self.directory.path()))?;
         }
-        let done = last.map_or(0, |record| record.iteration);
-        print(summary(&self.description, done, self.directory.path()))
+        interrupted.map_or(Ok(()), |code| Err(Failure::Interrupted(code)))
     }
 
     /// Moves the sites, keeping the log; returns why it ended.
@@ -155,13 +192,13 @@ impl<'a, const D: usize, S: DrawCells<D>> FiledRun<'a, D, S> {
             last.map_or(0, |record| record.iteration),
             common,
         );
-        let directory = &mut self.directory;
+        let (directory, interrupt) = (&mut self.directory, &self.interrupt);
         let mut failure: Option<RunError> = None;
         let mut observe = |record: &Record, sites: &[Point<f64, D>], state: &RunState<D>| {
             bar.show(record);
             failure = directory.record(record, sites, || state.to_numbers()).err();
             let is_unfinished = record.iteration < iterations;
-            if failure.is_some() || (is_unfinished && is_interrupted()) {
+            if failure.is_some() || (is_unfinished && interrupt.exit_code().is_some()) {
                 return ControlFlow::Break(());
             }
             ControlFlow::Continue(())
@@ -178,12 +215,16 @@ impl<'a, const D: usize, S: DrawCells<D>> FiledRun<'a, D, S> {
         })
     }
 
-    /// The checkpoint, the sites, the cells and the curves.
-    fn leave_files(&mut self, cells: &[CellMetrics<D>]) -> Result<(), Failure> {
-        let sites = &self.checkpoint.sites;
+    /// The checkpoint, with the sites of its level, and all sites, their cells and the curves.
+    fn leave_files(
+        &mut self,
+        sites: &[Point<f64, D>],
+        cells: &[CellMetrics<D>],
+    ) -> Result<(), Failure> {
         if let Some(last) = &self.checkpoint.record {
+            let numbers = self.checkpoint.state_numbers();
             self.directory
-                .keep(last, sites, &self.checkpoint.state_numbers())
+                .keep(last, &self.checkpoint.sites, &numbers)
                 .map_err(Failure::run)?;
         }
         self.leave("sites.csv", |file| sites::write_csv(sites, file))?;
@@ -213,9 +254,9 @@ impl<'a, const D: usize, S: DrawCells<D>> FiledRun<'a, D, S> {
         write_file(&self.directory.file(name), content).map_err(Failure::run)
     }
 
-    fn cells(&self) -> Result<Vec<CellMetrics<D>>, Failure> {
+    fn cells(&self, sites: &[Point<f64, D>]) -> Result<Vec<CellMetrics<D>>, Failure> {
         let spec = energy_spec(&self.description.scene);
-        let cells = self.space.cells(&self.checkpoint.sites, spec);
+        let cells = self.space.cells(sites, spec);
         cells.map_err(Failure::run)
     }
 
@@ -231,6 +272,34 @@ fn already_further(wanted: u64, done: u64) -> Failure {
     Failure::input(format!(
         "the run has {done} iterations already, more than the {wanted} asked for; \
          --iterations counts from the start"
+    ))
+}
+
+/// Refuses a `run.json` whose scene is not the one that the run began with.
+fn check_scene(description: &RunDescription, directory: &Path) -> Result<(), Failure> {
+    if description.identity.is_empty() {
+        let path = directory.display();
+        return Err(Failure::input(format!(
+            "{path}/run.json cannot be resumed: an older version wrote it, without the run's \
+             identity; start anew with --force"
+        )));
+    }
+    let scene = of_scene(&description.scene)?;
+    match description.identity.starts_with(&scene) {
+        true => Ok(()),
+        false => Err(other_run(
+            directory,
+            "its scene, or a file that this names,",
+        )),
+    }
+}
+
+/// The refusal of a run of which `part` has changed.
+fn other_run(directory: &Path, part: &str) -> Failure {
+    let path = directory.display();
+    Failure::input(format!(
+        "{path}/run.json cannot be resumed: {part} changed after the run began; put back what it began \
+         with, or start anew with --force"
     ))
 }
 
@@ -294,19 +363,4 @@ impl Bar {
     fn finish(&self) {
         self.0.finish_and_clear();
     }
-}
-
-/// Sets a handler by which the first SIGINT, SIGTERM or SIGHUP only sets a flag: the run then
-/// ends after its iteration.
-fn install_interrupt_handler() -> Result<(), Failure> {
-    ctrlc::set_handler(|| {
-        if IS_INTERRUPTED.swap(true, Ordering::SeqCst) {
-            std::process::exit(KILLED);
-        }
-    })
-    .map_err(|error| Failure::run(format!("cannot listen for Ctrl-C: {error}")))
-}
-
-fn is_interrupted() -> bool {
-    IS_INTERRUPTED.load(Ordering::SeqCst)
 }

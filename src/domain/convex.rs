@@ -1,6 +1,6 @@
 //! The convex polyhedron given by half-spaces, as a domain.
 
-use nalgebra::{Point3, Vector3};
+use nalgebra::Point3;
 
 use crate::domain::error::{DomainError, check_digits};
 use crate::domain::facet_kind::FacetKind;

@@ -13,12 +13,13 @@ use nalgebra::Point;
 use crate::minimize::problem::Termination;
 use crate::relax::descent::{DescentOptions, begin, descend, sites_of};
 use crate::relax::lloyd::{EvaluatedSites, evaluate, lloyd_move};
-use crate::relax::multilevel::{coarsened, refined, sites_of_level};
+use crate::relax::multilevel::{coarsened, sites_of_level};
 use crate::relax::optimum::optimal_energy;
 use crate::relax::perturb::perturb;
 use crate::relax::plan::Plan;
 use crate::relax::record::{Movement, Record, Stage, Totals};
 use crate::relax::relaxation_space::{CellResult, RelaxationError, RelaxationSpace};
+use crate::relax::split::refined;
 use crate::relax::state::RunState;
 
 /// Sites replace the best ones if their energy is lower by this share: less is rounding, or the
@@ -32,6 +33,9 @@ const PERFECT: f64 = 1e-7;
 /// A move of Lloyd's out of a stalled descent must gain at least this share of the energy: less is
 /// rounding.
 const LEAST_GAIN: f64 = 1e-12;
+
+/// Moves that a level takes at least: the return to its best sites, and its split.
+const LEVEL_MOVES: u64 = 2;
 
 /// Why a run ended.
 ///
@@ -73,6 +77,10 @@ pub(crate) fn drive<const D: usize, S: RelaxationSpace<D>>(
     last: Option<&Record>,
     observer: &mut Observer<'_, D>,
 ) -> Result<RunEnd, RelaxationError<S::Error>> {
+    if last.is_none() && plan.iterations <= LEVEL_MOVES * u64::from(state.level) {
+        // So few moves are worth more on the finest level than on the way to it.
+        state.level = 0;
+    }
     let mut driver = Driver {
         space,
         plan,
@@ -122,7 +130,6 @@ struct Driver<'a, 'o, const D: usize, S> {
 
 impl<const D: usize, S: RelaxationSpace<D>> Driver<'_, '_, D, S> {
     fn run(&mut self) -> Result<RunEnd, RelaxationError<S::Error>> {
-        let is_worth_levels = self.plan.iterations > 2 * u64::from(self.plan.levels);
         loop {
             if self.iteration >= self.plan.iterations {
                 let is_last = self.plan.perturbation.is_none() || self.state.is_last;
@@ -133,7 +140,7 @@ impl<const D: usize, S: RelaxationSpace<D>> Driver<'_, '_, D, S> {
                     RunEnd::Iterations
                 });
             }
-            let flow = if self.iteration == 0 && self.state.level > 0 && is_worth_levels {
+            let flow = if self.iteration == 0 && self.state.level > 0 {
                 let count = sites_of_level::<D>(self.state.count, self.state.level);
                 self.move_to(coarsened(self.sites, count))?
             } else if self.is_descent_over() {
@@ -182,7 +189,8 @@ impl<const D: usize, S: RelaxationSpace<D>> Driver<'_, '_, D, S> {
         }
     }
 
-    /// Whether the moves left are needed to return to the best sites and to all of them.
+    /// Whether the moves left are needed to return to the best sites and to all of them. (Of a run that
+    /// is stopped before, [`split_to_finest`](crate::relax::split::split_to_finest) gives all sites.)
     fn is_hurried(&self) -> bool {
         let has_rounds = u64::from(self.plan.perturbation.is_some());
         let to_return = has_rounds * u64::from(!self.state.is_last);
@@ -337,7 +345,7 @@ impl<const D: usize, S: RelaxationSpace<D>> Driver<'_, '_, D, S> {
         }
         self.state.begin_finer_level();
         let count = sites_of_level::<D>(self.state.count, self.state.level);
-        self.move_to(refined(self.space, self.sites, count))
+        self.move_to(refined(self.space, self.sites, count)?)
     }
 
     /// Takes the sites for the best if they are; says whether.

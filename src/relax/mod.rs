@@ -3,9 +3,9 @@
 //! [`driver`] carries out a [`plan`] in any [`relaxation_space`]: [`space`] is that of solids,
 //! [`planar`] that of planar domains. It shows an observer one [`record`] per move. Its moves are
 //! those of [`lloyd`], the steps of a [`descent`] along the global [`objective`], perturbations
-//! (`perturb`, `noise`), and the levels of [`multilevel`]. Its [`state`] is all that a later process
-//! needs to go on. An [`optimum`] is what energies are compared with, [`cell_check`] what must hold of
-//! them.
+//! (`perturb`, `noise`), and the levels of [`multilevel`] (`split`). Its [`state`] is all that a later
+//! process needs to go on. An [`optimum`] is what energies are compared with, [`cell_check`] what must
+//! hold of them.
 //!
 //! [`evaluate_cell`] computes a cell's energy and minimizer in its own [`frames`]; `linf` the same of an L∞ cell; [`metrics`] are
 //! the figures of cells for `measure`.
@@ -26,6 +26,7 @@ pub(crate) mod record;
 pub(crate) mod relaxation;
 pub(crate) mod relaxation_space;
 pub(crate) mod space;
+pub(crate) mod split;
 pub(crate) mod state;
 
 mod linf;

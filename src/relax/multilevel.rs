@@ -1,13 +1,9 @@
-//! Coarse-to-fine relaxation: the choice of few sites for many, and the split of each into 2^D.
+//! Coarse-to-fine relaxation: the numbers of sites of its levels, and the choice of few sites for many.
 //!
-//! A perfect tessellation of n/8 cubes becomes a perfect one of n by splitting every site into
-//! eight at ± a quarter of its cell's side: what is hard to find, the arrangement of rows, is found
-//! where it is cheap.
+//! What is hard to find, the arrangement of rows, is found where it is cheap; `split` makes a finer
+//! level of a coarse one.
 
 use nalgebra::{Point, SVector};
-
-use crate::relax::optimum::optimal_side;
-use crate::relax::relaxation_space::RelaxationSpace;
 
 /// How many sites a level works on: `count` / 2^(D·level), rounded, at least one.
 #[must_use]
@@ -91,37 +87,4 @@ fn representative<const D: usize>(members: &[Point<f64, D>]) -> Option<Point<f64
         .iter()
         .min_by(|a, b| distance(a).total_cmp(&distance(b)))
         .copied()
-}
-
-/// `count` sites in place of the coarse ones: 2^D for each, at ± a quarter of the mean cell's
-/// side. Where these are too many, some are left out, evenly; where they are too few, some of
-/// the coarse sites stay among theirs.
-#[must_use]
-pub(crate) fn refined<const D: usize>(
-    space: &impl RelaxationSpace<D>,
-    coarse: &[Point<f64, D>],
-    count: usize,
-) -> Vec<Point<f64, D>> {
-    let quarter = 0.25 * optimal_side::<D>(space.volume(), coarse.len());
-    let mut fine = Vec::with_capacity(coarse.len() << D);
-    for site in coarse {
-        for corner in 0..1 << D {
-            let is_upper = |axis: usize| corner >> axis & 1 == 1;
-            let side = |axis, _| if is_upper(axis) { quarter } else { -quarter };
-            fine.push(space.displaced(site, SVector::from_fn(side)));
-        }
-    }
-    let missing = count.saturating_sub(fine.len());
-    fine.extend(coarse.iter().take(missing));
-    let surplus = fine.len() - count.min(fine.len());
-    if surplus > 0 {
-        let all = fine.len();
-        let is_left_out = |number: usize| number * surplus / all != (number + 1) * surplus / all;
-        let mut number = 0;
-        fine.retain(|_| {
-            number += 1;
-            !is_left_out(number - 1)
-        });
-    }
-    fine
 }

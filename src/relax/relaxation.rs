@@ -21,6 +21,7 @@ use crate::relax::relaxation_space::{
     EnergySpec, Minimizer, Norm, RelaxationError, RelaxationSpace,
 };
 use crate::relax::space::{Space, SpaceError};
+use crate::relax::split::split_to_finest;
 use crate::relax::state::RunState;
 
 /// Moves of plain Lloyd unless told otherwise, as in the paper.
@@ -46,6 +47,12 @@ pub enum RelaxError {
     Thin {
         /// How many points were drawn in a row.
         draws: u64,
+    },
+    /// More sites than can be numbered.
+    #[error("{count} sites are more than the {} that can be numbered", u32::MAX - 1)]
+    TooManySites {
+        /// How many.
+        count: usize,
     },
     /// The numbers of a checkpoint are of no run.
     #[error("the checkpoint's {numbers} numbers are of no run of {sites} sites")]
@@ -202,7 +209,9 @@ impl<const D: usize> Checkpoint<D> {
         let state = if state_numbers.is_empty() {
             RunState::of_lloyd(sites.len(), &record)
         } else {
-            RunState::from_numbers(state_numbers).ok_or(RelaxError::Checkpoint {
+            let state = RunState::from_numbers(state_numbers);
+            let state = state.filter(|state| state.is_of(sites.len()));
+            state.ok_or(RelaxError::Checkpoint {
                 numbers: state_numbers.len(),
                 sites: sites.len(),
             })?
@@ -212,6 +221,24 @@ impl<const D: usize> Checkpoint<D> {
             record: Some(record),
             state: Some(state),
         })
+    }
+
+    /// How many sites the run's finest level has.
+    #[cfg(feature = "scene")]
+    pub(crate) fn count(&self) -> usize {
+        let state = self.state.as_ref();
+        state.map_or(self.sites.len(), |state| state.count)
+    }
+
+    /// All sites of the run: its own, those of a coarse level split without moves.
+    pub(crate) fn finest_sites<S: RelaxationSpace<D>>(
+        &self,
+        space: &S,
+    ) -> Result<Vec<Point<f64, D>>, RelaxationError<S::Error>> {
+        match &self.state {
+            Some(state) => split_to_finest(space, &self.sites, state.count, state.level),
+            None => Ok(self.sites.clone()),
+        }
     }
 
     /// The method's state as plain numbers, to be kept in any form; empty before the first record.
@@ -311,7 +338,7 @@ impl Relaxation {
     }
 
     /// As [`Relaxation::run`]; the observer is shown every record with the sites it describes, and may
-    /// stop the run.
+    /// stop the run. A run that ends on a coarse level leaves all sites, those split without moves.
     ///
     /// # Errors
     /// As [`Relaxation::run`].
@@ -330,12 +357,16 @@ impl Relaxation {
             records.push(record.clone());
             observer(record, sites)
         })?;
-        *sites = checkpoint.sites.into_iter().map(P::from).collect();
+        *sites = self
+            .sites_of(&checkpoint)?
+            .into_iter()
+            .map(P::from)
+            .collect();
         Ok(Outcome { records, ended })
     }
 
     /// Goes on from a checkpoint, which is then where the run stopped: at its end, or where the
-    /// observer stopped it.
+    /// observer stopped it. On a coarse level it holds that level's sites ([`Relaxation::sites_of`]).
     ///
     /// # Errors
     /// As [`Relaxation::run`]; the checkpoint is then of no further use.
@@ -365,6 +396,15 @@ impl Relaxation {
     ) -> Result<RunEnd, RelaxError> {
         let observer = &mut |record: &Record, sites: &[Point3<f64>], _: &_| observer(record, sites);
         Ok(continue_run(&self.space, &self.plan, checkpoint, observer)?)
+    }
+
+    /// All sites of a run that has stopped: the checkpoint's, those of a coarse level split without
+    /// moves. Plain methods have no coarse levels.
+    ///
+    /// # Errors
+    /// When the domain has no room for so many distinct sites.
+    pub fn sites_of(&self, checkpoint: &Checkpoint) -> Result<Vec<Point3<f64>>, RelaxError> {
+        Ok(checkpoint.finest_sites(&self.space)?)
     }
 
     /// Volume, energy and shape of the cells of `sites`, without any move.
@@ -434,7 +474,8 @@ pub(crate) fn continue_run<const D: usize, S: RelaxationSpace<D>>(
 /// Uniform random sites in a domain: those that a scene's `"random"` names with this seed.
 ///
 /// # Errors
-/// [`RelaxError::Thin`] when the domain fills next to nothing of its bounding box.
+/// [`RelaxError::Thin`] when the domain fills next to nothing of its bounding box,
+/// [`RelaxError::TooManySites`].
 ///
 /// # Examples
 /// ```
@@ -449,5 +490,8 @@ pub fn random_sites(
     count: usize,
     seed: u64,
 ) -> Result<Vec<Point3<f64>>, RelaxError> {
+    if count >= u32::MAX as usize {
+        return Err(RelaxError::TooManySites { count });
+    }
     random_points(domain.shape(), count, seed).map_err(|draws| RelaxError::Thin { draws })
 }

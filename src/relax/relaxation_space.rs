@@ -114,6 +114,17 @@ pub enum RelaxationError<E: std::error::Error + 'static> {
     /// The space knows no gradient by all sites, which descents and perturbations need.
     #[error("in the plane there is plain Lloyd only")]
     NoGradient,
+    /// A level's sites cannot be split.
+    #[error(
+        "only {placed} of {wanted} sites of a finer level found a place of their own in the domain; \
+         run without levels (--coarse-to-fine 0)"
+    )]
+    NoRoom {
+        /// How many sites found one.
+        placed: usize,
+        /// How many there should be.
+        wanted: usize,
+    },
 }
 
 /// A domain in which sites have cells with energies.

@@ -7,10 +7,14 @@ use nalgebra::Point;
 
 use crate::minimize::history::History;
 use crate::minimize::lbfgsb_state::LbfgsbState;
+use crate::relax::multilevel::sites_of_level;
 use crate::relax::record::Record;
 
 /// The layout of the numbers.
 const FORMAT: f64 = 1.0;
+
+/// More levels than any run has: 8^64 is beyond all counts.
+const MOST_LEVELS: f64 = 64.0;
 
 /// How many counts begin the numbers.
 const COUNTS: usize = 10;
@@ -63,6 +67,17 @@ impl<const D: usize> RunState<D> {
         }
     }
 
+    /// Whether this is the state of a run that has `sites` sites now: all of them, or those of a level.
+    #[must_use]
+    pub(crate) fn is_of(&self, sites: usize) -> bool {
+        let of_level = sites_of_level::<D>(self.count, self.level);
+        let best = self.best.as_ref().map_or(sites, |(_, best)| best.len());
+        let point = self.descent.as_ref().map(|descent| descent.point().len());
+        (sites == self.count || sites == of_level)
+            && best == sites
+            && point.is_none_or(|variables| variables == D * sites)
+    }
+
     /// Begins the next finer level.
     pub(crate) fn begin_finer_level(&mut self) {
         *self = Self {
@@ -113,8 +128,8 @@ impl<const D: usize> RunState<D> {
     pub fn from_numbers(numbers: &[f64]) -> Option<Self> {
         let (counts, rest) = numbers.split_at_checked(COUNTS)?;
         let (best, rest) = rest.split_at_checked(2)?;
-        let (sites, descent) = rest.split_at_checked(D * best[1] as usize)?;
-        if counts[0].to_bits() != FORMAT.to_bits() {
+        let (sites, descent) = rest.split_at_checked(D.checked_mul(best[1] as usize)?)?;
+        if counts[0].to_bits() != FORMAT.to_bits() || counts[2] > MOST_LEVELS {
             return None;
         }
         let sites: Vec<_> = sites.chunks_exact(D).map(Point::from_slice).collect();
@@ -159,7 +174,11 @@ fn push_descent(descent: &LbfgsbState, numbers: &mut Vec<f64>) {
 fn descent_of(numbers: &[f64]) -> Option<LbfgsbState> {
     let (head, vectors) = numbers.split_at_checked(5)?;
     let (variables, pairs) = (head[0] as usize, head[1] as usize);
-    if variables == 0 || vectors.len() != variables * (2 + 2 * pairs) {
+    let length = pairs
+        .checked_mul(2)
+        .and_then(|of_pairs| of_pairs.checked_add(2));
+    let length = length.and_then(|vectors| vectors.checked_mul(variables));
+    if variables == 0 || length != Some(vectors.len()) {
         return None;
     }
     let mut vectors = vectors.chunks_exact(variables).map(<[f64]>::to_vec);

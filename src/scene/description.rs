@@ -1,6 +1,6 @@
 //! The scene: one JSON object with all that a run depends on, its defaults and its validation.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -189,6 +189,32 @@ impl Scene {
             }
             None => Ok(()),
         }
+    }
+
+    /// The files that the scene names, but for the sites'; TetGen's as the pair that they are.
+    pub(crate) fn domain_files(&self) -> Vec<PathBuf> {
+        let mesh = self.domain.file().map(Path::to_owned);
+        let extension = mesh.as_ref().and_then(|mesh| mesh.extension());
+        let is = |name: &str| extension.is_some_and(|own| own.eq_ignore_ascii_case(name));
+        let other = match (is("node"), is("ele")) {
+            (true, _) => Some("ele"),
+            (_, true) => Some("node"),
+            _ => None,
+        };
+        let pair = mesh.as_ref().zip(other);
+        let pair = pair.map(|(mesh, other)| mesh.with_extension(other));
+        let frames = self.frames.as_ref().and_then(FrameChoice::file);
+        let files = mesh.clone().into_iter().chain(pair);
+        files.chain(frames.map(Path::to_owned)).collect()
+    }
+
+    /// All files that the scene names.
+    pub(crate) fn files(&self) -> Vec<PathBuf> {
+        let mut files = self.domain_files();
+        if let Sites::File(file) = &self.sites {
+            files.push(file.clone());
+        }
+        files
     }
 
     /// Fills in the defaults that depend on the dimension.

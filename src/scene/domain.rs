@@ -158,6 +158,14 @@ impl SceneDomain {
     }
 
     /// Makes a relative path start at `folder`.
+    /// The mesh file.
+    pub(crate) fn file(&self) -> Option<&Path> {
+        match self {
+            Self::Surface(mesh) | Self::Tets(mesh) => Some(&mesh.file),
+            Self::Box(_) | Self::HalfSpaces(_) | Self::Polygon(_) => None,
+        }
+    }
+
     pub(crate) fn anchor(&mut self, folder: &Path) {
         if let Self::Surface(mesh) | Self::Tets(mesh) = self {
             mesh.anchor(folder);

@@ -150,6 +150,16 @@ pub enum Error {
         /// How many were drawn.
         draws: u64,
     },
+    /// More sites than there is memory for, or than can be numbered.
+    #[error("{count} sites need about {needed} of memory: {available}; take fewer")]
+    TooManySites {
+        /// How many.
+        count: u64,
+        /// The estimate, with its unit.
+        needed: String,
+        /// What there is instead.
+        available: String,
+    },
     /// A grid of which the domain holds no point.
     #[error("the domain holds no point of the grid; give it more points")]
     EmptyGrid,

@@ -62,6 +62,14 @@ impl FrameChoice {
         }
     }
 
+    /// The file that holds the frames.
+    pub(crate) fn file(&self) -> Option<&Path> {
+        match self {
+            Self::File(FrameFile { file }) => Some(file),
+            Self::Rule(_) | Self::Turn(_) => None,
+        }
+    }
+
     /// Whether there is a frame for every site.
     #[must_use]
     pub fn is_per_site(&self) -> bool {

@@ -63,6 +63,16 @@ impl SceneMethod {
         }
     }
 
+    /// How many steps the method's descents remember at most; none where it has no descents.
+    pub(crate) fn remembered(&self) -> Option<u64> {
+        let memory = match self {
+            Self::Lloyd(_) => return None,
+            Self::QuasiNewton(descent) => descent.memory,
+            Self::Anneal(anneal) => anneal.memory,
+        };
+        Some((memory as u64).min(self.iterations()))
+    }
+
     /// Whether Lloyd's moves are lengthened where that ends lower.
     #[must_use]
     pub fn is_accelerated(&self) -> bool {

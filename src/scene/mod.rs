@@ -8,13 +8,15 @@
 //! can be written into a run's description and read again.
 //!
 //! [`place`] makes the sites and refuses those that have no diagram: from seeds or
-//! from files ([`site_file`], [`npy`], `xyz`). [`run`] carries a scene out.
+//! from files ([`site_file`], [`npy`], `xyz`), unless `memory` has no room for them. [`run`] carries a
+//! scene out.
 
 pub mod density;
 pub mod description;
 pub mod domain;
 pub mod error;
 pub mod frames;
+pub(crate) mod memory;
 pub mod mesh_domain;
 pub mod method;
 pub mod npy;

@@ -21,6 +21,7 @@ use crate::relax::space::Space;
 use crate::scene::description::Scene;
 use crate::scene::error::Error;
 use crate::scene::frames::FrameChoice;
+use crate::scene::memory;
 use crate::scene::method::{Anneal, SceneMethod};
 use crate::scene::place::{SiteRegion, place};
 
@@ -69,14 +70,20 @@ pub fn run(
         let ended = relax(&plane, scene, &mut checkpoint, &mut |record, sites, _| {
             keep(record, Points::Plane(sites))
         })?;
-        (Points::Plane(checkpoint.sites), ended, Vec::new())
+        (
+            Points::Plane(all_sites(&plane, &checkpoint)?),
+            ended,
+            Vec::new(),
+        )
     } else {
         let (space, notes) = space(scene)?;
-        let mut checkpoint = Checkpoint::at_start(space.place(scene)?);
+        let sites = space.place(scene)?;
+        check_memory(scene, sites.len())?;
+        let mut checkpoint = Checkpoint::at_start(sites);
         let ended = relax(&space, scene, &mut checkpoint, &mut |record, sites, _| {
             keep(record, Points::Space(sites))
         })?;
-        (Points::Space(checkpoint.sites), ended, notes)
+        (Points::Space(all_sites(&space, &checkpoint)?), ended, notes)
     };
     Ok(SceneOutcome {
         sites,
@@ -104,9 +111,12 @@ pub trait RunSpace<const D: usize>: RelaxationSpace<D> {
     /// The scene's sites.
     ///
     /// # Errors
-    /// As [`place()`].
+    /// As [`place()`], and where there is no memory for so many.
     fn place(&self, scene: &Scene) -> Result<Vec<Point<f64, D>>, Error> {
-        place(&scene.sites, &self.region(), scene.drop_outside)
+        scene.sites.announced().map_or(Ok(()), memory::check)?;
+        let sites = place(&scene.sites, &self.region(), scene.drop_outside)?;
+        memory::check(sites.len() as u64)?;
+        Ok(sites)
     }
 }
 
@@ -164,6 +174,17 @@ pub fn space(scene: &Scene) -> Result<(Space, Vec<String>), Error> {
     Ok((space.framed(frames), notes))
 }
 
+/// Refuses more sites than there is memory for in a run of the scene.
+///
+/// # Errors
+/// [`Error::TooManySites`].
+pub fn check_memory(scene: &Scene, count: usize) -> Result<(), Error> {
+    match scene.method.remembered() {
+        Some(steps) => memory::check_descent(count as u64, steps),
+        None => memory::check(count as u64),
+    }
+}
+
 /// Moves the sites of `checkpoint` by the scene's method, from the start or from where it was left.
 ///
 /// # Errors
@@ -176,6 +197,18 @@ pub fn relax<const D: usize, S: RunSpace<D>>(
 ) -> Result<RunEnd, Error> {
     let plan = plan(scene, checkpoint.sites.len());
     continue_run(space, &plan, checkpoint, observer).map_err(|error| Error::Relax(Box::new(error)))
+}
+
+/// All sites of a run that has stopped: the checkpoint's, those of a coarse level split without moves.
+///
+/// # Errors
+/// When the domain has no room for so many distinct sites.
+pub fn all_sites<const D: usize, S: RunSpace<D>>(
+    space: &S,
+    checkpoint: &Checkpoint<D>,
+) -> Result<Vec<Point<f64, D>>, Error> {
+    let sites = checkpoint.finest_sites(space);
+    sites.map_err(|error| Error::Relax(Box::new(error)))
 }
 
 /// The norm, the order and the minimizer of a scene's cell energies.

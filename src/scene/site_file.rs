@@ -13,7 +13,7 @@ use nalgebra::Point;
 use crate::mesh::formats::words::{line_of, lines};
 use crate::scene::error::{Error, bare_message};
 use crate::scene::number_text::{AXES, number};
-use crate::scene::{npy, xyz};
+use crate::scene::{memory, npy, xyz};
 
 /// Reads the sites in `path`: `.csv`, `.npy`, `.xyz`, `.txt` or `.json`.
 ///
@@ -32,6 +32,7 @@ pub fn read<const D: usize>(path: &Path) -> Result<Vec<Point<f64, D>>, Error> {
             });
         }
     };
+    memory::check_file(path)?;
     let bytes = std::fs::read(path).map_err(|source| Error::Read {
         path: path.to_owned(),
         source,

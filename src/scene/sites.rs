@@ -55,6 +55,18 @@ impl Sites {
         }
     }
 
+    /// How many sites there will be at most; a file tells only when it is read.
+    pub(crate) fn announced(&self) -> Option<u64> {
+        match self {
+            Self::Random(random) => Some(random.count as u64),
+            Self::Grid(grid) => Some(grid.counts.iter().fold(1, |product: u64, &count| {
+                product.saturating_mul(count as u64)
+            })),
+            Self::List(list) => Some(list.len() as u64),
+            Self::File(_) => None,
+        }
+    }
+
     pub(crate) fn validate(&self, dimension: usize) -> Result<(), Error> {
         match self {
             Self::Random(random) if random.count == 0 => {

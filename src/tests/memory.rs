@@ -70,7 +70,7 @@ fn per_site(work: impl Fn(usize) -> usize + Sync) -> f64 {
 /// Relaxes the sites as the command does, with the files that it leaves at a run's start, during it
 /// and at its end.
 fn relax(space: &Space, sites: &mut Vec<Point3<f64>>, options: &Plan, folder: &Path) {
-    let mut directory = RunDirectory::create(folder, &"a run").unwrap();
+    let mut directory = RunDirectory::create(folder, "a run", &"a run").unwrap();
     directory.describe(&metrics(space, sites)).unwrap();
     let mut keep = |record: &Record, sites: &[Point3<f64>], state: &RunState<3>| {
         directory

@@ -13,6 +13,7 @@ mod gcode;
 mod gcode_rewrite;
 mod geometry;
 mod integrals;
+mod levels;
 mod linf;
 mod mass;
 mod memory;

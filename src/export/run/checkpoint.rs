@@ -1,7 +1,9 @@
-//! Checkpoints: the sites of one iteration, bit for bit, from which a resumed run starts.
+//! Checkpoints: the sites and the record of one iteration, bit for bit, from which a resumed run starts.
 //!
-//! `checkpoint.bin` is a line of JSON (its layout and counts) followed by the coordinates, site by
-//! site, as little-endian f64, and then by the numbers of the method's own memory, if it has any.
+//! `checkpoint.bin` is a line of JSON (its layout and counts, the run's identity, the record), filled up
+//! with blanks to whole words of eight bytes, followed by the coordinates, site by site, as
+//! little-endian f64, by the numbers of the method's own memory, if it has any, and by the
+//! [`Checksum`] of all these words: no changed bit goes unnoticed.
 //!
 //! Everything after a checkpoint can be computed again, so they need not be frequent: a
 //! [`Pace`] spaces them so that writing them takes little of a run's time.
@@ -14,10 +16,18 @@ use nalgebra::Point;
 use serde::{Deserialize, Serialize};
 
 use crate::export::atomic_write;
+use crate::export::run::checksum::Checksum;
 use crate::export::run::error::RunError;
+use crate::relax::record::Record;
 
 /// The version of the file's layout.
-const FORMAT: u32 = 1;
+const FORMAT: u32 = 2;
+
+/// The last version without a checksum.
+const UNCHECKED: u32 = 1;
+
+/// The bytes of a word.
+const WORD: usize = 8;
 
 /// Checkpoints are at least this far apart: what a killed run loses at most, beside one iteration.
 const LEAST_INTERVAL: Duration = Duration::from_secs(1);
@@ -31,30 +41,40 @@ struct CheckpointHeader {
     format: u32,
     dimension: usize,
     sites: usize,
-    iteration: u64,
     /// How many numbers the method remembers.
-    #[serde(default)]
     memory: usize,
+    /// The identity of the run.
+    run: String,
+    record: Record,
+}
+
+/// What all versions of the first line have in common.
+#[derive(Deserialize)]
+struct AnyHeader {
+    format: u32,
 }
 
 /// A run's state after some iteration.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SavedCheckpoint<const D: usize> {
-    /// Moves made so far.
-    pub iteration: u64,
+    /// The identity of the run.
+    pub run: String,
+    /// The record of the sites.
+    pub record: Record,
     /// The sites' positions (L).
     pub sites: Vec<Point<f64, D>>,
     /// What the method remembers beside them.
     pub memory: Vec<f64>,
 }
 
-/// Writes a checkpoint at `path`, whole or not at all.
+/// Writes a checkpoint of the run with the identity `run` at `path`, whole or not at all.
 ///
 /// # Errors
 /// [`RunError::File`].
 pub fn write<const D: usize>(
     path: &Path,
-    iteration: u64,
+    run: &str,
+    record: &Record,
     sites: &[Point<f64, D>],
     memory: &[f64],
 ) -> Result<(), RunError> {
@@ -62,17 +82,23 @@ pub fn write<const D: usize>(
         format: FORMAT,
         dimension: D,
         sites: sites.len(),
-        iteration,
         memory: memory.len(),
+        run: run.to_owned(),
+        record: record.clone(),
     };
     let written = atomic_write::write(path, |file| {
-        serde_json::to_writer(&mut *file, &header).map_err(io::Error::from)?;
-        file.write_all(b"\n")?;
+        let mut line = serde_json::to_vec(&header).map_err(io::Error::from)?;
+        line.resize((line.len() + 1).next_multiple_of(WORD) - 1, b' ');
+        line.push(b'\n');
+        let mut checksum = Checksum::default();
+        checksum.add_bytes(&line);
+        file.write_all(&line)?;
         let coordinates = sites.iter().flat_map(|site| site.iter());
         for value in coordinates.chain(memory) {
+            checksum.add(value.to_bits());
             file.write_all(&value.to_le_bytes())?;
         }
-        Ok(())
+        file.write_all(&checksum.sum().to_le_bytes())
     });
     written.map_err(RunError::file("write", path))
 }
@@ -80,7 +106,8 @@ pub fn write<const D: usize>(
 /// Reads the checkpoint at `path`; none if there is no such file.
 ///
 /// # Errors
-/// [`RunError::File`], or [`RunError::Damaged`] when it is not one of `D` dimensions.
+/// [`RunError::File`], or [`RunError::Damaged`] when it is not one of `D` dimensions or any bit of it
+/// has changed since it was written.
 pub fn read<const D: usize>(path: &Path) -> Result<Option<SavedCheckpoint<D>>, RunError> {
     let bytes = match std::fs::read(path) {
         Ok(bytes) => bytes,
@@ -94,18 +121,22 @@ pub fn read<const D: usize>(path: &Path) -> Result<Option<SavedCheckpoint<D>>, R
 
 fn parse<const D: usize>(bytes: &[u8]) -> Result<SavedCheckpoint<D>, String> {
     let end = bytes.iter().position(|&byte| byte == b'\n');
-    let end = end.ok_or("it has no header")?;
+    let line = &bytes[..end.ok_or("it has no header")?];
+    if serde_json::from_slice(line).is_ok_and(|header: AnyHeader| header.format == UNCHECKED) {
+        return Err("an older version wrote it, without a checksum".to_owned());
+    }
+    check(bytes)?;
     let header: CheckpointHeader =
-        serde_json::from_slice(&bytes[..end]).map_err(|error| error.to_string())?;
-    let data = &bytes[end + 1..];
+        serde_json::from_slice(line).map_err(|error| error.to_string())?;
     if header.format != FORMAT || header.dimension != D {
         return Err(format!(
             "it has format {} and dimension {} where {FORMAT} and {D} are expected",
             header.format, header.dimension
         ));
     }
-    let sites = header.sites.checked_mul(8 * D);
-    let memory = header.memory.checked_mul(8);
+    let data = &bytes[line.len() + 1..bytes.len() - WORD];
+    let sites = header.sites.checked_mul(WORD * D);
+    let memory = header.memory.checked_mul(WORD);
     let size = sites.zip(memory).and_then(|(a, b)| a.checked_add(b));
     let (Some(sites), true) = (sites, size == Some(data.len())) else {
         let CheckpointHeader { sites, memory, .. } = header;
@@ -115,10 +146,29 @@ fn parse<const D: usize>(bytes: &[u8]) -> Result<SavedCheckpoint<D>, String> {
     };
     let (sites, memory) = data.split_at(sites);
     Ok(SavedCheckpoint {
-        iteration: header.iteration,
-        sites: sites.chunks_exact(8 * D).map(point).collect(),
-        memory: memory.chunks_exact(8).map(|b| point::<1>(b).x).collect(),
+        run: header.run,
+        record: header.record,
+        sites: sites.chunks_exact(WORD * D).map(point).collect(),
+        memory: memory.chunks_exact(WORD).map(|b| point::<1>(b).x).collect(),
     })
+}
+
+/// Refuses bytes that are not whole words with their checksum behind them.
+fn check(bytes: &[u8]) -> Result<(), String> {
+    let (words, rest) = bytes.as_chunks::<WORD>();
+    let (Some((written, words)), true) = (words.split_last(), rest.is_empty()) else {
+        return Err("it is cut off".to_owned());
+    };
+    let mut checksum = Checksum::default();
+    checksum.add_bytes(words.as_flattened());
+    let (sum, written) = (checksum.sum(), u64::from_le_bytes(*written));
+    if sum != written {
+        return Err(format!(
+            "it was changed or cut off after it was written: its checksum is {sum:016x}, not \
+             {written:016x}"
+        ));
+    }
+    Ok(())
 }
 
 fn point<const D: usize>(bytes: &[u8]) -> Point<f64, D> {
@@ -158,39 +208,71 @@ impl Pace {
 mod tests {
     use super::*;
 
+    const RUN: &str = "0123-4567";
+
+    fn record() -> Record {
+        let text = r#"{"iteration":7,"energy_mean":0.1,"energy_max":0.30000000000000004,
+            "energy_percent":104.0,"movement_mean":0.0,"movement_max":0.0,"movement_percent":0.0,
+            "evaluations":3.5,"seconds":0.25,"level":1}"#;
+        serde_json::from_str(text).expect("a record")
+    }
+
+    /// A checkpoint, and its bytes.
+    fn written(folder: &Path) -> (SavedCheckpoint<3>, Vec<u8>) {
+        let path = folder.join("checkpoint.bin");
+        let saved = SavedCheckpoint {
+            run: RUN.to_owned(),
+            record: record(),
+            sites: vec![
+                Point::from([0.1, -0.0, 1e-300]),
+                Point::from([0.2, 0.3, 0.1 + 0.2]),
+            ],
+            memory: vec![0.1 + 0.2, -0.0],
+        };
+        write(&path, RUN, &saved.record, &saved.sites, &saved.memory).expect("room for it");
+        (saved, std::fs::read(&path).expect("it is there"))
+    }
+
     #[test]
     fn a_checkpoint_reads_back_to_the_bit() {
         let folder = tempfile::tempdir().expect("a folder for the test");
         let path = folder.path().join("checkpoint.bin");
         assert_eq!(read::<3>(&path).expect("nothing is not an error"), None);
-        let sites = vec![
-            Point::from([0.1, -0.0, 1e-300]),
-            Point::from([0.2, 0.3, 0.1 + 0.2]),
-        ];
-        write(&path, 7, &sites, &[0.1 + 0.2, -0.0]).expect("room for a checkpoint");
-        let again = read::<3>(&path)
-            .expect("what was written reads")
-            .expect("a file");
-        assert_eq!(again.iteration, 7);
-        let memory: Vec<u64> = again.memory.iter().map(|x| x.to_bits()).collect();
-        assert_eq!(memory, [(0.1_f64 + 0.2).to_bits(), (-0.0_f64).to_bits()]);
-        let bits = |sites: &[Point<f64, 3>]| -> Vec<u64> {
-            let values = sites.iter().flat_map(|site| site.iter().copied());
-            values.map(f64::to_bits).collect()
+        let (saved, _) = written(folder.path());
+        let again = read::<3>(&path).expect("what was written reads");
+        let again = again.expect("a file");
+        let bits = |saved: &SavedCheckpoint<3>| -> Vec<u64> {
+            let values = saved.sites.iter().flat_map(|site| site.iter());
+            values.chain(&saved.memory).map(|x| x.to_bits()).collect()
         };
-        assert_eq!(bits(&again.sites), bits(&sites));
+        assert_eq!(bits(&again), bits(&saved));
+        assert_eq!((again.run, again.record), (saved.run, saved.record));
         assert!(read::<2>(&path).is_err());
     }
 
     #[test]
-    fn a_damaged_checkpoint_is_refused() {
-        for bytes in [
-            &b""[..],
-            b"{}\n",
-            b"no header",
-            b"{\"format\":1,\"dimension\":3,\"sites\":2,\"iteration\":1}\n1234",
-        ] {
+    fn every_flipped_bit_and_every_cut_is_refused() {
+        let folder = tempfile::tempdir().expect("a folder for the test");
+        let (_, bytes) = written(folder.path());
+        for place in 0..bytes.len() {
+            for bit in 0..8 {
+                let mut flipped = bytes.clone();
+                flipped[place] ^= 1 << bit;
+                assert!(parse::<3>(&flipped).is_err(), "bit {bit} of byte {place}");
+            }
+            assert!(parse::<3>(&bytes[..place]).is_err(), "{place} bytes");
+        }
+        let longer = [&bytes[..], &[0; 8]].concat();
+        assert!(parse::<3>(&longer).is_err());
+    }
+
+    #[test]
+    fn what_is_no_checkpoint_is_refused_with_the_reason() {
+        for bytes in [&b""[..], b"{}\n", b"no header", b"{\"format\":2}\n  "] {
             assert!(parse::<3>(bytes).is_err());
         }
+        let older = b"{\"format\":1,\"dimension\":3,\"sites\":2,\"iteration\":1}\n1234";
+        let message = parse::<3>(older).expect_err("it has no checksum");
+        assert!(message.contains("older version"), "{message}");
     }
 }

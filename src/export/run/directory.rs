@@ -36,6 +36,8 @@ pub struct RunDirectory {
     path: PathBuf,
     log: Log,
     pace: Pace,
+    /// The identity of the run, for its checkpoints.
+    run: String,
 }
 
 /// A run found in its directory.
@@ -68,14 +70,30 @@ impl RunDirectory {
         Ok(())
     }
 
-    /// Makes the directory of a new run, and its parents; what an older run left there is removed.
+    /// Every file that a run in the directory `path` may write.
+    #[must_use]
+    pub fn files(path: &Path) -> Vec<PathBuf> {
+        let names = [LOG, DESCRIPTION].into_iter().chain(OUTPUTS);
+        names.map(|name| path.join(name)).collect()
+    }
+
+    /// Whether a file is the empty log that a run leaves which was killed before its first word.
+    #[must_use]
+    pub fn is_empty_log(file: &Path) -> bool {
+        file.ends_with(LOG)
+            && fs::symlink_metadata(file).is_ok_and(|log| log.is_file() && log.len() == 0)
+    }
+
+    /// Makes the directory of a new run with the identity `run`, and its parents; what an older run left
+    /// there is removed.
     ///
     /// # Errors
     /// [`RunError::InUse`] while another process runs there, [`RunError::File`] when it cannot be
     /// made or written.
-    pub fn create(path: &Path, description: &impl Serialize) -> Result<Self, RunError> {
+    pub fn create(path: &Path, run: &str, description: &impl Serialize) -> Result<Self, RunError> {
         fs::create_dir_all(path).map_err(RunError::file("make the directory", path))?;
         let mut directory = Self::lock(path)?;
+        directory.run = run.to_owned();
         for name in OUTPUTS {
             directory.remove(name)?;
         }
@@ -107,12 +125,26 @@ impl RunDirectory {
         })
     }
 
-    /// The run's last checkpoint; none if it was killed before the first.
+    /// The last checkpoint of the run with the identity `run`; none if it was killed before the first.
     ///
     /// # Errors
-    /// [`RunError::Damaged`] or [`RunError::File`].
-    pub fn checkpoint<const D: usize>(&self) -> Result<Option<SavedCheckpoint<D>>, RunError> {
-        checkpoint::read(&self.file(CHECKPOINT))
+    /// [`RunError::Damaged`], also for a checkpoint of another run, or [`RunError::File`].
+    pub fn checkpoint<const D: usize>(
+        &mut self,
+        run: &str,
+    ) -> Result<Option<SavedCheckpoint<D>>, RunError> {
+        self.run = run.to_owned();
+        let path = self.file(CHECKPOINT);
+        let saved = checkpoint::read(&path)?;
+        if saved
+            .as_ref()
+            .is_some_and(|saved: &SavedCheckpoint<D>| saved.run != run)
+        {
+            let message = "it is another run's; put back this run's own, or remove it, and the run \
+                           goes on from its first sites";
+            return Err(RunError::damaged(&path, message));
+        }
+        Ok(saved)
     }
 
     /// The run's log.
@@ -175,7 +207,7 @@ impl RunDirectory {
         let start = Instant::now();
         self.log.sync()?;
         let path = self.file(CHECKPOINT);
-        checkpoint::write(&path, record.iteration, sites, memory)?;
+        checkpoint::write(&path, &self.run, record, sites, memory)?;
         self.pace = Pace::after(start.elapsed());
         Ok(())
     }
@@ -188,10 +220,15 @@ impl RunDirectory {
                 path: path.to_owned(),
             });
         }
+        // What a process that was killed while it wrote has left.
+        for file in Self::files(path) {
+            let _ = fs::remove_file(atomic_write::partial(&file));
+        }
         Ok(Self {
             path: path.to_owned(),
             log,
             pace: Pace::after(std::time::Duration::ZERO),
+            run: String::new(),
         })
     }
 
@@ -215,6 +252,10 @@ pub struct Description<S, M> {
     pub program: String,
     /// The program's version.
     pub version: String,
+    /// Checksums of the scene, the files that it names and the first sites; those of older versions
+    /// have none.
+    #[serde(default)]
+    pub identity: String,
     /// The scene with every default filled in.
     pub scene: S,
     /// How many sites there are.

@@ -70,31 +70,37 @@ impl Log {
             .map_err(RunError::file("write", &self.path))
     }
 
-    /// Drops all after the record of `iteration`, a torn last line too, and returns that record.
+    /// Makes `last` the last record: drops what comes after it and every line before it that is no
+    /// record in its place, adds it where it is not there, and returns how many records are missing
+    /// before it.
     ///
     /// # Errors
-    /// [`RunError::Damaged`] when the records 0 to `iteration` are not all there.
-    pub fn rewind(&mut self, iteration: u64) -> Result<Record, RunError> {
+    /// [`RunError::File`].
+    pub fn rewind(&mut self, last: &Record) -> Result<u64, RunError> {
         let mut bytes = Vec::new();
         self.file
             .read_to_end(&mut bytes)
             .map_err(RunError::file("read", &self.path))?;
-        let mut length = 0;
-        for (line, expected) in bytes.split_inclusive(|&byte| byte == b'\n').zip(0_u64..) {
-            length += line.len();
-            let whole = line.ends_with(b"\n");
+        let (mut kept, mut count, mut next) = (Vec::new(), 0, 0);
+        for line in bytes.split_inclusive(|&byte| byte == b'\n') {
             let record: Option<Record> = serde_json::from_slice(line).ok();
-            match record.filter(|record| whole && record.iteration == expected) {
-                Some(record) if expected == iteration => {
-                    self.cut(length as u64)?;
-                    return Ok(record);
-                }
-                Some(_) => {}
-                None => break,
+            let in_place = |record: &Record| (next..last.iteration).contains(&record.iteration);
+            if let Some(record) = record.filter(in_place).filter(|_| line.ends_with(b"\n")) {
+                kept.extend_from_slice(line);
+                count += 1;
+                next = record.iteration + 1;
             }
         }
-        let message = format!("it does not hold all records up to iteration {iteration}");
-        Err(RunError::damaged(&self.path, message))
+        if bytes.starts_with(&kept) {
+            self.cut(kept.len() as u64)?;
+        } else {
+            self.clear()?;
+            self.file
+                .write_all(&kept)
+                .map_err(RunError::file("write", &self.path))?;
+        }
+        self.append(last)?;
+        Ok(last.iteration - count)
     }
 
     fn cut(&mut self, length: u64) -> Result<(), RunError> {
@@ -190,13 +196,34 @@ mod tests {
         let all = std::fs::read(&path).expect("the log");
         std::fs::write(&path, &all[..all.len() - 5]).expect("room for it");
 
-        let mut log = Log::open(&path).expect("the log again");
-        assert!(log.rewind(3).is_err(), "the last line is torn");
-        let mut log = Log::open(&path).expect("the log again");
-        assert_eq!(log.rewind(1).expect("line 1 is whole"), record(1));
-        log.append(&record(2)).expect("room for a line");
+        let rewind = |iteration: u64| {
+            let mut log = Log::open(&path).expect("the log again");
+            log.rewind(&record(iteration)).expect("room for a line")
+        };
+        assert_eq!(rewind(3), 0, "the torn line is replaced");
+        assert_eq!(std::fs::read(&path).expect("the log"), all);
+        assert_eq!(rewind(1), 0);
         let lines = std::fs::read_to_string(&path).expect("the log");
-        assert_eq!(lines.lines().count(), 3);
+        assert_eq!(lines.lines().count(), 2);
         assert_eq!(lines.as_bytes(), &all[..lines.len()]);
+    }
+
+    #[test]
+    fn a_log_with_gaps_keeps_its_usable_records() {
+        let folder = tempfile::tempdir().expect("a folder for the test");
+        let path = folder.path().join("log.jsonl");
+        let line = |iteration| serde_json::to_string(&record(iteration)).expect("JSON") + "\n";
+        let (other, damaged) = (line(9), line(1).replace("104", "1x4"));
+        let text = format!("{}{damaged}{}{other}{}", line(0), line(2), line(3));
+        std::fs::write(&path, text).expect("room for it");
+        let mut log = Log::open(&path).expect("the log");
+        assert_eq!(log.rewind(&record(4)).expect("room for it"), 1);
+        let lines = std::fs::read_to_string(&path).expect("the log");
+        assert_eq!(lines, [line(0), line(2), line(3), line(4)].concat());
+
+        std::fs::remove_file(&path).expect("a file to remove");
+        let mut log = Log::open(&path).expect("a new log");
+        assert_eq!(log.rewind(&record(4)).expect("room for it"), 4);
+        assert_eq!(std::fs::read_to_string(&path).expect("the log"), line(4));
     }
 }
