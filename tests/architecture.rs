@@ -123,14 +123,13 @@ fn expand<'a>(prefix: &str, text: &'a str, paths: &mut BTreeSet<String>) -> &'a 
     }
     rest = &rest[1..];
     while !rest.starts_with('}') && !rest.is_empty() {
+        let before = rest.len();
         rest = expand(&path, rest.trim_start(), paths).trim_start();
-        rest = rest.strip_prefix(',').unwrap_or(rest).trim_start();
-        if let Some((_, after)) = rest
-            .strip_prefix("as ")
-            .and_then(|r| r.split_once([',', '}']))
-        {
-            rest = after.trim_start();
+        assert!(rest.len() < before, "no import: {rest:.80}");
+        if let Some(alias) = rest.strip_prefix("as ") {
+            rest = &alias[alias.find([',', '}']).unwrap_or(alias.len())..];
         }
+        rest = rest.strip_prefix(',').unwrap_or(rest).trim_start();
     }
     rest.strip_prefix('}').unwrap_or(rest)
 }

@@ -1,4 +1,4 @@
-//! Where a density is negative in a shape, by halving the shape's box.
+//! Places in a shape at which a density is negative, found by halving the shape's box.
 //!
 //! A box is done with where Bernstein's bounds are positive, or where it has nothing in common with the
 //! shape; a place is found at a corner of a box, or of a box's common part with the shape, in which the

@@ -1,4 +1,4 @@
-//! Where a density that is linear between vertices is negative in a body.
+//! Places in a body at which a density that is linear between vertices is negative.
 //!
 //! Ramps and vertex data are least at a vertex, profiles at a vertex or where an edge passes a break.
 
