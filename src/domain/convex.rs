@@ -1,6 +1,6 @@
 //! The convex polyhedron given by half-spaces, as a domain.
 
-use nalgebra::Point3;
+use nalgebra::{Point3, Vector3};
 
 use crate::domain::error::{DomainError, check_digits};
 use crate::domain::facet_kind::FacetKind;
@@ -185,12 +185,20 @@ impl DomainShape for ConvexPolyhedron {
     fn start(&self, site: &Point3<f64>, _index: u32, cell: &mut Polyhedron) {
         cell.assign_translated(&self.solid, &(self.middle - site));
     }
+
+    fn wall_ahead(&self, site: &Point3<f64>, step: &Vector3<f64>) -> Option<(f64, Vector3<f64>)> {
+        let ahead = self.half_spaces.iter().filter_map(|wall| {
+            let (climb, room) = (wall.normal.dot(step), (-wall.excess(site)).max(0.0));
+            (climb > room).then(|| (room / climb, wall.normal))
+        });
+        ahead.min_by(|a, b| a.0.total_cmp(&b.0))
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use nalgebra::{Rotation3, Vector3};
+    use nalgebra::Rotation3;
 
     /// The box of these half extents about `center`, turned.
     fn turned_box(half: [f64; 3], center: &Point3<f64>, turn: &Rotation3<f64>) -> Vec<HalfSpace> {
@@ -229,13 +237,5 @@ mod tests {
             let solid = ConvexPolyhedron::new(&walls).expect("a box");
             assert!((solid.volume() / scale.powi(3) - 1.0).abs() < 1e-13);
         }
-    }
-
-    fn wall_ahead(&self, site: &Point3<f64>, step: &Vector3<f64>) -> Option<(f64, Vector3<f64>)> {
-        let ahead = self.half_spaces.iter().filter_map(|wall| {
-            let (climb, room) = (wall.normal.dot(step), (-wall.excess(site)).max(0.0));
-            (climb > room).then(|| (room / climb, wall.normal))
-        });
-        ahead.min_by(|a, b| a.0.total_cmp(&b.0))
     }
 }

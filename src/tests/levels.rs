@@ -82,7 +82,8 @@ proptest! {
         seed in 0..1000_u64,
     ) {
         let space = Space::new(narrow(kind));
-        let given = points_inside(count, seed, &space.bounds(), |site| space.contains(site));
+        let contains = |site: &Point3<f64>| space.contains(site);
+        let given = points_inside(count, seed, &space.bounds(), contains, || None);
         let given = given.unwrap();
         let coarse = coarsened(&given, (count >> (3 * level)).max(1));
         let fine = split_to_finest(&space, &coarse, count, level).unwrap();
