@@ -176,7 +176,11 @@ fn checkpoint_bytes() -> Vec<u8> {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("checkpoint.bin");
     let sites = [[0.1, 0.2, 0.3].into(), [0.4, 0.5, 0.6].into()];
-    checkpoint::write::<3>(&path, 7, &sites, &[1.0, 2.0]).expect("a checkpoint");
+    let record = r#"{"iteration":7,"energy_mean":0.1,"energy_max":0.2,"energy_percent":104.0,
+        "movement_mean":0.01,"movement_max":0.02,"movement_percent":1.0,"evaluations":3.5,"seconds":0.25}"#;
+    let record: chebloyd::Record = serde_json::from_str(record).expect("a record");
+    let memory = [1.0, 2.0];
+    checkpoint::write::<3>(&path, "a run", &record, &sites, &memory).expect("a checkpoint");
     fs::read(&path).expect("a checkpoint")
 }
 
