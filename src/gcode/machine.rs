@@ -4,7 +4,8 @@
 //! Volume = filament pushed beyond what had been pushed before, tool by tool: retraction, its undoing
 //! and wipes cancel by themselves. Firmwares differ in whether G90 and G91 hold for E: here, as in
 //! Klipper, PrusaSlicer and Marlin 1, G91 makes E relative until G90, and G90 leaves M82 or M83 as
-//! they were; M82 or M83 said after G91 hold at once, as in Marlin 2 and RepRapFirmware.
+//! they were; M82 or M83 said after G91 hold at once, as in Marlin 2 and RepRapFirmware. Where the
+//! numbers tell that E is absolute under G91 ([`crate::gcode::survey`]), it is.
 
 use std::collections::HashMap;
 
@@ -54,6 +55,8 @@ pub(crate) struct Machine {
     relative_e: bool,
     /// Whether M82 or M83 came after the last G91.
     said_e: bool,
+    /// Whether G91 leaves E as it is.
+    absolute_e: bool,
     /// mm of a number's unit: G20, G21.
     unit: f64,
     /// M200: E counts volumes.
@@ -80,7 +83,8 @@ const MOST_SAVED: usize = 64;
 
 impl Machine {
     /// At the origin, in absolute millimeters, with tool 0.
-    pub(crate) fn new(filament: Filament, volumetric: bool) -> Self {
+    /// `volumetric` and `absolute_e` are what a survey of the file tells.
+    pub(crate) fn new(filament: Filament, volumetric: bool, absolute_e: bool) -> Self {
         let mut machine = Self {
             filament,
             position: Point3::origin(),
@@ -88,6 +92,7 @@ impl Machine {
             relative: false,
             relative_e: false,
             said_e: false,
+            absolute_e,
             unit: 1.0,
             volumetric,
             absolute_centers: false,
@@ -313,7 +318,7 @@ impl Machine {
             return Ok(None);
         };
         let value = value * self.unit_e();
-        let is_relative = if self.relative && !self.said_e {
+        let is_relative = if self.relative && !self.said_e && !self.absolute_e {
             true
         } else {
             self.relative_e

@@ -128,7 +128,7 @@ impl Reader {
     fn new(survey: Survey, given: Filament) -> Self {
         let filament = given.or(survey.settings.filament.clone());
         Self {
-            machine: Machine::new(filament, survey.settings.volumetric),
+            machine: Machine::new(filament, survey.settings.volumetric, survey.absolute_e),
             layers: Layers::new(survey.layers),
             survey,
             types: Names::default(),
@@ -384,6 +384,13 @@ impl Reader {
             notes.push(format!(
                 "M221 sets the flow of tool {tool} to {percent} % (line {line}): so much is weighed"
             ));
+        }
+        if self.survey.absolute_e {
+            notes.push(
+                "E is read as absolute under G91, for its numbers rise; Marlin and Klipper would read \
+                 it as relative unless M82 follows G91"
+                    .into(),
+            );
         }
         if !self.survey.types {
             notes.push(

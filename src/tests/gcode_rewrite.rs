@@ -34,6 +34,8 @@ struct Style {
     resets: Option<usize>,
     inches: bool,
     relative: bool,
+    /// G91 after M82, not before.
+    late: bool,
     volumetric: bool,
     /// Percent.
     flow: Option<f64>,
@@ -99,9 +101,10 @@ impl Writer {
         let style = self.style;
         let lines = [
             (style.inches, "G20".to_owned()),
-            (style.relative, "G91".to_owned()),
+            (style.relative && !style.late, "G91".to_owned()),
             (style.absolute_e, "M82".to_owned()),
             (!style.absolute_e, "M83".to_owned()),
+            (style.late, "G91".to_owned()),
             (style.volumetric, format!("M200 D{}", self.unit(1.75))),
             (
                 style.flow.is_some(),
@@ -326,6 +329,36 @@ fn relative_moves_and_inches() {
         },
         1e-9,
     );
+}
+
+#[test]
+fn absolute_filament_under_relative_moves_is_told_by_its_numbers() {
+    let style = Style {
+        relative: true,
+        late: true,
+        absolute_e: true,
+        ..Style::default()
+    };
+    assert_written_otherwise(style, 1e-9);
+    let numbered = true;
+    let resets = Some(300);
+    assert_written_otherwise(
+        Style {
+            numbered,
+            resets,
+            ..style
+        },
+        1e-9,
+    );
+    // Relative numbers rise about every other time.
+    let style = Style {
+        absolute_e: false,
+        ..style
+    };
+    for sample in SAMPLES {
+        let text = rewritten(sample, style).replacen("M83\n", "", 1);
+        assert_same(sample, &text, 1e-10);
+    }
 }
 
 #[test]
