@@ -113,10 +113,9 @@ fn make(options: &MeshOptions, run: &Path, output: &Path) -> Result<MeshReport, 
     let (scene, sites) = read_run(run)?;
     let space = space(&scene)?;
     let mut mesh = mesh_of(&space, &scene, &sites, options.feature_angle)?;
-    let scale = options.scale;
-    mesh.scale(scale);
+    let factor = place_back(&mut mesh, &scene, options.scale)?;
     let geometry = MeshGeometry::of(&mesh, &mesh.cell_faces());
-    let volume = space.domain().volume() * scale.powi(3);
+    let volume = space.domain().volume() * factor.powi(3);
     let report = MeshReport::new(&mesh, &geometry, Some(volume));
     if options.to.iter().any(|format| format == "polymesh") {
         write_case(output, &mesh).map_err(Failure::run)?;
@@ -135,6 +134,18 @@ fn make(options: &MeshOptions, run: &Path, output: &Path) -> Result<MeshReport, 
     })
     .map_err(Failure::run)?;
     Ok(report)
+}
+
+/// Gives a mesh the coordinates of the domain's own file, times `scale`; returns the factor on lengths.
+fn place_back(mesh: &mut PolyMesh, scene: &Scene, scale: f64) -> Result<f64, Failure> {
+    let similarity = scene.domain.similarity().map_err(Failure::input)?;
+    let origin = Point3::origin();
+    let (factor, from, to) = match similarity {
+        None => (scale, origin, origin),
+        Some(map) => (scale / map.scale, map.to, map.from * scale),
+    };
+    mesh.transform(factor, &from, &to);
+    Ok(factor)
 }
 
 /// Refuses to replace files.

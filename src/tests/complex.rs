@@ -2,7 +2,7 @@
 
 use nalgebra::{Point3, Vector3};
 
-use crate::complex::assemble::{assemble, assemble_within};
+use crate::complex::assemble::{assemble, assemble_whole, paired};
 use crate::complex::element::CellElement;
 use crate::complex::face_geometry::MeshGeometry;
 use crate::complex::quality::MeshQuality;
@@ -210,7 +210,8 @@ fn the_mesh_does_not_depend_on_the_resolution() {
         let diagram = Diagram::new(&domain, &sites).unwrap();
         let expected = assemble(&diagram, &WallPatches::Each).unwrap();
         for resolution in [1e-12, 1e-11, 1e-10, 1e-9, 1e-8, 1e-7] {
-            let other = assemble_within(&diagram, resolution, &WallPatches::Each).unwrap();
+            let other = paired(&diagram, resolution).unwrap();
+            let other = other.builder().build(&WallPatches::Each);
             let same = (other.points.len(), other.owner, other.neighbor);
             let expected = (
                 expected.points.len(),
