@@ -228,6 +228,22 @@ fn bad_input_is_refused_with_the_mend() {
 }
 
 #[test]
+fn collapse_shortens_the_list_of_faces_and_keeps_the_volume() {
+    let dir = with_run();
+    let raw = report(&dir.stdout(&["mesh", "run", "-o", "raw", "--json"]));
+    let made = report(&dir.stdout(&["mesh", "run", "-o", "case", "--collapse", "0.1", "--json"]));
+    let count = |report: &Value| report["faces"].as_u64().expect("a count");
+    assert!(count(&made) < count(&raw));
+    assert!((made["volume"].as_f64().expect("a volume") - 1.0).abs() < 1e-12);
+    assert_eq!(
+        (&made["open_cells"], &made["bad_pyramids"]),
+        (&0.into(), &0.into())
+    );
+    let too_far = ["mesh", "run", "-o", "other", "--collapse", "2"];
+    assert_refused(&dir, &too_far, &["between 0 and 0.5"]);
+}
+
+#[test]
 fn damaged_meshes_are_refused_with_the_place() {
     let dir = with_run();
     dir.stdout(&["mesh", "run", "-o", "case", "--quiet"]);
