@@ -107,10 +107,7 @@ fn half_spaces_hold_a_conforming_mesh() {
     let sites = points(4, 2000)
         .into_iter()
         .map(|p| p * 2.0 - Vector3::repeat(1.0));
-    let sites: Vec<_> = sites
-        .map(Point3::from)
-        .filter(|p| solid.contains(p))
-        .collect();
+    let sites: Vec<_> = sites.filter(|p| solid.contains(p)).collect();
     let mesh = assert_conforms(&solid, &sites, "octahedron");
     assert_eq!(mesh.patches.len(), 8);
 }
