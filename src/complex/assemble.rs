@@ -64,7 +64,12 @@ pub(crate) fn assemble(
     patches: &WallPatches,
 ) -> Result<PolyMesh, AssembleError> {
     let paired = paired(diagram, RESOLUTION)?;
-    Ok(paired.builder().in_pieces().build(patches))
+    // Cells of a convex domain are convex.
+    let builder = match diagram.domain().is_convex() {
+        true => paired.builder(),
+        false => paired.builder().in_pieces(),
+    };
+    Ok(builder.build(patches))
 }
 
 /// As [`assemble`], but cells stay whole: one for each site.
