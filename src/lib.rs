@@ -27,7 +27,7 @@
 //! floor 8   main.rs                             the program: one call of the command line
 //! floor 7   cli/                                one file per subcommand (feature `cli`)
 //! floor 6   scene/        export/      plot/    input, files, pictures (`scene`, `files`, `cli`)
-//! floor 5   relax/                              the driver, its moves and records
+//! floor 5   relax/        complex/              the driver, its moves, records │ cells as one mesh
 //! floor 4   voronoi/      energy/               cells of sites │ energies of cells
 //! floor 3   domain/        gcode/      mass/    pieces of cells in solids │ prints │ mass properties
 //! floor 2   mesh/         integrals/            surfaces and tetrahedra │ closed forms
@@ -36,7 +36,9 @@
 //!
 //! A file imports from floors below its own and only what `tests/architecture.rs` lists; no two files
 //! import each other, directly or through others. `voronoi` builds cells and knows no energy, `energy`
-//! takes a center and convex pieces and knows no diagram; `relax` is where they meet.
+//! takes a center and convex pieces and knows no diagram; `relax` is where they meet. `complex` makes one
+//! mesh of the cells of a diagram, for `export` to write; its data, [`mesh`]'s `poly_mesh`, lies low, so that
+//! readers of mesh files can make it too.
 //!
 //! # A site's way through an iteration
 //!

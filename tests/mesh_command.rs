@@ -37,12 +37,15 @@ const FILES: [&str; 5] = ["points", "faces", "owner", "neighbour", "boundary"];
 /// A directory with a run of 30 sites in `run`.
 fn with_run() -> TestDir {
     let dir = TestDir::new();
+    dir.write(
+        "s.json",
+        r#"{ "sites": { "random": { "count": 30 } }, "output": { "cells": false, "plot": false } }"#,
+    );
     dir.stdout(&[
         "relax",
-        "--count",
-        "30",
+        "s.json",
         "--iterations",
-        "2",
+        "1",
         "--out",
         "run",
         "--quiet",
@@ -132,7 +135,7 @@ fn a_mesh_is_replaced_on_request_only_and_system_stays() {
     let mesh = ["mesh", "run", "-o", "case", "--quiet"];
     dir.stdout(&mesh);
     dir.write("case/system/fvSchemes", "mine");
-    assert_refused(&dir, &mesh, &["points exists", "--force"]);
+    assert_refused(&dir, &mesh, &["mesh.json exists", "--force"]);
     dir.stdout(&["mesh", "run", "-o", "case", "--quiet", "--force"]);
     assert_eq!(dir.read("case/system/fvSchemes"), b"mine");
 }
@@ -162,7 +165,8 @@ fn a_periodic_run_has_pairs_of_patches() {
     let dir = TestDir::new();
     dir.write(
         "s.json",
-        r#"{ "domain": { "box": { "max": [2, 1, 1], "periodic": [true, false, false] } }, "sites": { "random": { "count": 40 } } }"#,
+        r#"{ "domain": { "box": { "max": [2, 1, 1], "periodic": [true, false, false] } }, "sites": { "random": { "count": 40 } },
+             "output": { "cells": false, "plot": false } }"#,
     );
     dir.stdout(&[
         "relax",
@@ -211,30 +215,32 @@ fn bad_input_is_refused_with_the_mend() {
     );
     assert_refused(
         &dir,
-        &["mesh", "run", "-o", "case", "--scale", "-1"],
+        &["mesh", "run", "-o", "case", "--scale", "0"],
         &["not positive"],
     );
     assert!(!dir.path("case").exists());
-    dir.stdout(&[
-        "relax",
-        "--count",
-        "5",
-        "--iterations",
-        "0",
-        "--out",
-        "plane",
-        "--quiet",
-    ]);
-    let run = String::from_utf8(dir.read("plane/run.json")).expect("text");
+    let run = String::from_utf8(dir.read("run/run.json")).expect("text");
     dir.write(
-        "plane/run.json",
+        "run/run.json",
         run.replace("\"dimension\": 3", "\"dimension\": 2"),
     );
-    assert_refused(
-        &dir,
-        &["mesh", "plane", "-o", "case"],
-        &["\"dimension\": 3"],
+    assert_refused(&dir, &["mesh", "run", "-o", "case"], &["\"dimension\": 3"]);
+}
+
+#[test]
+fn collapse_shortens_the_list_of_faces_and_keeps_the_volume() {
+    let dir = with_run();
+    let raw = report(&dir.stdout(&["mesh", "run", "-o", "raw", "--json"]));
+    let made = report(&dir.stdout(&["mesh", "run", "-o", "case", "--collapse", "0.1", "--json"]));
+    let count = |report: &Value| report["faces"].as_u64().expect("a count");
+    assert!(count(&made) < count(&raw));
+    assert!((made["volume"].as_f64().expect("a volume") - 1.0).abs() < 1e-12);
+    assert_eq!(
+        (&made["open_cells"], &made["bad_pyramids"]),
+        (&0.into(), &0.into())
     );
+    let too_far = ["mesh", "run", "-o", "other", "--collapse", "2"];
+    assert_refused(&dir, &too_far, &["between 0 and 0.5"]);
 }
 
 #[test]
@@ -300,4 +306,82 @@ fn compressed_and_binary_meshes_are_read() {
     let mut checked = report(&dir.stdout(&["mesh", "--check", folder, "--json"]));
     checked["solid_volume"] = made["solid_volume"].clone();
     assert_eq!(checked, made);
+}
+
+#[test]
+fn cells_of_a_run_share_their_points() {
+    let dir = TestDir::new();
+    dir.write(
+        "s.json",
+        r#"{ "sites": { "grid": { "counts": [2, 2, 2] } }, "output": { "plot": false } }"#,
+    );
+    dir.stdout(&[
+        "relax",
+        "s.json",
+        "--iterations",
+        "0",
+        "--out",
+        "run",
+        "--quiet",
+    ]);
+    let bytes = dir.read("run/cells.vtu");
+    let head = String::from_utf8_lossy(&bytes);
+    assert_all_in(
+        &head,
+        &[
+            "NumberOfPoints=\"27\" NumberOfCells=\"8\"",
+            "Scalars=\"energy\"",
+            "Name=\"facets\"",
+        ],
+    );
+}
+
+/// A cube of side 2 about (5, 0, 0), as triangles.
+const CUBE: &str = "OFF\n8 12 0\n4 -1 -1\n6 -1 -1\n4 1 -1\n6 1 -1\n4 -1 1\n6 -1 1\n4 1 1\n6 1 1\n\
+3 0 2 1\n3 1 2 3\n3 4 5 6\n3 5 7 6\n3 0 1 4\n3 1 5 4\n3 2 6 3\n3 3 6 7\n3 0 4 2\n3 2 4 6\n3 1 3 5\n3 3 7 5\n";
+
+#[test]
+fn a_solid_keeps_the_coordinates_of_its_file_and_has_patches() {
+    let dir = TestDir::new();
+    dir.write("cube.off", CUBE);
+    dir.write(
+        "s.json",
+        r#"{ "domain": { "surface": "cube.off", "scale_to": "unit_cube" },
+             "sites": { "random": { "count": 20 } }, "output": { "cells": false, "plot": false } }"#,
+    );
+    dir.stdout(&[
+        "relax",
+        "s.json",
+        "--iterations",
+        "1",
+        "--out",
+        "run",
+        "--quiet",
+    ]);
+    let made = report(&dir.stdout(&["mesh", "run", "-o", "case", "--json"]));
+    for key in ["volume", "solid_volume"] {
+        assert!(
+            (made[key].as_f64().expect("a volume") - 8.0).abs() < 1e-12,
+            "{key}"
+        );
+    }
+    assert_eq!(made["patches"].as_object().expect("patches").len(), 6);
+    let text = String::from_utf8(dir.read("case/constant/polyMesh/points")).expect("text");
+    let points = body(&text)
+        .lines()
+        .filter(|line| line.starts_with('(') && line.len() > 1);
+    let first = |line: &str| {
+        let number = line.trim_start_matches('(').split(' ').next();
+        number
+            .and_then(|word| word.parse::<f64>().ok())
+            .expect("a number")
+    };
+    let x: Vec<f64> = points.map(first).collect();
+    let ends = x
+        .iter()
+        .fold([9.0_f64, 0.0], |[low, high], &x| [low.min(x), high.max(x)]);
+    assert!(
+        (ends[0] - 4.0).abs() < 1e-12 && (ends[1] - 6.0).abs() < 1e-12,
+        "{ends:?}"
+    );
 }

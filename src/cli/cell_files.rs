@@ -6,8 +6,10 @@ use std::io::Write;
 use nalgebra::{Point, Point2, Point3};
 
 use crate::cli::failure::write_file;
+use crate::complex::assemble::assemble_whole;
 use crate::domain::facet_kind::FacetKind;
 use crate::domain::shape::PieceScratch;
+use crate::export::mesh_vtu::{CellColumn, write_mesh};
 use crate::export::run::directory::RunDirectory;
 use crate::export::vtu::{CellGeometry, VtuWriter};
 use crate::geometry::bounds::Bounds;
@@ -35,6 +37,9 @@ pub(crate) const PNG_SCALE: f64 = 2.0;
 
 /// More cells than this make an SVG that no viewer opens; the PNG is there all the same.
 const MOST_PATCHES: usize = 100_000;
+
+/// Up to so many cells share their points in `cells.vtu`: about 2 GB while they are paired.
+const MOST_SHARED: usize = 100_000;
 
 /// How far above the middle of the domain its cells are cut, in sides of a mean cell: the middle
 /// itself is a wall of cells for every lattice of an even number of layers.
@@ -86,7 +91,8 @@ impl DrawCells<3> for Space {
         directory: &RunDirectory,
     ) -> Result<(), Box<dyn Error>> {
         let colors = Colors::of(cells);
-        let mut file = VtuWriter::new(&directory.file("cells.vtu"));
+        let is_written = self.write_shared(sites, cells, directory)?;
+        let mut file = (!is_written).then(|| VtuWriter::new(&directory.file("cells.vtu")));
         let height = cut_height(&self.bounds(), self.volume(), sites.len());
         let cut = PlaneCut::horizontal(height);
         let mut patches = Vec::new();
@@ -104,11 +110,13 @@ impl DrawCells<3> for Space {
                 let value = Colors::value(&cells[site]);
                 patches.extend(cut.patch(&shell, value));
                 cutaway.push(&seen, &sites[site], value);
-                file.push(&geometry(site, shell, &cells[site]))?;
+                if let Some(file) = &mut file {
+                    file.push(&geometry(site, shell, &cells[site]))?;
+                }
                 Ok::<(), Box<dyn Error>>(())
             },
         )?;
-        file.finish()?;
+        file.map_or(Ok(0), VtuWriter::finish)?;
         let title = format!("Cells cut at z = {height:.4}");
         let figure = picture(&patches, colors.scale(), &title);
         save_svg(&figure, patches.len(), directory)?;
@@ -122,6 +130,42 @@ fn is_covered(label: Label, shown: &[bool]) -> bool {
     match FacetKind::of(label) {
         FacetKind::Neighbor { site, image } => image == [0; 3] && shown[site as usize],
         _ => false,
+    }
+}
+
+impl Space {
+    /// Writes `cells.vtu` with points that cells share, unless they are too many for the memory or do
+    /// not fit together; returns whether it is written.
+    fn write_shared(
+        &self,
+        sites: &[Point3<f64>],
+        cells: &[CellMetrics<3>],
+        directory: &RunDirectory,
+    ) -> Result<bool, Box<dyn Error>> {
+        if sites.len() > MOST_SHARED {
+            eprintln!(
+                "note: in cells.vtu each of more than {MOST_SHARED} cells has its own points"
+            );
+            return Ok(false);
+        }
+        let Ok(mesh) = assemble_whole(&Diagram::borrowed(self.domain(), sites)?) else {
+            return Ok(false);
+        };
+        let reals =
+            |of: fn(&CellMetrics<3>) -> f64| CellColumn::Reals(cells.iter().map(of).collect());
+        let facets = cells.iter().map(|cell| cell.facets as i64).collect();
+        let columns = [
+            (
+                "site",
+                CellColumn::Integers((0..sites.len() as i64).collect()),
+            ),
+            ("energy", reals(|cell| cell.energy)),
+            ("volume", reals(|cell| cell.volume)),
+            ("cubeness", reals(|cell| cell.cubeness)),
+            ("facets", CellColumn::Integers(facets)),
+        ];
+        write_mesh(&directory.file("cells.vtu"), &mesh, &columns, false)?;
+        Ok(true)
     }
 }
 

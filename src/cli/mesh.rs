@@ -11,6 +11,8 @@ use crate::cli::mesh_report::{MeshLimit, MeshReport};
 use crate::cli::options::{Common, finite, named, space};
 use crate::cli::run::RunDescription;
 use crate::complex::assemble::assemble;
+use crate::complex::collapse::{collapse, straighten_edges};
+use crate::complex::edit_mesh::EditMesh;
 use crate::complex::face_geometry::MeshGeometry;
 use crate::complex::wall_patches::WallPatches;
 use crate::export::mesh_vtu::{CellColumn, write_mesh};
@@ -42,7 +44,7 @@ pub(crate) struct MeshOptions {
     #[arg(long, short, value_name = "OUT", required_unless_present = "check")]
     output: Option<PathBuf>,
     /// Measure the polyMesh (ASCII or binary, plain or .gz) in PATH instead
-    #[arg(long, value_name = "PATH", conflicts_with_all = ["run", "output", "to", "scale", "feature_angle"])]
+    #[arg(long, value_name = "PATH", conflicts_with_all = ["run", "output", "to", "scale", "feature_angle", "collapse"])]
     check: Option<PathBuf>,
     /// Formats to write
     #[arg(long, value_name = "FORMAT", value_delimiter = ',', default_value = "polymesh", value_parser = named(&FORMATS))]
@@ -53,6 +55,9 @@ pub(crate) struct MeshOptions {
     /// Part the walls of a solid into patches along edges where they turn by more than A degrees
     #[arg(long, value_name = "A", value_parser = finite, default_value = "40")]
     feature_angle: f64,
+    /// Collapse edges shorter than E sides of the mean cell where quality allows it, up to 0.5
+    #[arg(long, value_name = "E", value_parser = finite, default_value = "0")]
+    collapse: f64,
     /// Multiply all coordinates by F
     #[arg(long, value_name = "F", value_parser = finite, default_value = "1")]
     scale: f64,
@@ -107,16 +112,24 @@ fn make(options: &MeshOptions, run: &Path, output: &Path) -> Result<MeshReport, 
             options.scale
         )));
     }
+    if !(0.0..=0.5).contains(&options.collapse) {
+        return Err(Failure::input(format!(
+            "--collapse {} is not between 0 and 0.5",
+            options.collapse
+        )));
+    }
     if !options.force {
         refuse_existing(output, &options.to)?;
     }
     let (scene, sites) = read_run(run)?;
     let space = space(&scene)?;
     let mut mesh = mesh_of(&space, &scene, &sites, options.feature_angle)?;
-    let scale = options.scale;
-    mesh.scale(scale);
+    if options.collapse > 0.0 {
+        mesh = collapsed(&mesh, space.domain().volume(), options.collapse)?;
+    }
+    let factor = place_back(&mut mesh, &scene, options.scale)?;
     let geometry = MeshGeometry::of(&mesh, &mesh.cell_faces());
-    let volume = space.domain().volume() * scale.powi(3);
+    let volume = space.domain().volume() * factor.powi(3);
     let report = MeshReport::new(&mesh, &geometry, Some(volume));
     if options.to.iter().any(|format| format == "polymesh") {
         write_case(output, &mesh).map_err(Failure::run)?;
@@ -135,6 +148,33 @@ fn make(options: &MeshOptions, run: &Path, output: &Path) -> Result<MeshReport, 
     })
     .map_err(Failure::run)?;
     Ok(report)
+}
+
+/// The mesh without edges shorter than `share` sides of the mean cell, as far as quality allows it.
+fn collapsed(mesh: &PolyMesh, volume: f64, share: f64) -> Result<PolyMesh, Failure> {
+    if mesh.patches.iter().any(|patch| patch.partner.is_some()) {
+        let message = "edges across a period are not collapsed: leave out --collapse";
+        return Err(Failure::input(message));
+    }
+    let side = (volume / mesh.cell_count as f64).cbrt();
+    let mut edited = EditMesh::of(mesh);
+    collapse(&mut edited, share * side, side);
+    straighten_edges(&mut edited, 0.5 * share * side);
+    let mesh = edited.finish();
+    mesh.check_closed().map_err(Failure::run)?;
+    Ok(mesh)
+}
+
+/// Gives a mesh the coordinates of the domain's own file, times `scale`; returns the factor on lengths.
+fn place_back(mesh: &mut PolyMesh, scene: &Scene, scale: f64) -> Result<f64, Failure> {
+    let similarity = scene.domain.similarity().map_err(Failure::input)?;
+    let origin = Point3::origin();
+    let (factor, from, to) = match similarity {
+        None => (scale, origin, origin),
+        Some(map) => (scale / map.scale, map.to, map.from * scale),
+    };
+    mesh.transform(factor, &from, &to);
+    Ok(factor)
 }
 
 /// Refuses to replace files.

@@ -54,7 +54,8 @@ pub(crate) enum AssembleError {
     },
 }
 
-/// The mesh of the cells of `diagram` in site order.
+/// The mesh of the cells of `diagram` in site order; a cell in several pieces becomes as many cells, the
+/// further ones after all others.
 ///
 /// # Errors
 /// [`AssembleError`] when a site has no cell, or cells do not fit together.
@@ -62,15 +63,39 @@ pub(crate) fn assemble(
     diagram: &Diagram<'_>,
     patches: &WallPatches,
 ) -> Result<PolyMesh, AssembleError> {
-    assemble_within(diagram, RESOLUTION, patches)
+    let paired = paired(diagram, RESOLUTION)?;
+    // Cells of a convex domain are convex.
+    let builder = match diagram.domain().is_convex() {
+        true => paired.builder(),
+        false => paired.builder().in_pieces(),
+    };
+    Ok(builder.build(patches))
 }
 
-/// As [`assemble`], with edges contracted that are shorter than `resolution` times their cells' size.
-pub(crate) fn assemble_within(
-    diagram: &Diagram<'_>,
-    resolution: f64,
-    patches: &WallPatches,
-) -> Result<PolyMesh, AssembleError> {
+/// As [`assemble`], but cells stay whole: one for each site.
+pub(crate) fn assemble_whole(diagram: &Diagram<'_>) -> Result<PolyMesh, AssembleError> {
+    let paired = paired(diagram, RESOLUTION)?;
+    Ok(paired.builder().build(&WallPatches::Each))
+}
+
+/// Cells whose faces are the same from both sides.
+pub(crate) struct PairedCells {
+    loops: Vec<CellLoops>,
+    positions: Vec<Point3<f64>>,
+    periods: Vector3<f64>,
+}
+
+impl PairedCells {
+    /// A mesh of them to be built.
+    #[must_use]
+    pub(crate) fn builder(&self) -> MeshBuilder<'_> {
+        MeshBuilder::new(&self.loops, &self.positions, self.periods)
+    }
+}
+
+/// The cells of `diagram`, paired, with edges contracted that are shorter than `resolution` times their
+/// cells' size.
+pub(crate) fn paired(diagram: &Diagram<'_>, resolution: f64) -> Result<PairedCells, AssembleError> {
     let domain = diagram.domain();
     let periods = Vector3::from(domain.periods().map(|period| period.unwrap_or(0.0)));
     let cells = diagram
@@ -82,7 +107,11 @@ pub(crate) fn assemble_within(
     drop(cells);
     let positions = vertices.positions;
     agree(&mut loops, &positions, &periods)?;
-    Ok(MeshBuilder::new(&loops, &positions, periods).build(patches))
+    Ok(PairedCells {
+        loops,
+        positions,
+        periods,
+    })
 }
 
 fn refuse_open(cells: &[(CellSurface, Point3<f64>)]) -> Result<(), AssembleError> {

@@ -1,7 +1,5 @@
 //! The invariants of a mesh of polyhedra: closed cells, each a ball, OpenFOAM's order of faces.
 
-use std::collections::HashMap;
-
 use rayon::prelude::*;
 use thiserror::Error;
 
@@ -186,31 +184,34 @@ impl PolyMesh {
 
     /// Whether a cell is a closed ball.
     fn topology(&self, faces: &CellFaces, cell: usize) -> Result<(), MeshCheckError> {
-        let mut runs: HashMap<(u32, u32), [u32; 2]> = HashMap::new();
-        let mut vertices = Vec::new();
+        // Every edge by its ends in ascending order, and whether it is run downward.
+        let (mut runs, mut vertices) = (Vec::new(), Vec::new());
         for (face, is_owner) in faces.of(cell) {
             let corners = self.face(face);
             vertices.extend_from_slice(corners);
             let next = corners.iter().cycle().skip(1);
             for (&from, &to) in corners.iter().zip(next) {
-                let is_forward = (from < to) == is_owner;
-                let run = runs.entry((from.min(to), from.max(to))).or_default();
-                run[usize::from(!is_forward)] += 1;
+                runs.push((from.min(to), from.max(to), (from < to) != is_owner));
             }
         }
         vertices.sort_unstable();
         vertices.dedup();
-        let open = runs.iter().filter(|(_, run)| **run != [1, 1]).min();
-        if let Some((&(from, to), &[forward, back])) = open {
-            return Err(MeshCheckError::Open {
-                cell,
-                from,
-                to,
-                forward,
-                back,
-            });
+        runs.sort_unstable();
+        let mut edges = 0;
+        for run in runs.chunk_by(|one, other| (one.0, one.1) == (other.0, other.1)) {
+            edges += 1;
+            let back = run.iter().filter(|(.., is_downward)| *is_downward).count();
+            if run.len() != 2 || back != 1 {
+                return Err(MeshCheckError::Open {
+                    cell,
+                    from: run[0].0,
+                    to: run[0].1,
+                    forward: (run.len() - back) as u32,
+                    back: back as u32,
+                });
+            }
         }
-        let (vertices, edges, faces) = (vertices.len(), runs.len(), faces.of(cell).len());
+        let (vertices, faces) = (vertices.len(), faces.of(cell).len());
         match vertices + faces == edges + 2 {
             true => Ok(()),
             false => Err(MeshCheckError::Euler {

@@ -54,24 +54,32 @@ impl<'a> MeshBuilder<'a> {
     ) -> Self {
         let mut mesh = PolyMesh::default();
         mesh.sites.extend(0..cells.len() as u32);
-        let volumes = |loops: &CellLoops, pieces: &mut [u32]| {
-            join_cavities(loops, pieces, positions, &periods);
-        };
-        let pieces = number_pieces(cells, volumes, &mut mesh.sites);
-        mesh.cell_count = mesh.sites.len();
+        mesh.cell_count = cells.len();
         Self {
             cells,
             positions,
             periods,
-            pieces,
+            pieces: HashMap::new(),
             numbers: vec![Self::UNUSED; positions.len()],
             shifted: HashMap::new(),
             mesh,
         }
     }
 
-    /// The mesh. A cell in several pieces becomes as many: the first keeps its site's number, the
-    /// others come after all sites.
+    /// The same with a cell for every piece: the largest keeps its site's number, the others come after
+    /// all sites.
+    #[must_use]
+    pub(crate) fn in_pieces(mut self) -> Self {
+        let (positions, periods) = (self.positions, self.periods);
+        let join = |loops: &CellLoops, pieces: &mut [u32]| {
+            join_cavities(loops, pieces, positions, &periods);
+        };
+        self.pieces = number_pieces(self.cells, join, &mut self.mesh.sites);
+        self.mesh.cell_count = self.mesh.sites.len();
+        self
+    }
+
+    /// The mesh.
     #[must_use]
     pub(crate) fn build(mut self, patches: &WallPatches) -> PolyMesh {
         let (mut inner, mut borders) = (Vec::new(), BTreeMap::new());

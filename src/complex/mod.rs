@@ -6,10 +6,13 @@
 //! cells, [`loops`] removes what rounding alone made, [`assemble`] pairs faces into a mesh,
 //! and [`check`] tests it. [`face_geometry`] and [`quality`] measure by the definitions of
 //! OpenFOAM's `checkMesh`, [`element`] recognizes hexahedra, prisms, pyramids and tetrahedra.
+//! [`collapse`] removes short edges from an [`edit_mesh`].
 
 pub(crate) mod assemble;
 pub(crate) mod cell_surface;
 pub(crate) mod check;
+pub(crate) mod collapse;
+pub(crate) mod edit_mesh;
 pub(crate) mod element;
 pub(crate) mod face_geometry;
 pub(crate) mod identify;

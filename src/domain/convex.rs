@@ -172,7 +172,8 @@ impl DomainShape for ConvexPolyhedron {
     fn boundary(&self) -> Vec<[Point3<f64>; 3]> {
         let mut triangles = Vec::new();
         for facet in self.solid.facets() {
-            let corners: Vec<Point3<f64>> = facet.corners().collect();
+            let corners = facet.corners().map(|corner| corner + self.middle.coords);
+            let corners: Vec<Point3<f64>> = corners.collect();
             triangles.extend(
                 corners[1..]
                     .windows(2)

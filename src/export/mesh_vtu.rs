@@ -133,7 +133,12 @@ fn write_arrays(file: &mut impl Write, mesh: &PolyMesh, arrays: &[FileArray]) ->
     )?;
     let mut offset = 0;
     for section in ["Points", "Cells", "CellData"] {
-        writeln!(file, "<{section}>")?;
+        let scalars = match section == "CellData" && arrays.iter().any(|array| array.2 == "energy")
+        {
+            true => " Scalars=\"energy\"",
+            false => "",
+        };
+        writeln!(file, "<{section}{scalars}>")?;
         for (_, kind, name, bytes) in arrays.iter().filter(|array| array.0 == section) {
             let components = if section == "Points" { 3 } else { 1 };
             writeln!(

@@ -45,16 +45,13 @@ impl PolyMesh {
         self.ends.push(self.corners.len());
     }
 
-    /// Multiplies all coordinates by a positive factor.
-    pub(crate) fn scale(&mut self, factor: f64) {
+    /// Maps all points to `to` + `factor` (y − `from`), the factor positive.
+    pub(crate) fn transform(&mut self, factor: f64, from: &Point3<f64>, to: &Point3<f64>) {
         for point in &mut self.points {
-            *point *= factor;
+            *point = to + factor * (*point - from);
         }
-        for (_, way) in self
-            .patches
-            .iter_mut()
-            .filter_map(|patch| patch.partner.as_mut())
-        {
+        let partners = self.patches.iter_mut();
+        for (_, way) in partners.filter_map(|patch| patch.partner.as_mut()) {
             *way *= factor;
         }
     }

@@ -16,6 +16,7 @@ use crate::domain::planar::PlaneDomain;
 use crate::geometry::bounds::Bounds;
 use crate::geometry::half_plane::HalfPlane;
 use crate::geometry::half_space::HalfSpace;
+use crate::mesh::similarity::Similarity;
 use crate::scene::error::Error;
 use crate::scene::mesh_domain::{MeshDomain, ScaleTo};
 use crate::scene::numbers::{dimensions_match, point, rows_match};
@@ -190,6 +191,17 @@ impl SceneDomain {
             Self::Tets(mesh) => return mesh.tets(),
         };
         Ok((domain, Vec::new()))
+    }
+
+    /// The map from the coordinates of the domain's file to its own, if they differ.
+    ///
+    /// # Errors
+    /// [`Error::Mesh`] when the file is no longer there.
+    pub(crate) fn similarity(&self) -> Result<Option<Similarity>, Error> {
+        match self {
+            Self::Surface(mesh) | Self::Tets(mesh) => mesh.similarity(),
+            _ => Ok(None),
+        }
     }
 
     /// The domain in the plane, of a validated scene of dimension 2.

@@ -124,14 +124,26 @@ impl MeshDomain {
     }
 
     fn scale(&self, solid: &mut Solid) {
-        let Some(target) = self.scale_to.as_ref().map(ScaleTo::bounds) else {
-            return;
-        };
+        if let Some(similarity) = self.similarity_of(solid) {
+            solid.transform(&similarity);
+        }
+    }
+
+    /// The map from the file's coordinates to the domain's, if they differ.
+    pub(crate) fn similarity(&self) -> Result<Option<Similarity>, Error> {
+        match self.scale_to {
+            None => Ok(None),
+            Some(_) => Ok(self.similarity_of(&load(&self.file)?)),
+        }
+    }
+
+    fn similarity_of(&self, solid: &Solid) -> Option<Similarity> {
+        let target = self.scale_to.as_ref().map(ScaleTo::bounds)?;
         let bounds = match solid {
             Solid::Surface(surface, _) => surface.mesh().bounds(),
             Solid::Tets(tets, _) => tets.mesh().bounds(),
         };
-        solid.transform(&Similarity::into_box(&bounds, &target));
+        Some(Similarity::into_box(&bounds, &target))
     }
 
     /// The refusal of a mesh as domain of the plane.

@@ -105,7 +105,7 @@ mod tests {
             refusal(text),
             "a.json, line 3, column 3: unknown key `nrm`; did you mean `norm`? \
              Known here: dimension, domain, density, sites, drop_outside, norm, order, \
-             method, coarse_to_fine, frames, output"
+             cells, method, coarse_to_fine, frames, output"
         );
     }
 

@@ -2,7 +2,9 @@
 
 use nalgebra::{Point3, Vector3};
 
-use crate::complex::assemble::{assemble, assemble_within};
+use crate::complex::assemble::{assemble, assemble_whole, paired};
+use crate::complex::collapse::{collapse, straighten_edges};
+use crate::complex::edit_mesh::EditMesh;
 use crate::complex::element::CellElement;
 use crate::complex::face_geometry::MeshGeometry;
 use crate::complex::quality::MeshQuality;
@@ -105,10 +107,7 @@ fn half_spaces_hold_a_conforming_mesh() {
     let sites = points(4, 2000)
         .into_iter()
         .map(|p| p * 2.0 - Vector3::repeat(1.0));
-    let sites: Vec<_> = sites
-        .map(Point3::from)
-        .filter(|p| solid.contains(p))
-        .collect();
+    let sites: Vec<_> = sites.filter(|p| solid.contains(p)).collect();
     let mesh = assert_conforms(&solid, &sites, "octahedron");
     assert_eq!(mesh.patches.len(), 8);
 }
@@ -210,7 +209,8 @@ fn the_mesh_does_not_depend_on_the_resolution() {
         let diagram = Diagram::new(&domain, &sites).unwrap();
         let expected = assemble(&diagram, &WallPatches::Each).unwrap();
         for resolution in [1e-12, 1e-11, 1e-10, 1e-9, 1e-8, 1e-7] {
-            let other = assemble_within(&diagram, resolution, &WallPatches::Each).unwrap();
+            let other = paired(&diagram, resolution).unwrap();
+            let other = other.builder().build(&WallPatches::Each);
             let same = (other.points.len(), other.owner, other.neighbor);
             let expected = (
                 expected.points.len(),
@@ -374,6 +374,8 @@ fn a_cell_in_two_pieces_becomes_two_cells() {
         mesh.cell_count > sites.len(),
         "the cell of site 4 reaches across the gap"
     );
+    let whole = assemble_whole(&Diagram::new(&solid, &sites).unwrap()).unwrap();
+    assert_eq!(whole.cell_count, sites.len());
 }
 
 /// A bar of 3 × 1 × 1 with two posts of height 2 on its ends.
@@ -406,4 +408,29 @@ fn u_shape() -> SurfaceSolid {
     });
     let triangles: Vec<_> = bottom.into_iter().chain(top).chain(sides).collect();
     SurfaceSolid::from_arrays(&vertices, &triangles).unwrap()
+}
+
+#[test]
+fn collapse_keeps_the_volume_and_makes_hexahedra_of_a_disturbed_lattice() {
+    let mesh = mesh(&Cuboid::unit(), &lattice(4, 0.01));
+    let count = |mesh: &PolyMesh| {
+        let cells = mesh.cell_faces();
+        let elements = (0..mesh.cell_count).map(|cell| CellElement::of(mesh, &cells, cell));
+        let hexahedra = elements.filter(|element| matches!(element, CellElement::Hexahedron(_)));
+        hexahedra.count()
+    };
+    assert_eq!(count(&mesh), 0);
+    let before = quality(&mesh);
+    let mut edited = EditMesh::of(&mesh);
+    assert_eq!(edited.finish(), mesh, "nothing is changed");
+    let (collapsed, _) = collapse(&mut edited, 0.3 * 0.25, 0.25);
+    assert!(collapsed > 100, "{collapsed}");
+    straighten_edges(&mut edited, 0.15 * 0.25);
+    let mesh = edited.finish();
+    assert_eq!(mesh.check_closed(), Ok(Vec::new()));
+    let quality = quality(&mesh);
+    assert!((quality.volume - 1.0).abs() < 1e-12);
+    assert_eq!((quality.open_cells, quality.bad_pyramids), (0, 0));
+    assert!(quality.edge_min > before.edge_min && quality.non_orthogonality_max < 45.0);
+    assert!(count(&mesh) >= 32, "{} hexahedra of 64", count(&mesh));
 }

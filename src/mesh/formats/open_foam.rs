@@ -86,6 +86,9 @@ fn bytes_of(folder: &Path, name: &str) -> Result<(PathBuf, Vec<u8>), ReadError> 
     }
 }
 
+/// The name of the patch one period away, and the way there (L).
+type NamedPartner = (String, Vector3<f64>);
+
 /// A file after its header.
 struct FoamFile<'a> {
     bytes: &'a [u8],
@@ -236,7 +239,7 @@ impl<'a> FoamFile<'a> {
         Ok(patches)
     }
 
-    fn patch(&mut self) -> Result<(MeshPatch, Option<(String, Vector3<f64>)>), ParseError> {
+    fn patch(&mut self) -> Result<(MeshPatch, Option<NamedPartner>), ParseError> {
         let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
         let name = text(self.word("the name of a patch")?);
         self.expect(b"{")?;
