@@ -17,7 +17,7 @@ use crate::export::vtu::{CellGeometry, write_cells};
 use crate::geometry::polyhedron::Polyhedron;
 use crate::geometry::shell::Shell;
 use crate::plot::exploded::{Fragment, FragmentedCell, exploded};
-use crate::relax::relaxation_space::RelaxationSpace;
+use crate::relax::relaxation_space::{Norm, RelaxationSpace};
 use crate::relax::space::Space;
 use crate::scene::overrides::Overrides;
 use crate::scene::run::RunSpace;
@@ -46,6 +46,10 @@ pub(crate) fn run(options: &FragmentsOptions, common: Common) -> Result<(), Fail
     let scene = options.scene.scene(Overrides::default())?;
     if scene.dimension != 3 {
         let message = "fragments are drawn of cells in space only: choose \"dimension\": 3";
+        return Err(Failure::input(message));
+    }
+    if scene.cells == Norm::Linf {
+        let message = "fragments are drawn of L2 cells only: choose --cells l2";
         return Err(Failure::input(message));
     }
     let is_picture = format_of(&options.output, ["png", "vtu"])? == "png";

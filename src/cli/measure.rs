@@ -40,7 +40,7 @@ fn print_figures<const D: usize>(
     let cells = space
         .cells(&sites, energy_spec(scene))
         .map_err(Failure::input)?;
-    let figures = Metrics::of(space.volume(), &cells);
+    let figures = space.figures(&sites, &cells).map_err(Failure::input)?;
     let text = object(&figures, per_cell.then_some(&cells)).map_err(Failure::run)?;
     print(text)
 }

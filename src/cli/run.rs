@@ -118,7 +118,7 @@ impl<'a, const D: usize, S: DrawCells<D>> FiledRun<'a, D, S> {
     pub(crate) fn run(mut self, common: Common) -> Result<(), Failure> {
         install_interrupt_handler()?;
         if self.description.initial.is_none() {
-            self.description.initial = Some(self.metrics(&self.cells()?));
+            self.description.initial = Some(self.metrics(&self.cells()?)?);
             self.directory
                 .describe(&self.description)
                 .map_err(Failure::run)?;
@@ -127,7 +127,7 @@ impl<'a, const D: usize, S: DrawCells<D>> FiledRun<'a, D, S> {
         let cells = self.cells()?;
         self.leave_files(&cells)?;
         let last = self.checkpoint.record.as_ref();
-        self.description.last = Some(self.metrics(&cells));
+        self.description.last = Some(self.metrics(&cells)?);
         self.description.ended = Some(ended.to_owned());
         self.description.seconds = last.map_or(0.0, |record| record.seconds);
         self.directory
@@ -214,8 +214,9 @@ impl<'a, const D: usize, S: DrawCells<D>> FiledRun<'a, D, S> {
         cells.map_err(Failure::run)
     }
 
-    fn metrics(&self, cells: &[CellMetrics<D>]) -> Metrics {
-        Metrics::of(self.space.volume(), cells)
+    fn metrics(&self, cells: &[CellMetrics<D>]) -> Result<Metrics, Failure> {
+        let figures = self.space.figures(&self.checkpoint.sites, cells);
+        figures.map_err(Failure::run)
     }
 }
 

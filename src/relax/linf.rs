@@ -86,7 +86,11 @@ impl LinfCells<'_> {
             cell.visit_fragments(|fragment| {
                 let corners = fragment.corners.iter();
                 farthest = corners.fold(farthest, |farthest, corner| {
-                    if corner.amax() > farthest.amax() { *corner } else { farthest }
+                    if corner.amax() > farthest.amax() {
+                        *corner
+                    } else {
+                        farthest
+                    }
                 });
             });
             CellCrowding {
@@ -112,7 +116,9 @@ impl LinfCells<'_> {
 
 /// Integrates over a cell about its site.
 fn terms(cell: &LinfCell<'_>, order: u32) -> CellTerms {
-    let fragments = cell.integrals(order - 1).map(|part| part * f64::from(order));
+    let fragments = cell
+        .integrals(order - 1)
+        .map(|part| part * f64::from(order));
     let energy = cell.integrals(order).iter().sum();
     let along = |axis: usize| fragments[2 * axis + 1] - fragments[2 * axis];
     CellTerms {
@@ -174,7 +180,11 @@ fn limited_step(domain: &dyn Domain, cell: &LinfCell<'_>, step: &Vector3<f64>) -
     } else {
         // By rounding.
         let inside = domain.wrap(&(cell.position + step * (BOUNDARY_FRACTION * share)));
-        if domain.contains(&inside) { inside } else { cell.position }
+        if domain.contains(&inside) {
+            inside
+        } else {
+            cell.position
+        }
     }
 }
 

@@ -222,10 +222,29 @@ fn holds(fragment: &Fragment, at: &Vector3<f64>) -> bool {
     is_within && twice_area.dot(&(at - corners[0])) <= 0.0
 }
 
+/// The cone in which a displacement lies.
+fn cone_of(at: &Vector3<f64>) -> usize {
+    let axis = at.iamax();
+    2 * axis + usize::from(at[axis] < 0.0)
+}
+
+/// Per cell and cone, the fragments.
+fn fragments_by_cone(domain: &dyn Domain, sites: &[Point3<f64>]) -> Vec<[Vec<Fragment>; 6]> {
+    let sorted = |cell: Vec<Fragment>| {
+        let mut cones: [Vec<Fragment>; 6] = Default::default();
+        for fragment in cell {
+            let middle: Vector3<f64> = fragment.corners.iter().sum();
+            cones[cone_of(&middle)].push(fragment);
+        }
+        cones
+    };
+    fragments(domain, sites).into_iter().map(sorted).collect()
+}
+
 /// Checks that random points lie in the cell of the site that is nearest by brute force, and in no
 /// cell of the others near them.
 fn check_points(domain: &dyn Domain, sites: &[Point3<f64>], points: usize) {
-    let (cells, mut random) = (fragments(domain, sites), Random::new(77));
+    let (cells, mut random) = (fragments_by_cone(domain, sites), Random::new(77));
     let diagram = Diagram::new(domain, sites).expect("a diagram");
     let mut order: Vec<usize> = (0..sites.len()).collect();
     for _ in 0..points {
@@ -245,7 +264,9 @@ fn check_points(domain: &dyn Domain, sites: &[Point3<f64>], points: usize) {
         }
         let holders = order[..few].iter().filter(|&&site| {
             let at = point - sites[site];
-            cells[site].iter().any(|fragment| holds(fragment, &at))
+            cells[site][cone_of(&at)]
+                .iter()
+                .any(|fragment| holds(fragment, &at))
         });
         let holders: Vec<_> = holders.collect();
         assert_eq!(holders, [&order[0]], "{point}");

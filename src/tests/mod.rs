@@ -10,6 +10,7 @@ mod frames;
 mod geometry;
 mod integrals;
 mod linf;
+mod linf_relax;
 mod mass;
 mod memory;
 mod mesh;

@@ -80,7 +80,10 @@ impl LinfCell<'_> {
             for patch in envelope.patches() {
                 let corners = patch.corners();
                 for (from, to) in corners.iter().zip(corners.iter().cycle().skip(1)) {
-                    if [0, 1].iter().any(|&k| from[k].abs() == 1.0 && from[k] == to[k]) {
+                    if [0, 1]
+                        .iter()
+                        .any(|&k| from[k].abs() == 1.0 && from[k] == to[k])
+                    {
                         let [a, b] = [from, to].map(|corner| cone.displacement(*corner));
                         let ends = if cone.is_negative { [a, b] } else { [b, a] };
                         visit(&[Vector3::zeros(), ends[0], ends[1]]);

@@ -92,10 +92,12 @@ impl Patch {
         };
         let mut best = (f64::NEG_INFINITY, first[2]);
         for pair in others.windows(2) {
-            let arms = [pair[0], pair[1], [u, v, 0.0]].map(|at| [at[0] - first[0], at[1] - first[1]]);
+            let arms =
+                [pair[0], pair[1], [u, v, 0.0]].map(|at| [at[0] - first[0], at[1] - first[1]]);
             let cross = |a: [f64; 2], b: [f64; 2]| a[0] * b[1] - a[1] * b[0];
             let whole = cross(arms[0], arms[1]);
-            let shares = [cross(arms[2], arms[1]), cross(arms[0], arms[2])].map(|part| part / whole);
+            let shares =
+                [cross(arms[2], arms[1]), cross(arms[0], arms[2])].map(|part| part / whole);
             let rest = 1.0 - shares[0] - shares[1];
             let depth = shares[0].min(shares[1]).min(rest);
             if depth > best.0 {
@@ -153,7 +155,10 @@ impl Envelope {
     /// The gauge of a direction (1/L): that of the patch in which the direction lies deepest.
     pub(crate) fn at(&self, u: f64, v: f64) -> f64 {
         let depth = |patch: &&Patch| patch.ring.depth([u, v]);
-        let patch = self.patches.iter().max_by(|a, b| depth(a).total_cmp(&depth(b)));
+        let patch = self
+            .patches
+            .iter()
+            .max_by(|a, b| depth(a).total_cmp(&depth(b)));
         patch.map_or(0.0, |patch| patch.gauge_at([u, v]))
     }
 

@@ -113,7 +113,11 @@ impl<const N: usize> Ring<N> {
             (length > 0.0).then(|| (along[0] * to[1] - along[1] * to[0]) / length)
         });
         let least = depths.fold(f64::INFINITY, f64::min);
-        if least.is_finite() { least } else { f64::NEG_INFINITY }
+        if least.is_finite() {
+            least
+        } else {
+            f64::NEG_INFINITY
+        }
     }
 
     /// Two halves of a polygon of many corners.
