@@ -18,10 +18,11 @@ use crate::plot::patches::PlaneCut;
 use crate::plot::patches::{Patch, picture};
 use crate::plot::png::png;
 use crate::plot::svg::svg;
+use crate::relax::linf::linf_shell;
 use crate::relax::metrics::CellMetrics;
 use crate::relax::planar::Plane;
 use crate::relax::record::{optimal_energy, optimal_side};
-use crate::relax::relaxation_space::RelaxationSpace;
+use crate::relax::relaxation_space::{Norm, RelaxationSpace};
 use crate::relax::space::Space;
 use crate::relax::space::shell;
 use crate::scene::run::RunSpace;
@@ -91,16 +92,21 @@ impl DrawCells<3> for Space {
         let removed = Removed::enough_of(&self.bounds(), sites);
         let (scale, title) = (colors.scale().clone(), removed.title());
         let mut cutaway = CutawayPicture::new(&self.bounds(), removed, scale, title)?;
-        Diagram::borrowed(self.domain(), sites)?.stream(
-            |scratch: &mut PieceScratch, cell| shell(self.domain(), &cell, scratch),
-            |site, shell| {
-                let value = Colors::value(&cells[site]);
-                patches.extend(cut.patch(&shell, value));
-                cutaway.push(&shell, &sites[site], value);
-                file.push(&geometry(site, shell, &cells[site]))?;
-                Ok::<(), Box<dyn Error>>(())
-            },
-        )?;
+        let mut add = |site: usize, shell: Shell| {
+            let value = Colors::value(&cells[site]);
+            patches.extend(cut.patch(&shell, value));
+            cutaway.push(&shell, &sites[site], value);
+            file.push(&geometry(site, shell, &cells[site]))?;
+            Ok::<(), Box<dyn Error>>(())
+        };
+        let diagram = Diagram::borrowed(self.domain(), sites)?;
+        match self.cells() {
+            Norm::Linf => diagram.stream_linf(|cell| linf_shell(&cell), &mut add)?,
+            Norm::L2 => diagram.stream(
+                |scratch: &mut PieceScratch, cell| shell(self.domain(), &cell, scratch),
+                &mut add,
+            )?,
+        }
         file.finish()?;
         let title = format!("Cells cut at z = {height:.4}");
         let figure = picture(&patches, colors.scale(), &title);

@@ -6,13 +6,14 @@
 //! (`perturb`, `noise`), and the levels of [`multilevel`]. Its [`state`] is all that a later process
 //! needs to go on.
 //!
-//! [`evaluate_cell`] computes a cell's energy and minimizer in its own [`frames`]; `linf` the same of an L∞ cell; [`metrics`] are
+//! [`evaluate_cell`] computes a cell's energy and minimizer in its own [`frames`]; [`linf`] the same of an L∞ cell; [`metrics`] are
 //! the figures of cells for `measure`.
 
 pub(crate) mod descent;
 pub(crate) mod driver;
 pub(crate) mod evaluate_cell;
 pub(crate) mod frames;
+pub(crate) mod linf;
 pub(crate) mod lloyd;
 pub(crate) mod metrics;
 pub(crate) mod multilevel;
@@ -25,5 +26,4 @@ pub(crate) mod relaxation_space;
 pub(crate) mod space;
 pub(crate) mod state;
 
-mod linf;
 mod perturb;

@@ -8,7 +8,7 @@ use crate::geometry::half_space::HalfSpace;
 use crate::geometry::random::Random;
 use crate::integrals::polynomial::Polynomial;
 use crate::relax::frames::Frames;
-use crate::relax::relaxation::{Method, RelaxError, Relaxation};
+use crate::relax::relaxation::{Method, Relaxation};
 use crate::relax::relaxation_space::{EnergySpec, Minimizer, Norm, RelaxationSpace};
 use crate::relax::space::Space;
 use crate::tests::sites::{grid_sites, random_sites};

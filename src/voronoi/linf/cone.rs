@@ -48,6 +48,15 @@ impl Cone {
         [(self.axis + 1) % 3, (self.axis + 2) % 3]
     }
 
+    /// The number of the plane through the site at the side u (or v, with `along` 1) of 1, or of −1: it
+    /// is the same for both cones that meet there.
+    pub(crate) fn side(self, along: usize, is_low: bool) -> usize {
+        let other = self.transverse()[along];
+        let (low, high) = (self.axis.min(other), self.axis.max(other));
+        let is_mirrored = self.is_negative != is_low;
+        2 * (3 * low + high) + usize::from(is_mirrored)
+    }
+
     /// A displacement along the axis and the two others.
     #[inline]
     pub(crate) fn coordinates(self, displacement: &Vector3<f64>) -> [f64; 3] {
