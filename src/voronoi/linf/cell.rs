@@ -154,7 +154,7 @@ fn visit_sides(cone: Cone, patch: &Patch, visit: &mut impl FnMut(FacetKey, &[Vec
     let corners = patch.corners();
     for (from, to) in corners.iter().zip(corners.iter().cycle().skip(1)) {
         for along in [0, 1] {
-            if from[along].abs() < 1.0 || from[along] != to[along] {
+            if from[along].abs() < 1.0 || from[along].to_bits() != to[along].to_bits() {
                 continue;
             }
             let [a, b] = [from, to].map(|corner| cone.displacement(*corner));

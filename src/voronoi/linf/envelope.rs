@@ -64,6 +64,22 @@ impl Demand {
         self.count == 0
     }
 
+    /// The gauge at a corner raised to the demand there: to the same number in all patches that meet in
+    /// the corner, and unchanged where the difference is rounding.
+    fn raised(&self, values: &Rivals) -> f64 {
+        let (mut least, mut size) = (f64::INFINITY, 0.0);
+        for (value, function) in values[3..].iter().zip(self.functions()) {
+            if *value < least {
+                (least, size) = (*value, function.size());
+            }
+        }
+        if without_rounding(least, values[2], size) > 0.0 {
+            least
+        } else {
+            values[2]
+        }
+    }
+
     fn functions(&self) -> &[Gauge] {
         &self.functions[..self.count.min(FORMS)]
     }
@@ -232,14 +248,7 @@ impl Envelope {
         (least, next): (usize, usize),
     ) {
         if next >= demand.count {
-            let corner = |values: &Rivals| {
-                let (gauge, value) = (values[2], values[3 + least]);
-                [
-                    values[0],
-                    values[1],
-                    if value > gauge { value } else { gauge },
-                ]
-            };
+            let corner = |values: &Rivals| [values[0], values[1], demand.raised(values)];
             return self.keep(Patch {
                 ring: ring.map(corner),
                 source,

@@ -16,7 +16,7 @@ use crate::voronoi::linf::facet_key::FacetKey;
 
 /// Corners nearer to each other or to an edge than this share of the cell's size are on it: far above
 /// the rounding of coordinates.
-const WELD: f64 = 1e-11;
+const WELD: f64 = 1e-12;
 
 /// What a facet is made of: all fragments of one label in one plane.
 #[derive(Clone, Debug, Default)]
@@ -99,22 +99,40 @@ impl WeldedCorners {
             .map(|n| n as u32)
     }
 
-    /// The places along an edge, its ends among them, in order.
+    /// The places along an edge, its ends among them, in order. Between two that follow each other lies
+    /// none, measured from their own edge, so that all edges through both have the same ones there.
     fn along(&self, [from, to]: [u32; 2]) -> Vec<u32> {
+        let (mut places, mut stack) = (vec![from.min(to)], vec![from.max(to)]);
+        while let (Some(&here), Some(&end)) = (places.last(), stack.last()) {
+            let inner = self.strictly_between([here, end]);
+            if inner.is_empty() {
+                places.push(end);
+                stack.pop();
+            } else {
+                stack.extend(inner.iter().rev());
+            }
+        }
+        if from > to {
+            places.reverse();
+        }
+        places
+    }
+
+    /// The places on the edge between two others, in order.
+    fn strictly_between(&self, [from, to]: [u32; 2]) -> Vec<u32> {
         let [a, b] = [from, to].map(|n| self.places[n as usize]);
         let (way, square) = (b - a, (b - a).norm_squared());
-        let share = |n: usize| (self.places[n] - a).dot(&way) / square;
+        let share = |n: &usize| (self.places[*n] - a).dot(&way) / square;
         let is_on = |n: &usize| {
-            let share = share(*n);
+            let share = share(n);
             let off = self.places[*n] - a - way * share;
             share > 0.0 && share < 1.0 && off.amax() <= self.reach
         };
+        let is_other = |n: &usize| *n != from as usize && *n != to as usize;
         let range = self.between(a.x.min(b.x), a.x.max(b.x));
-        let others = |n: &usize| *n != from as usize && *n != to as usize;
-        let mut inner: Vec<usize> = range.filter(others).filter(is_on).collect();
-        inner.sort_by(|one, other| share(*one).total_cmp(&share(*other)));
-        let inner = inner.into_iter().map(|n| n as u32);
-        std::iter::once(from).chain(inner).chain([to]).collect()
+        let mut inner: Vec<usize> = range.filter(is_other).filter(is_on).collect();
+        inner.sort_by(|one, other| share(one).total_cmp(&share(other)));
+        inner.into_iter().map(|n| n as u32).collect()
     }
 }
 
