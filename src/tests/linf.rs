@@ -451,7 +451,6 @@ fn outlines_enclose_the_cells_with_one_facet_per_neighbor_and_plane() {
         ("random", random_sites(60, 3)),
         ("grid", grid_sites(3)),
         ("rounded", rounded(40, 4, &[0, 1, 2], 4.0)),
-        ("jittered", jittered(3, 1e-9)),
     ];
     for (name, sites) in all {
         let unit = Cuboid::unit();

@@ -64,17 +64,28 @@ impl Demand {
         self.count == 0
     }
 
-    /// The gauge at a corner raised to the demand there: to the same number in all patches that meet in
-    /// the corner, and unchanged where the difference is rounding.
+    /// The gauge at a corner raised to the demand there, to the same number in all patches that meet in
+    /// the corner; unchanged where the difference is rounding.
+    ///
+    /// Of functions that are equal but for rounding the flattest one has the most digits.
     fn raised(&self, values: &Rivals) -> f64 {
+        let pairs = || values[3..].iter().zip(self.functions());
         let (mut least, mut size) = (f64::INFINITY, 0.0);
-        for (value, function) in values[3..].iter().zip(self.functions()) {
+        for (value, function) in pairs() {
             if *value < least {
                 (least, size) = (*value, function.size());
             }
         }
-        if without_rounding(least, values[2], size) > 0.0 {
-            least
+        let (mut flattest, mut smallest) = (least, size);
+        for (value, function) in pairs() {
+            let of_function = function.size();
+            let is_least = without_rounding(*value, least, size + of_function) <= 0.0;
+            if is_least && of_function < smallest {
+                (flattest, smallest) = (*value, of_function);
+            }
+        }
+        if without_rounding(flattest, values[2], smallest) > 0.0 {
+            flattest
         } else {
             values[2]
         }
