@@ -64,33 +64,6 @@ impl Demand {
         self.count == 0
     }
 
-    /// The gauge at a corner raised to the demand there, to the same number in all patches that meet in
-    /// the corner; unchanged where the difference is rounding.
-    ///
-    /// Of functions that are equal but for rounding the flattest one has the most digits.
-    fn raised(&self, values: &Rivals) -> f64 {
-        let pairs = || values[3..].iter().zip(self.functions());
-        let (mut least, mut size) = (f64::INFINITY, 0.0);
-        for (value, function) in pairs() {
-            if *value < least {
-                (least, size) = (*value, function.size());
-            }
-        }
-        let (mut flattest, mut smallest) = (least, size);
-        for (value, function) in pairs() {
-            let of_function = function.size();
-            let is_least = without_rounding(*value, least, size + of_function) <= 0.0;
-            if is_least && of_function < smallest {
-                (flattest, smallest) = (*value, of_function);
-            }
-        }
-        if without_rounding(flattest, values[2], smallest) > 0.0 {
-            flattest
-        } else {
-            values[2]
-        }
-    }
-
     fn functions(&self) -> &[Gauge] {
         &self.functions[..self.count.min(FORMS)]
     }
@@ -259,7 +232,16 @@ impl Envelope {
         (least, next): (usize, usize),
     ) {
         if next >= demand.count {
-            let corner = |values: &Rivals| [values[0], values[1], demand.raised(values)];
+            // Own values, not the least of all: where two functions are equal but for rounding, the
+            // steeper one would displace the other's corners by its own rounding.
+            let corner = |values: &Rivals| {
+                let (gauge, value) = (values[2], values[3 + least]);
+                [
+                    values[0],
+                    values[1],
+                    if value > gauge { value } else { gauge },
+                ]
+            };
             return self.keep(Patch {
                 ring: ring.map(corner),
                 source,
