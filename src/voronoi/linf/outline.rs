@@ -104,7 +104,9 @@ impl WeldedCorners {
     fn along(&self, [from, to]: [u32; 2]) -> Vec<u32> {
         let (mut places, mut stack) = (vec![from.min(to)], vec![from.max(to)]);
         while let (Some(&here), Some(&end)) = (places.last(), stack.last()) {
-            let inner = self.strictly_between([here, end]);
+            let mut inner = self.strictly_between([here, end]);
+            // Places nearly as near to each other as the reach might follow each other for ever.
+            inner.retain(|place| !places.contains(place) && !stack.contains(place));
             if inner.is_empty() {
                 places.push(end);
                 stack.pop();
