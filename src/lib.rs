@@ -52,6 +52,7 @@
 //!         domain::shape, density                        … clipped to a solid, weighted
 //!         energy::preparation → evaluation → surface    the energy and its derivatives
 //!         energy::center → minimize::newton             its minimizer: the site's target
+//!     relax::linf      … with L∞ cells: voronoi::linf → energy::faceted → energy::center
 //!     relax::record  energy and movement
 //! export::run        log, checkpoint, sites (the command)
 //! ```
@@ -68,6 +69,7 @@
 //! | … with a density | | `energy::sums_polynomial` |
 //! | \[BL\] section 3.4 | moments of a print's beads | `gcode::bead`, `gcode::weigh` |
 //! | \[BL\] section 3.5 | Lloyd's move | `relax::lloyd` |
+//! | … its future work | L∞ Voronoi cells | `voronoi::linf`, `relax::linf` |
 //! | \[BL\] Fig. 12 | the six fragments | `energy::fragments` |
 //! | \[BL\] Fig. 13 | energy and movement in percent | [`Record`] |
 //! | \[BL\] Appendix B | tetrahedra cut by a plane | [`mass::split`], [`mass::cut`] |

@@ -22,10 +22,11 @@ use crate::plot::patches::PlaneCut;
 use crate::plot::patches::{Patch, picture};
 use crate::plot::png::png;
 use crate::plot::svg::svg;
+use crate::relax::linf::linf_shell;
 use crate::relax::metrics::CellMetrics;
 use crate::relax::optimum::{optimal_energy, optimal_side};
 use crate::relax::planar::Plane;
-use crate::relax::relaxation_space::RelaxationSpace;
+use crate::relax::relaxation_space::{Norm, RelaxationSpace};
 use crate::relax::space::Space;
 use crate::relax::space::shells;
 use crate::scene::run::RunSpace;
@@ -100,22 +101,33 @@ impl DrawCells<3> for Space {
         let (scale, title) = (colors.scale().clone(), removed.title());
         let mut cutaway = CutawayPicture::new(&self.bounds(), removed, scale, title)?;
         let shown: Vec<bool> = sites.iter().map(|site| cutaway.shows(site)).collect();
-        Diagram::borrowed(self.domain(), sites)?.stream(
-            |scratch: &mut PieceScratch, cell| {
-                let is_shown = shown[cell.site as usize];
-                let is_seen = |label| is_shown && !is_covered(label, &shown);
-                shells(self.domain(), &cell, scratch, is_seen)
-            },
-            |site, [shell, seen]| {
-                let value = Colors::value(&cells[site]);
-                patches.extend(cut.patch(&shell, value));
-                cutaway.push(&seen, &sites[site], value);
-                if let Some(file) = &mut file {
-                    file.push(&geometry(site, shell, &cells[site]))?;
-                }
-                Ok::<(), Box<dyn Error>>(())
-            },
-        )?;
+        let mut add = |site: usize, [shell, seen]: [Shell; 2]| {
+            let value = Colors::value(&cells[site]);
+            patches.extend(cut.patch(&shell, value));
+            cutaway.push(&seen, &sites[site], value);
+            if let Some(file) = &mut file {
+                file.push(&geometry(site, shell, &cells[site]))?;
+            }
+            Ok::<(), Box<dyn Error>>(())
+        };
+        let diagram = Diagram::borrowed(self.domain(), sites)?;
+        match self.cells() {
+            Norm::Linf => diagram.stream_linf(
+                |cell| {
+                    let shell = linf_shell(&cell);
+                    [shell.clone(), shell]
+                },
+                &mut add,
+            )?,
+            Norm::L2 => diagram.stream(
+                |scratch: &mut PieceScratch, cell| {
+                    let is_shown = shown[cell.site as usize];
+                    let is_seen = |label| is_shown && !is_covered(label, &shown);
+                    shells(self.domain(), &cell, scratch, is_seen)
+                },
+                &mut add,
+            )?,
+        }
         file.map_or(Ok(0), VtuWriter::finish)?;
         let title = format!("Cells cut at z = {height:.4}");
         let figure = picture(&patches, colors.scale(), &title);

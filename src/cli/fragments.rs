@@ -19,7 +19,7 @@ use crate::geometry::shell::Shell;
 use crate::mesh::tets::tet_volume;
 use crate::plot::exploded::{Fragment, FragmentedCell, exploded};
 use crate::relax::evaluate_cell::CellMemory;
-use crate::relax::relaxation_space::{EnergySpec, RelaxationSpace};
+use crate::relax::relaxation_space::{EnergySpec, Norm, RelaxationSpace};
 use crate::relax::space::Space;
 use crate::scene::overrides::Overrides;
 use crate::scene::run::{RunSpace, energy_spec};
@@ -61,6 +61,10 @@ pub(crate) fn run(options: &FragmentsOptions, common: Common) -> Result<(), Fail
     let scene = options.scene.scene(Overrides::default())?;
     if scene.dimension != 3 {
         let message = "fragments are drawn of cells in space only: choose \"dimension\": 3";
+        return Err(Failure::input(message));
+    }
+    if scene.cells == Norm::Linf {
+        let message = "fragments are drawn of L2 cells only: choose --cells l2";
         return Err(Failure::input(message));
     }
     let is_picture = format_of(&options.output, ["png", "vtu"])? == "png";

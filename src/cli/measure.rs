@@ -40,9 +40,8 @@ fn print_figures<const D: usize>(
     let cells = space
         .cells(&sites, energy_spec(scene))
         .map_err(Failure::input)?;
-    let figures = Metrics::of(space.volume(), &space.optimum(), &cells)
-        .checked(0)
-        .map_err(Failure::input)?;
+    let figures = space.figures(&sites, &cells).map_err(Failure::input)?;
+    let figures = figures.checked(0).map_err(Failure::input)?;
     let text = object(&figures, per_cell.then_some(&cells)).map_err(Failure::run)?;
     print(text)
 }

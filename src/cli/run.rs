@@ -154,8 +154,8 @@ impl<'a, const D: usize, S: DrawCells<D>> FiledRun<'a, D, S> {
     /// Runs to the end and leaves all files.
     pub(crate) fn run(mut self, common: Common) -> Result<(), Failure> {
         if self.description.initial.is_none() {
-            let initial = self.cells(&self.checkpoint.sites)?;
-            self.description.initial = Some(self.metrics(&initial)?);
+            let sites = &self.checkpoint.sites;
+            self.description.initial = Some(self.metrics(sites, &self.cells(sites)?)?);
             self.directory
                 .describe(&self.description)
                 .map_err(Failure::run)?;
@@ -169,7 +169,7 @@ impl<'a, const D: usize, S: DrawCells<D>> FiledRun<'a, D, S> {
         if interrupted.is_some() {
             ended = INTERRUPTED;
         }
-        self.description.last = Some(self.metrics(&cells)?);
+        self.description.last = Some(self.metrics(&sites, &cells)?);
         self.description.ended = Some(ended.to_owned());
         self.description.seconds = last.map_or(0.0, |record| record.seconds);
         self.directory
@@ -260,11 +260,15 @@ impl<'a, const D: usize, S: DrawCells<D>> FiledRun<'a, D, S> {
         cells.map_err(Failure::run)
     }
 
-    fn metrics(&self, cells: &[CellMetrics<D>]) -> Result<Metrics, Failure> {
+    fn metrics(
+        &self,
+        sites: &[Point<f64, D>],
+        cells: &[CellMetrics<D>],
+    ) -> Result<Metrics, Failure> {
         let last = self.checkpoint.record.as_ref();
-        Metrics::of(self.space.volume(), &self.space.optimum(), cells)
-            .checked(last.map_or(0, |record| record.iteration))
-            .map_err(Failure::run)
+        let figures = self.space.figures(sites, cells).map_err(Failure::run)?;
+        let iteration = last.map_or(0, |record| record.iteration);
+        figures.checked(iteration).map_err(Failure::run)
     }
 }
 

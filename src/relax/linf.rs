@@ -15,7 +15,9 @@ use crate::domain::domain::Domain;
 use crate::energy::center::{BOUNDARY_FRACTION, Center, CenterSearch};
 use crate::energy::faceted::FacetedSolid;
 use crate::geometry::bounds::Bounds;
+use crate::geometry::brep::Piece;
 use crate::geometry::moments::Moments;
+use crate::geometry::shell::Shell;
 use crate::relax::metrics::{ALIGNED, CellMetrics, FACET_SHARE};
 use crate::relax::relaxation_space::{CellCrowding, CellResult, EnergySpec, ObjectiveValue};
 use crate::voronoi::diagram::{Diagram, DiagramError};
@@ -141,7 +143,7 @@ fn center(
     spec: EnergySpec,
 ) -> Center<3> {
     boundary.clear();
-    cell.visit_boundary(|corners| boundary.push(corners));
+    cell.visit_boundary(|_, corners| boundary.push(corners));
     let volume = cell.volume();
     let search = CenterSearch {
         minimizer: spec.minimizer,
@@ -234,4 +236,25 @@ fn moments(cell: &LinfCell<'_>) -> Moments {
         }
     });
     moments
+}
+
+/// The surface of a cell, in the domain's coordinates, for files and pictures: its merged facets, or where
+/// rounding keeps those from closing, the fragments that they are made of.
+pub(crate) fn linf_shell(cell: &LinfCell<'_>) -> Shell {
+    let shell = match cell.outline() {
+        Some(outline) => Shell::from(Piece::Brep(&outline)),
+        None => loose_shell(cell),
+    };
+    shell.translated(&cell.position.coords)
+}
+
+fn loose_shell(cell: &LinfCell<'_>) -> Shell {
+    let (mut vertices, mut facets) = (Vec::new(), Vec::new());
+    cell.visit_boundary(|_, corners| {
+        let first = vertices.len() as u32;
+        vertices.extend(corners.iter().map(|&corner| Point3::from(corner)));
+        facets.push(first..vertices.len() as u32);
+    });
+    // The facets name these vertices only.
+    Shell::new(&vertices, facets).unwrap_or_default()
 }

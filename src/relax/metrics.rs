@@ -98,6 +98,25 @@ pub struct Metrics {
     pub volume_sd: f64,
     /// Counted facets → cells.
     pub facet_histogram: BTreeMap<u32, usize>,
+    /// Where the cells are L∞ cells: the same sites in either tessellation.
+    #[cfg_attr(
+        feature = "scene",
+        serde(flatten, skip_serializing_if = "Option::is_none")
+    )]
+    pub(crate) both: Option<BothTessellations>,
+}
+
+/// The same sites with L2 and with L∞ cells.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "scene", derive(Serialize, Deserialize))]
+pub(crate) struct BothTessellations {
+    /// `energy_percent` with L2 cells.
+    pub(crate) energy_percent_l2: f64,
+    /// `energy_percent` with L∞ cells, never above that with L2 cells.
+    pub(crate) energy_percent_linf: f64,
+    /// The share of the volume that is equidistant, equal in `f64`, to several sites in the Chebyshev
+    /// distance.
+    pub(crate) tied_volume: f64,
 }
 
 impl Metrics {
@@ -130,7 +149,14 @@ impl Metrics {
             axis_aligned_area: mean(&|cell| cell.axis_aligned),
             volume_sd: variance.sqrt() / volume_mean,
             facet_histogram,
+            both: None,
         }
+    }
+
+    /// The same figures beside those of both tessellations, if there are such.
+    #[must_use]
+    pub(crate) fn beside(self, both: Option<BothTessellations>) -> Self {
+        Self { both, ..self }
     }
 
     /// The same figures if all are numbers; `iteration` is told where one is not.

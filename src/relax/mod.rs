@@ -7,7 +7,7 @@
 //! process needs to go on. An [`optimum`] is what energies are compared with, [`cell_check`] what must
 //! hold of them.
 //!
-//! [`evaluate_cell`] computes a cell's energy and minimizer in its own [`frames`]; `linf` the same of an L∞ cell; [`metrics`] are
+//! [`evaluate_cell`] computes a cell's energy and minimizer in its own [`frames`]; [`linf`] the same of an L∞ cell; [`metrics`] are
 //! the figures of cells for `measure`.
 
 pub(crate) mod cell_check;
@@ -15,6 +15,7 @@ pub(crate) mod descent;
 pub(crate) mod driver;
 pub(crate) mod evaluate_cell;
 pub(crate) mod frames;
+pub(crate) mod linf;
 pub(crate) mod lloyd;
 pub(crate) mod metrics;
 pub(crate) mod multilevel;
@@ -29,5 +30,4 @@ pub(crate) mod space;
 pub(crate) mod split;
 pub(crate) mod state;
 
-mod linf;
 mod perturb;

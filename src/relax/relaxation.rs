@@ -54,6 +54,12 @@ pub enum RelaxError {
         /// How many.
         count: usize,
     },
+    /// L∞ cells do not go with something else.
+    #[error("L∞ cells do not go with {what}; choose L2 cells")]
+    Cells {
+        /// With what.
+        what: &'static str,
+    },
     /// The numbers of a checkpoint are of no run.
     #[error("the checkpoint's {numbers} numbers are of no run of {sites} sites")]
     Checkpoint {
@@ -326,6 +332,33 @@ impl Relaxation {
         }
     }
 
+    /// With cells of the points nearest to their site in this distance: [`Norm::L2`] unless told
+    /// otherwise. L∞ cells are made in boxes, periodic or not, and convex polyhedra, without a density
+    /// or frames, and for the Chebyshev norm; elsewhere runs end in [`RelaxError::Cells`].
+    ///
+    /// # Examples
+    /// ```
+    /// use chebloyd::{Cuboid, Method, Norm, Relaxation, random_sites};
+    ///
+    /// let mut sites = random_sites(&Cuboid::unit(), 20, 1)?;
+    /// let own = Relaxation::new(Cuboid::unit()).cells(Norm::Linf);
+    /// let borrowed = Relaxation::new(Cuboid::unit()).measure(&sites)?.energy_percent;
+    /// assert!(own.measure(&sites)?.energy_percent < borrowed);
+    /// own.method(Method::quasi_newton(5)).run(&mut sites)?;
+    /// # Ok::<(), chebloyd::RelaxError>(())
+    /// ```
+    #[must_use]
+    pub fn cells(self, distance: Norm) -> Self {
+        let space = self.space.with_cells(distance);
+        Self { space, ..self }
+    }
+
+    /// Refuses what L∞ cells do not go with.
+    fn check_cells(&self) -> Result<(), RelaxError> {
+        let refused = self.space.refused_cells(self.plan.spec.norm);
+        refused.map_or(Ok(()), |what| Err(RelaxError::Cells { what }))
+    }
+
     /// Relaxes `sites` in place.
     ///
     /// # Errors
@@ -394,6 +427,7 @@ impl Relaxation {
         checkpoint: &mut Checkpoint,
         mut observer: impl FnMut(&Record, &[Point3<f64>]) -> ControlFlow<()>,
     ) -> Result<RunEnd, RelaxError> {
+        self.check_cells()?;
         let observer = &mut |record: &Record, sites: &[Point3<f64>], _: &_| observer(record, sites);
         Ok(continue_run(&self.space, &self.plan, checkpoint, observer)?)
     }
@@ -421,6 +455,7 @@ impl Relaxation {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn measure<P: Copy + Into<Point3<f64>>>(&self, sites: &[P]) -> Result<Metrics, RelaxError> {
+        self.check_cells()?;
         let points: Vec<_> = sites.iter().map(|&site| site.into()).collect();
         let cells = self.space.metrics(&points, self.plan.spec);
         let cells = cells.map_err(RelaxationError::Space)?;

@@ -15,12 +15,12 @@ use crate::relax::cell_check::{CellsError, DomainTotals, EnergyKind};
 use crate::relax::evaluate_cell::CellMemory;
 use crate::relax::frames::Frames;
 use crate::relax::linf::LinfCells;
-use crate::relax::metrics::CellMetrics;
+use crate::relax::metrics::{BothTessellations, CellMetrics};
 use crate::relax::objective::{ObjectiveScratch, sum_of};
-use crate::relax::optimum::{EnergyOptimum, EnergyReference};
+use crate::relax::optimum::{EnergyOptimum, EnergyReference, optimal_energy};
 use crate::relax::relaxation_space::{
-    CellCrowding, CellResult, EnergySpec, HALVINGS, Norm, ObjectiveValue, RelaxationError,
-    RelaxationSpace,
+    CellCrowding, CellResult, EnergySpec, HALVINGS, Minimizer, Norm, ObjectiveValue,
+    RelaxationError, RelaxationSpace,
 };
 use crate::voronoi::cell::Cell;
 use crate::voronoi::diagram::{Diagram, DiagramError};
@@ -89,20 +89,59 @@ impl Space {
         self.cells
     }
 
+    /// What the space's L∞ cells, if it has such, do not go with.
+    pub(crate) fn refused_cells(&self, norm: Norm) -> Option<&'static str> {
+        let domain = self.domain();
+        let refused = [
+            (!domain.is_convex(), "domains that are not convex"),
+            (domain.has_density(), "a density"),
+            (!matches!(self.frames, Frames::Axes), "frames"),
+            (norm == Norm::L2, "the Euclidean norm"),
+        ];
+        let first = refused.into_iter().find(|(is_given, _)| *is_given);
+        first
+            .filter(|_| self.cells == Norm::Linf)
+            .map(|(_, what)| what)
+    }
+
     /// The L∞ cells of `sites`, if the space has such.
     fn linf<'a>(&'a self, sites: &'a [Point3<f64>]) -> Option<LinfCells<'a>> {
         let domain = self.domain();
         (self.cells == Norm::Linf).then_some(LinfCells { domain, sites })
     }
 
-    /// The share of the domain's volume that is equidistant, equal in `f64`, to several of `sites` in
-    /// the Chebyshev distance.
+    /// The figures of `sites` in both tessellations, where the cells are L∞ cells.
     ///
     /// # Errors
     /// When the sites have no cells.
-    pub(crate) fn tied_volume(&self, sites: &[Point3<f64>]) -> Result<f64, SpaceError> {
-        let domain = self.domain();
-        Ok(LinfCells { domain, sites }.tied_volume()?)
+    pub(crate) fn both(
+        &self,
+        sites: &[Point3<f64>],
+    ) -> Result<Option<BothTessellations>, SpaceError> {
+        let Some(cells) = self.linf(sites) else {
+            return Ok(None);
+        };
+        let spec = EnergySpec {
+            norm: Norm::Linf,
+            order: 1,
+            minimizer: Minimizer::Newton,
+        };
+        let count = sites.len();
+        let least = count as f64 * optimal_energy::<3>(self.volume(), count, 1);
+        Ok(Some(BothTessellations {
+            energy_percent_l2: 100.0 * self.energy_of_l2_cells(sites, spec)? / least,
+            energy_percent_linf: 100.0 * cells.energy(1)? / least,
+            tied_volume: cells.tied_volume()?,
+        }))
+    }
+
+    fn energy_of_l2_cells(
+        &self,
+        sites: &[Point3<f64>],
+        spec: EnergySpec,
+    ) -> Result<f64, SpaceError> {
+        let energies = self.map_loaded(sites, |memory, _| memory.energy_at_site(spec))?;
+        Ok(energies.iter().sum())
     }
 
     /// The frames in which cells measure the Chebyshev distance.
@@ -252,8 +291,7 @@ impl RelaxationSpace<3> for Space {
         if let Some(cells) = self.linf(sites) {
             return Ok(cells.energy(spec.order)?);
         }
-        let energies = self.map_loaded(sites, |memory, _| memory.energy_at_site(spec))?;
-        Ok(energies.iter().sum())
+        self.energy_of_l2_cells(sites, spec)
     }
 
     fn assess(

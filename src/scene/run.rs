@@ -10,7 +10,7 @@ use nalgebra::{Point, Point2, Point3};
 
 use crate::relax::descent::DescentOptions;
 use crate::relax::driver::{Observer, RunEnd};
-use crate::relax::metrics::CellMetrics;
+use crate::relax::metrics::{CellMetrics, Metrics};
 use crate::relax::multilevel::levels_for_cubes;
 use crate::relax::plan::{Perturbation, PerturbationKind, Plan};
 use crate::relax::planar::Plane;
@@ -108,6 +108,19 @@ pub trait RunSpace<const D: usize>: RelaxationSpace<D> {
         spec: EnergySpec,
     ) -> Result<Vec<CellMetrics<D>>, Self::Error>;
 
+    /// The figures of all cells together, those of `cells`.
+    ///
+    /// # Errors
+    /// When the sites have no diagram.
+    fn figures(
+        &self,
+        sites: &[Point<f64, D>],
+        cells: &[CellMetrics<D>],
+    ) -> Result<Metrics, Self::Error> {
+        debug_assert_eq!(sites.len(), cells.len());
+        Ok(Metrics::of(self.volume(), &self.optimum(), cells))
+    }
+
     /// The scene's sites.
     ///
     /// # Errors
@@ -145,6 +158,15 @@ impl RunSpace<3> for Space {
         spec: EnergySpec,
     ) -> Result<Vec<CellMetrics<3>>, Self::Error> {
         self.metrics(sites, spec)
+    }
+
+    fn figures(
+        &self,
+        sites: &[Point3<f64>],
+        cells: &[CellMetrics<3>],
+    ) -> Result<Metrics, Self::Error> {
+        let figures = Metrics::of(self.volume(), &self.optimum(), cells);
+        Ok(figures.beside(self.both(sites)?))
     }
 }
 

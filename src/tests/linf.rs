@@ -12,6 +12,7 @@ use crate::geometry::clip::{Clip, ClipScratch, clip};
 use crate::geometry::half_space::HalfSpace;
 use crate::geometry::polyhedron::Polyhedron;
 use crate::geometry::random::Random;
+use crate::geometry::shell::Shell;
 use crate::tests::sites::{grid_sites, random_sites};
 use crate::voronoi::diagram::{Diagram, DiagramError};
 use crate::voronoi::linf::cell::{Fragment, LinfCell, Ties};
@@ -197,7 +198,7 @@ fn duplicates_are_refused() {
 
 fn fragments(domain: &dyn Domain, sites: &[Point3<f64>]) -> Vec<Vec<Fragment>> {
     let list = |(): &mut (), cell: LinfCell<'_>| {
-        let mut fragments = Vec::with_capacity(cell.fragment_count());
+        let mut fragments = Vec::new();
         cell.visit_fragments(|fragment| fragments.push(fragment.clone()));
         fragments
     };
@@ -222,10 +223,29 @@ fn holds(fragment: &Fragment, at: &Vector3<f64>) -> bool {
     is_within && twice_area.dot(&(at - corners[0])) <= 0.0
 }
 
+/// The cone in which a displacement lies.
+fn cone_of(at: &Vector3<f64>) -> usize {
+    let axis = at.iamax();
+    2 * axis + usize::from(at[axis] < 0.0)
+}
+
+/// Per cell and cone, the fragments.
+fn fragments_by_cone(domain: &dyn Domain, sites: &[Point3<f64>]) -> Vec<[Vec<Fragment>; 6]> {
+    let sorted = |cell: Vec<Fragment>| {
+        let mut cones: [Vec<Fragment>; 6] = Default::default();
+        for fragment in cell {
+            let middle: Vector3<f64> = fragment.corners.iter().sum();
+            cones[cone_of(&middle)].push(fragment);
+        }
+        cones
+    };
+    fragments(domain, sites).into_iter().map(sorted).collect()
+}
+
 /// Checks that random points lie in the cell of the site that is nearest by brute force, and in no
 /// cell of the others near them.
 fn check_points(domain: &dyn Domain, sites: &[Point3<f64>], points: usize) {
-    let (cells, mut random) = (fragments(domain, sites), Random::new(77));
+    let (cells, mut random) = (fragments_by_cone(domain, sites), Random::new(77));
     let diagram = Diagram::new(domain, sites).expect("a diagram");
     let mut order: Vec<usize> = (0..sites.len()).collect();
     for _ in 0..points {
@@ -245,7 +265,9 @@ fn check_points(domain: &dyn Domain, sites: &[Point3<f64>], points: usize) {
         }
         let holders = order[..few].iter().filter(|&&site| {
             let at = point - sites[site];
-            cells[site].iter().any(|fragment| holds(fragment, &at))
+            cells[site][cone_of(&at)]
+                .iter()
+                .any(|fragment| holds(fragment, &at))
         });
         let holders: Vec<_> = holders.collect();
         assert_eq!(holders, [&order[0]], "{point}");
@@ -344,7 +366,7 @@ fn integrals_agree_with_parts_by_subtraction() {
         let found = diagram
             .map_linf(Ties::ToSmallerIndex, |solid: &mut FacetedSolid, cell| {
                 solid.clear();
-                cell.visit_boundary(|corners| solid.push(corners));
+                cell.visit_boundary(|_, corners| solid.push(corners));
                 let off = Vector3::new(0.05, -0.02, 0.03);
                 [0, 1, 2, 3, 4].map(|order| match order {
                     0..4 => cell.integrals(order).iter().sum::<f64>(),
@@ -391,15 +413,15 @@ fn derivatives_of_a_cells_energy_agree_with_differences() {
     let diagram = Diagram::new(&unit, &sites).expect("a diagram");
     let solid = |(): &mut (), cell: LinfCell<'_>| {
         let mut solid = FacetedSolid::default();
-        cell.visit_boundary(|corners| solid.push(corners));
-        (cell.site, solid)
+        cell.visit_boundary(|_, corners| solid.push(corners));
+        solid
     };
     let solids = diagram
         .map_linf(Ties::ToSmallerIndex, solid)
         .expect("no duplicates");
-    for (site, mut solid) in solids {
+    for (site, mut solid) in solids.into_iter().enumerate() {
         for order in [1, 2, 3] {
-            let center = Vector3::new(0.011, -0.023, 0.017) * f64::from(site % 3);
+            let center = Vector3::new(0.011, -0.023, 0.017) * (site % 3) as f64;
             let about = solid.energy(&center, order);
             for axis in 0..3 {
                 let step = Vector3::ith(axis, 1e-5);
@@ -418,6 +440,42 @@ fn derivatives_of_a_cells_energy_agree_with_differences() {
                     "order {order}: {error:e} {}",
                     about.hessian
                 );
+            }
+        }
+    }
+}
+
+#[test]
+fn outlines_enclose_the_cells_with_one_facet_per_neighbor_and_plane() {
+    let all = [
+        ("random", random_sites(60, 3)),
+        ("grid", grid_sites(3)),
+        ("rounded", rounded(40, 4, &[0, 1, 2], 4.0)),
+    ];
+    for (name, sites) in all {
+        let unit = Cuboid::unit();
+        let diagram = Diagram::new(&unit, &sites).expect("a diagram");
+        let outline = |(): &mut (), cell: LinfCell<'_>| (cell.volume(), cell.outline());
+        let outlines = diagram
+            .map_linf(Ties::ToSmallerIndex, outline)
+            .expect("no duplicates");
+        for (site, (volume, outline)) in outlines.into_iter().enumerate() {
+            let outline = outline.unwrap_or_else(|| panic!("{name}: {site} is not closed"));
+            let extent = Piece::Brep(&outline).extent();
+            assert!(extent.gap.amax() < 1e-12, "{name}: {}", extent.gap);
+            assert!(
+                (extent.volume - volume).abs() < 1e-12,
+                "{name}: {} {volume}",
+                extent.volume
+            );
+            let shell = Shell::from(Piece::Brep(&outline));
+            assert!(
+                (shell.volume() - volume).abs() < 1e-12,
+                "{name}: {} {volume}",
+                shell.volume()
+            );
+            if name == "grid" {
+                assert_eq!(outline.facets.len(), 6);
             }
         }
     }

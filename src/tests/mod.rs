@@ -15,6 +15,7 @@ mod geometry;
 mod integrals;
 mod levels;
 mod linf;
+mod linf_relax;
 mod mass;
 mod memory;
 mod mesh;

@@ -252,18 +252,34 @@ impl<'a> Diagram<'a> {
     pub(crate) fn stream<Scratch: Default, T: Send, Failure: From<DiagramError>>(
         &self,
         of_cell: impl Fn(&mut Scratch, Cell<'_>) -> T + Sync,
-        mut take: impl FnMut(usize, T) -> Result<(), Failure>,
+        take: impl FnMut(usize, T) -> Result<(), Failure>,
     ) -> Result<(), Failure> {
-        let tree = self.tree();
-        let one = |(builder, scratch): &mut (CellBuilder, Scratch), &place: &u32| {
-            let cell = builder.build(self.domain, tree, place as usize)?;
+        let (domain, tree) = (self.domain, self.tree());
+        let one = |(builder, scratch): &mut (CellBuilder, Scratch), place| {
+            let cell = builder.build(domain, tree, place)?;
             Ok(of_cell(scratch, cell))
         };
-        for (chunk, places) in tree.places_of_sites().chunks(CELLS_PER_CHUNK).enumerate() {
+        self.stream_places(one, take)
+    }
+
+    /// Computes `one` for every place of the tree and passes the results to `take` as
+    /// [`Diagram::stream`] does.
+    pub(crate) fn stream_places<Memory: Default, T: Send, Failure: From<DiagramError>>(
+        &self,
+        one: impl Fn(&mut Memory, usize) -> Result<T, Duplicate> + Sync,
+        mut take: impl FnMut(usize, T) -> Result<(), Failure>,
+    ) -> Result<(), Failure> {
+        let of_place = |memory: &mut Memory, &place: &u32| one(memory, place as usize);
+        for (chunk, places) in self
+            .tree()
+            .places_of_sites()
+            .chunks(CELLS_PER_CHUNK)
+            .enumerate()
+        {
             let results: Vec<Result<T, Duplicate>> = places
                 .par_iter()
                 .with_min_len(CELLS_PER_TASK)
-                .map_init(Default::default, one)
+                .map_init(Memory::default, of_place)
                 .collect();
             for (site, result) in (chunk * CELLS_PER_CHUNK..).zip(results) {
                 take(site, result.map_err(|pair| self.duplicate(pair))?)?;

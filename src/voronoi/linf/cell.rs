@@ -12,6 +12,7 @@ use crate::geometry::polyhedron::Polyhedron;
 use crate::voronoi::kd_tree::tree::KdTree;
 use crate::voronoi::linf::cone::{CONES, Cone};
 use crate::voronoi::linf::envelope::{Envelope, Patch};
+use crate::voronoi::linf::facet_key::{BETWEEN_CONES, FacetKey};
 use crate::voronoi::linf::search::{Nearby, OutwardSearch};
 use crate::voronoi::search::Duplicate;
 
@@ -27,8 +28,6 @@ pub(crate) enum Ties {
 /// An L∞ cell while it is visited, in coordinates relative to its site.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LinfCell<'a> {
-    /// The site's index.
-    pub(crate) site: u32,
     /// The site's position.
     pub(crate) position: Point3<f64>,
     cones: &'a [Envelope; CONES],
@@ -70,24 +69,19 @@ impl LinfCell<'_> {
 
     /// Passes the boundary of the cell to `visit`, as convex polygons that are counter-clockwise from
     /// outside: its fragments, and where regions are tied also the sides of its cones, which cancel
-    /// except where the cell ends between two of them.
-    pub(crate) fn visit_boundary(&self, mut visit: impl FnMut(&[Vector3<f64>])) {
-        self.visit_fragments(|fragment| visit(&fragment.corners));
-        if !self.has_ties {
-            return;
-        }
-        for (cone, envelope) in Cone::all().into_iter().zip(self.cones) {
+    /// except where the cell ends between two of them. Polygons of one facet have the same key.
+    pub(crate) fn visit_boundary(&self, mut visit: impl FnMut(FacetKey, &[Vector3<f64>])) {
+        let mut fragment = Fragment::default();
+        for ((number, cone), envelope) in Cone::all().into_iter().enumerate().zip(self.cones) {
             for patch in envelope.patches() {
-                let corners = patch.corners();
-                for (from, to) in corners.iter().zip(corners.iter().cycle().skip(1)) {
-                    if [0, 1]
-                        .iter()
-                        .any(|&k| from[k].abs() == 1.0 && from[k] == to[k])
-                    {
-                        let [a, b] = [from, to].map(|corner| cone.displacement(*corner));
-                        let ends = if cone.is_negative { [a, b] } else { [b, a] };
-                        visit(&[Vector3::zeros(), ends[0], ends[1]]);
-                    }
+                fragment.assign(cone, patch, self.labels);
+                let key = match FacetKind::of(fragment.label) {
+                    FacetKind::Neighbor { .. } => (fragment.label, number, patch.form),
+                    FacetKind::Wall(_) | FacetKind::Inner => (fragment.label, 0, 0),
+                };
+                visit(key, &fragment.corners);
+                if self.has_ties {
+                    visit_sides(cone, patch, &mut visit);
                 }
             }
         }
@@ -132,35 +126,18 @@ impl LinfCell<'_> {
 
     /// The area vectors of its facets (L²), by what is beyond and by the cone and the normal, of which
     /// a neighbor may have several.
-    pub(crate) fn facet_areas(&self) -> BTreeMap<(Label, usize, u8), Vector3<f64>> {
+    pub(crate) fn facet_areas(&self) -> BTreeMap<FacetKey, Vector3<f64>> {
         let mut areas: BTreeMap<_, Vector3<f64>> = BTreeMap::new();
-        let mut fragment = Fragment::default();
-        for ((number, cone), envelope) in Cone::all().into_iter().enumerate().zip(self.cones) {
-            for patch in envelope.patches() {
-                fragment.assign(cone, patch, self.labels);
-                let key = match FacetKind::of(fragment.label) {
-                    FacetKind::Neighbor { .. } => (fragment.label, number, patch.form),
-                    FacetKind::Wall(_) | FacetKind::Inner => (fragment.label, 0, 0),
-                };
-                *areas.entry(key).or_default() += fragment.area_vector();
-            }
-        }
+        self.visit_boundary(|key, corners| {
+            let arm = |corner: usize| corners[corner] - corners[0];
+            let fan = (2..corners.len()).map(|corner| arm(corner - 1).cross(&arm(corner)) * 0.5);
+            *areas.entry(key).or_default() += fan.sum::<Vector3<f64>>();
+        });
         areas
-    }
-
-    /// How many fragments there are.
-    pub(crate) fn fragment_count(&self) -> usize {
-        self.cones.iter().map(|cone| cone.patches().len()).sum()
     }
 }
 
 impl Fragment {
-    fn area_vector(&self) -> Vector3<f64> {
-        let arm = |corner: usize| self.corners[corner] - self.corners[0];
-        let fan = (2..self.corners.len()).map(|corner| arm(corner - 1).cross(&arm(corner)) * 0.5);
-        fan.sum()
-    }
-
     fn assign(&mut self, cone: Cone, patch: &Patch, labels: &[Label]) {
         self.label = labels[patch.source as usize];
         self.corners.clear();
@@ -168,6 +145,22 @@ impl Fragment {
         (self.corners).extend(corners.map(|&corner| cone.displacement(corner)));
         if cone.is_negative {
             self.corners.reverse();
+        }
+    }
+}
+
+/// Passes the sides of a cone that a patch spans with the site, which are planes between two cones.
+fn visit_sides(cone: Cone, patch: &Patch, visit: &mut impl FnMut(FacetKey, &[Vector3<f64>])) {
+    let corners = patch.corners();
+    for (from, to) in corners.iter().zip(corners.iter().cycle().skip(1)) {
+        for along in [0, 1] {
+            if from[along].abs() < 1.0 || from[along].to_bits() != to[along].to_bits() {
+                continue;
+            }
+            let [a, b] = [from, to].map(|corner| cone.displacement(*corner));
+            let ends = if cone.is_negative { [a, b] } else { [b, a] };
+            let key = (BETWEEN_CONES, cone.side(along, from[along] < 0.0), 0);
+            visit(key, &[Vector3::zeros(), ends[0], ends[1]]);
         }
     }
 }
@@ -216,7 +209,6 @@ impl LinfCellBuilder {
             Ok(security_distance(cones))
         })?;
         Ok(LinfCell {
-            site,
             position,
             cones,
             labels,

@@ -25,6 +25,27 @@ impl Diagram<'_> {
         )
     }
 
+    /// As [`Diagram::stream`], for the L∞ cells.
+    ///
+    /// # Errors
+    /// As [`Diagram::stream`].
+    pub(crate) fn stream_linf<T: Send, Failure: From<DiagramError>>(
+        &self,
+        of_cell: impl Fn(LinfCell<'_>) -> T + Sync,
+        take: impl FnMut(usize, T) -> Result<(), Failure>,
+    ) -> Result<(), Failure> {
+        let (domain, tree) = (self.domain(), self.tree());
+        let one = |builder: &mut LinfCellBuilder, place| {
+            Ok(of_cell(builder.build(
+                domain,
+                tree,
+                place,
+                Ties::ToSmallerIndex,
+            )?))
+        };
+        self.stream_places(one, take)
+    }
+
     /// The site nearest to a point in the Chebyshev distance, which is that whose L∞ cell holds it; of
     /// several the one with the least index. `None` outside the domain.
     ///

@@ -232,6 +232,8 @@ impl Envelope {
         (least, next): (usize, usize),
     ) {
         if next >= demand.count {
+            // Own values, not the least of all: where two functions are equal but for rounding, the
+            // steeper one would displace the other's corners by its own rounding.
             let corner = |values: &Rivals| {
                 let (gauge, value) = (values[2], values[3 + least]);
                 [

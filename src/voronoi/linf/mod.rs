@@ -6,7 +6,7 @@
 //! g ≥ the least of at most three linear functions, every wall g ≥ one of them. [`envelope`] is the
 //! upper envelope of these demands, convex polygons ([`ring`]) with one linear function each; [`search`]
 //! walks outward in L∞ order up to the security distance 2 / min g. [`cell`] builds a cell, [`diagram`]
-//! all of them.
+//! all of them, `outline` merges a cell's polygons to facets for files and pictures.
 //!
 //! # Ties
 //!
@@ -21,5 +21,7 @@ pub(crate) mod cone;
 pub(crate) mod diagram;
 
 mod envelope;
+mod facet_key;
+mod outline;
 mod ring;
 mod search;
