@@ -42,7 +42,6 @@ fn measure_compares_both_tessellations() {
 }
 
 #[test]
-#[ignore = "does not end within a minute: cause not found yet"]
 fn runs_with_l_infinity_cells_resume_to_the_same_bytes() {
     let dir = TestDir::new();
     for method in ["lloyd", "quasi-newton"] {

@@ -422,10 +422,8 @@ fn sites_on_vertices_edges_and_facets_relax_by_every_method() {
     }
 }
 
-/// The best place of a single site in a U is in the gap; within the solid it is the middle of the gap's
-/// bottom. A step through that wall held up all others: such descents ended at once, by "tolerance".
-#[test]
-fn a_descent_goes_on_along_the_wall_that_it_meets() {
+/// A U of height 3 and depth 1 as an OFF file, its gap above [1, 2].
+fn u_shape() -> String {
     let outline = [
         [0, 0],
         [3, 0],
@@ -466,8 +464,15 @@ fn a_descent_goes_on_along_the_wall_that_it_meets() {
     for [a, b, c] in triangles {
         text += &format!("3 {a} {b} {c}\n");
     }
+    text
+}
+
+/// The best place of a single site in a U is in the gap; within the solid it is the middle of the gap's
+/// bottom. A step through that wall held up all others: such descents ended at once, by "tolerance".
+#[test]
+fn a_descent_goes_on_along_the_wall_that_it_meets() {
     let dir = TestDir::new();
-    dir.write("u.off", text);
+    dir.write("u.off", u_shape());
     dir.write(
         "scene.json",
         r#"{"domain": {"surface": "u.off"}, "sites": {"list": [[1.2, 0.3, 0.9999999]]},

@@ -205,7 +205,7 @@ mod tests {
     fn turned_box(half: [f64; 3], center: &Point3<f64>, turn: &Rotation3<f64>) -> Vec<HalfSpace> {
         let sides = (0..6).map(|side: usize| {
             let mut normal = Vector3::zeros();
-            normal[side / 2] = if side % 2 == 0 { 1.0 } else { -1.0 };
+            normal[side / 2] = if side.is_multiple_of(2) { 1.0 } else { -1.0 };
             let normal = turn * normal;
             HalfSpace {
                 normal,

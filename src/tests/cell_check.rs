@@ -170,7 +170,7 @@ fn cells_are_the_same_far_from_the_origin_or_refused() {
         let walls: Vec<_> = (0..6)
             .map(|side: usize| {
                 let axis = side / 2;
-                let sign = if side % 2 == 0 { 1.0 } else { -1.0 };
+                let sign = if side.is_multiple_of(2) { 1.0 } else { -1.0 };
                 let mut normal = Vector3::zeros();
                 normal[axis] = sign;
                 let end = if sign > 0.0 { bounds.max } else { bounds.min };

@@ -14,10 +14,13 @@ use crate::mesh::validate::{validate_surface, validate_tets};
 /// Boxes with whole corners in [0, 4]³, each inward or outward.
 type Boxes = Vec<([i32; 3], [i32; 3], bool)>;
 
+/// Where a box begins and ends along an axis.
+type Range = (i32, i32);
+
 fn boxes() -> impl Strategy<Value = Boxes> {
     let axis = || (0..3_i32).prop_flat_map(|low| (Just(low), low + 1..=4));
     let one = (axis(), axis(), axis(), prop::bool::weighted(0.8));
-    let of_axes = |(x, y, z, outward): ((i32, i32), (i32, i32), (i32, i32), bool)| {
+    let of_axes = |(x, y, z, outward): (Range, Range, Range, bool)| {
         ([x.0, y.0, z.0], [x.1, y.1, z.1], outward)
     };
     prop::collection::vec(one.prop_map(of_axes), 1..5)
