@@ -147,11 +147,10 @@ pub use crate::geometry::moments::Moments;
 pub use crate::integrals::polynomial::Polynomial;
 pub use crate::relax::driver::RunEnd;
 pub use crate::relax::frames::Frames;
+pub use crate::relax::method::Method;
 pub use crate::relax::metrics::Metrics;
 pub use crate::relax::record::Record;
-pub use crate::relax::relaxation::{
-    Checkpoint, Method, Outcome, RelaxError, Relaxation, random_sites,
-};
+pub use crate::relax::relaxation::{Checkpoint, Outcome, RelaxError, Relaxation, random_sites};
 pub use crate::relax::relaxation_space::Norm;
 pub use crate::voronoi::cell::{Cell, CellFacet};
 pub use crate::voronoi::check::CheckError;

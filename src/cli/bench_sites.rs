@@ -140,9 +140,8 @@ fn lognormal(count: usize, random: &mut Random) -> Vec<Point3<f64>> {
         .collect();
     let one = |_| {
         let drawn = random.uniform() * sum;
-        let part = sums
-            .partition_point(|&sum| sum <= drawn)
-            .min(sums.len() - 1);
+        let part = sums.partition_point(|&sum| sum <= drawn);
+        let part = part.min(sums.len() - 1);
         let corner = [part % PARTS, part / PARTS % PARTS, part / PARTS / PARTS];
         let inside = random.point(&unit);
         Point3::from([0, 1, 2].map(|axis| (corner[axis] as f64 + inside[axis]) / PARTS as f64))

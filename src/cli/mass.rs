@@ -217,18 +217,15 @@ fn report(
     body: &Body,
 ) -> Report {
     let named = |file: &Path| file.display().to_string();
-    let parts = files.iter().zip(bodies).map(|(file, body)| MassPart {
+    let several = if bodies.len() > 1 { files } else { &[] };
+    let parts = several.iter().zip(bodies).map(|(file, body)| MassPart {
         file: named(file),
         totals: body.into(),
     });
     Report {
         units: options.units.clone(),
         properties: MassProperties::of(body, options.axis),
-        parts: if bodies.len() > 1 {
-            parts.collect()
-        } else {
-            Vec::new()
-        },
+        parts: parts.collect(),
         notes,
     }
 }

@@ -177,9 +177,8 @@ impl<'a> Scale<'a> {
         let named = |names: &[String]| -> Result<Vec<bool>, String> {
             let places = names.iter().map(|name| find(types, name));
             let places = places.collect::<Result<Vec<_>, _>>()?;
-            Ok((0..types.len())
-                .map(|place| places.contains(&place))
-                .collect())
+            let is_named = |place| places.contains(&place);
+            Ok((0..types.len()).map(is_named).collect())
         };
         let chosen = if options.only.is_empty() {
             let without = named(&options.without)?;

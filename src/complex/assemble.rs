@@ -165,9 +165,8 @@ fn disputes(cells: &[CellLoops]) -> Vec<Dispute> {
         let mut mine = BorderLoops::new();
         for (label, corners) in loops.facets() {
             if let FacetKind::Neighbor { site, image } = FacetKind::of(label) {
-                mine.entry((site, image.map(i16::from)))
-                    .or_default()
-                    .push(least_first(corners));
+                let facet = mine.entry((site, image.map(i16::from))).or_default();
+                facet.push(least_first(corners));
             }
         }
         let compare = move |((site, image), mut mine): ((u32, Shift), Vec<Vec<LoopCorner>>)| {

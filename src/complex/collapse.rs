@@ -46,10 +46,8 @@ pub(crate) fn collapse(mesh: &mut EditMesh, reach: f64, side: f64) -> (usize, us
         if !collapse.is_current(length, a, b) {
             continue;
         }
-        match collapse.try_edge(a, b) {
-            true => counts.0 += 1,
-            false => counts.1 += 1,
-        }
+        let is_collapsed = usize::from(collapse.try_edge(a, b));
+        counts = (counts.0 + is_collapsed, counts.1 + 1 - is_collapsed);
     }
     counts
 }
@@ -282,10 +280,8 @@ impl Measures {
         reach: f64,
         side: f64,
     ) -> bool {
-        let kept_good = self
-            .are_good
-            .iter()
-            .all(|(cell, &is_good)| is_good || !before.are_good[cell]);
+        let stays_good = |(cell, &is_good): (&u32, &bool)| is_good || !before.are_good[cell];
+        let kept_good = self.are_good.iter().all(stays_good);
         let is_fine = |(face, now): (&u32, &FaceMeasure)| {
             let Some(then) = before.faces.get(face) else {
                 return false;

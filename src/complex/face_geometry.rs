@@ -53,13 +53,9 @@ impl MeshGeometry {
         &self,
         faces: impl ExactSizeIterator<Item = (usize, bool)> + Clone,
     ) -> (Point3<f64>, f64) {
-        let count = faces.len() as f64;
         let center = |face: usize| self.face_centers[face].coords;
-        let estimate = faces
-            .clone()
-            .map(|(face, _)| center(face))
-            .sum::<Vector3<f64>>()
-            / count;
+        let total: Vector3<f64> = faces.clone().map(|(face, _)| center(face)).sum();
+        let estimate = total / faces.len() as f64;
         let (mut weighted, mut thrice) = (Vector3::zeros(), 0.0);
         for (face, is_owner) in faces {
             let height = center(face) - estimate;

@@ -54,9 +54,8 @@ impl NumberedVertices {
         let walls: Vec<usize> = numbered.keys.iter().map(VertexKey::wall_count).collect();
         classes.settle(walls, &mut numbered.positions, periods);
         let mut places = numbered.places;
-        places
-            .par_iter_mut()
-            .for_each(|place| *place = classes.resolved(*place));
+        let resolve = |place: &mut ShiftedNumber| *place = classes.resolved(*place);
+        places.par_iter_mut().for_each(resolve);
         Self {
             positions: numbered.positions,
             starts: reports.starts,
@@ -182,22 +181,20 @@ fn short_edges(
     reports: &VertexReports,
     numbered: &Numbering,
 ) -> Vec<(ShiftedNumber, ShiftedNumber)> {
-    let edges = cells
-        .par_iter()
-        .enumerate()
-        .flat_map_iter(|(cell, surface)| {
-            let position = |vertex: u32| surface.vertices[vertex as usize].position;
-            let of = move |vertex: u32| numbered.places[reports.starts[cell] + vertex as usize];
-            let edges = surface.facets().flat_map(|(_, corners)| {
-                let next = corners.iter().cycle().skip(1);
-                corners.iter().zip(next).map(|(&from, &to)| (from, to))
-            });
-            edges
-                .filter(move |&(from, to)| from < to)
-                .map(move |(from, to)| ((position(from) - position(to)).norm(), of(from), of(to)))
-                .filter(|&(length, from, to)| length < numbered.reach(from, to))
-                .map(|(_, from, to)| (from, to))
+    let surfaces = cells.par_iter().enumerate();
+    let edges = surfaces.flat_map_iter(|(cell, surface)| {
+        let position = |vertex: u32| surface.vertices[vertex as usize].position;
+        let of = move |vertex: u32| numbered.places[reports.starts[cell] + vertex as usize];
+        let edges = surface.facets().flat_map(|(_, corners)| {
+            let next = corners.iter().cycle().skip(1);
+            corners.iter().zip(next).map(|(&from, &to)| (from, to))
         });
+        edges
+            .filter(move |&(from, to)| from < to)
+            .map(move |(from, to)| ((position(from) - position(to)).norm(), of(from), of(to)))
+            .filter(|&(length, from, to)| length < numbered.reach(from, to))
+            .map(|(_, from, to)| (from, to))
+    });
     edges.collect()
 }
 

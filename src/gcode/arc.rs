@@ -131,7 +131,7 @@ fn center_of(
 
 /// Means over an arc of half sweep η, its angle s from the middle running evenly over −η…η and
 /// t = s/2η over −½…½.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct ArcMeans {
     /// ⟨1 − cos s⟩
     pub(crate) sag: f64,
@@ -160,12 +160,7 @@ impl ArcMeans {
     /// ⟨s²ᵏ⟩ = η²ᵏ/(2k + 1) in the series of the cosines of s and 2s; ten terms reach rounding for
     /// η < ½.
     fn series(eta: f64) -> Self {
-        let mut means = Self {
-            sag: 0.0,
-            sag_squared: 0.0,
-            sine_squared: 0.0,
-            along: 0.0,
-        };
+        let mut means = Self::default();
         // (−1)ᵏ η²ᵏ/(2k)!, from k = 1 on, and 4ᵏ.
         let (mut term, mut four) = (1.0, 1.0);
         for k in 1..=10 {

@@ -190,8 +190,7 @@ impl Words {
     /// refuses them.
     pub(crate) fn read(&mut self, text: &[u8], command: &Command) -> Result<(), Fault> {
         self.there = 0;
-        let text_all = text;
-        let text = &text[..command.end];
+        let (line, text) = (text, &text[..command.end]);
         let mut at = command.words;
         while let Some(&byte) = text.get(at) {
             match byte {
@@ -203,7 +202,7 @@ impl Words {
                     at = decimal(text, at + 1).map_or(at + 1, |(_, end)| end);
                 }
                 b'*' => {
-                    check(text_all, command.name, at)?;
+                    check(line, command.name, at)?;
                     break;
                 }
                 _ if byte.is_ascii_alphabetic() => at = self.word(text, at)?,

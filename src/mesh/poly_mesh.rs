@@ -92,8 +92,7 @@ impl PolyMesh {
     #[must_use]
     pub(crate) fn cell_faces(&self) -> CellFaces {
         let mut starts = vec![0; self.cell_count + 1];
-        let cells = self.owner.iter().chain(&self.neighbor);
-        for &cell in cells {
+        for &cell in self.owner.iter().chain(&self.neighbor) {
             starts[cell as usize + 1] += 1;
         }
         for cell in 0..self.cell_count {

@@ -387,8 +387,7 @@ fn check_data(mesh: &TetMesh) -> Result<(), Refusal> {
 /// those kept.
 fn keep_positive(mesh: &mut TetMesh, report: &mut TetReport) -> Vec<u32> {
     let duplicate = duplicates(mesh);
-    let mut numbers = Vec::with_capacity(mesh.tets.len());
-    let mut kept = Vec::with_capacity(mesh.tets.len());
+    let (mut numbers, mut kept) = (Vec::new(), Vec::new());
     for (number, (&tet, duplicate)) in (0..).zip(mesh.tets.iter().zip(duplicate)) {
         let corners = tet.map(|vertex| mesh.vertices[vertex as usize]);
         let volume = tet_volume(&corners);

@@ -1,4 +1,4 @@
-//! What holds for the cells of any sites, checked wherever their energies are computed.
+//! Checks of cells wherever their energies are computed: volumes, a floor of the energies, finite figures.
 //!
 //! - Their volumes sum to the domain's.
 //! - Their mean energy is no less than that of n bodies of the least energy: a body of mass m in a density of

@@ -17,6 +17,7 @@ pub(crate) mod evaluate_cell;
 pub(crate) mod frames;
 pub(crate) mod linf;
 pub(crate) mod lloyd;
+pub(crate) mod method;
 pub(crate) mod metrics;
 pub(crate) mod multilevel;
 pub(crate) mod objective;

@@ -131,9 +131,8 @@ fn limit_files(groups: &str) -> Vec<PathBuf> {
             _ => continue,
         };
         let own = Path::new(root).join(path.trim_start_matches('/'));
-        let folders = own
-            .ancestors()
-            .take_while(|folder| folder.starts_with(root));
+        let is_below = |folder: &&Path| folder.starts_with(root);
+        let folders = own.ancestors().take_while(is_below);
         files.extend(folders.map(|folder| folder.join(name)));
     }
     files

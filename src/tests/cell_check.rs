@@ -10,8 +10,9 @@ use crate::domain::shape::{DomainShape, PieceScratch};
 use crate::geometry::bounds::Bounds;
 use crate::geometry::brep::Piece;
 use crate::geometry::polyhedron::Polyhedron;
+use crate::relax::method::Method;
 use crate::relax::planar::Plane;
-use crate::relax::relaxation::{Method, Relaxation, random_sites};
+use crate::relax::relaxation::{Relaxation, random_sites};
 use crate::relax::relaxation_space::{EnergySpec, Minimizer, Norm, RelaxationSpace};
 
 /// The unit cube that says another volume, and leaves out the pieces of sites left of `lost`.

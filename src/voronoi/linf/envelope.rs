@@ -284,13 +284,12 @@ impl Envelope {
                     let [u, v, gauge] = pair[n];
                     [u - first[0], v - first[1], gauge]
                 });
-                let heights = [first[2], pair[0][2], pair[1][2]].map(|gauge| 1.0 / gauge);
-                let product = heights[0] * heights[1] * heights[2];
-                let volume = (u1 * v2 - u2 * v1) * product / 6.0;
+                let [a, b, c] = [first[2], pair[0][2], pair[1][2]].map(|gauge| 1.0 / gauge);
+                let volume = (u1 * v2 - u2 * v1) * (a * b * c) / 6.0;
                 sum += match order {
                     0 => volume,
-                    1 => volume * (heights[0] + heights[1] + heights[2]) * 0.25,
-                    _ => linear_power(volume, &[0.0, heights[0], heights[1], heights[2]], order),
+                    1 => volume * (a + b + c) * 0.25,
+                    _ => linear_power(volume, &[0.0, a, b, c], order),
                 };
             }
         }
