@@ -89,7 +89,7 @@ fn fragments_of_a_cell_sum_to_its_energy_in_every_domain_order_norm_and_density(
                 more.into()
             };
             dir.write("scene.json", scene(&domain, &more));
-            dir.stdout(&["fragments", "scene.json", "--all", "-o", "f.vtu"]);
+            dir.stdout(&["fragments", "scene.json", "--all", "--force", "-o", "f.vtu"]);
             let measured = dir.stdout(&["measure", "scene.json", "--per-cell"]);
             let measured: Value = serde_json::from_str(&measured).expect("JSON");
             let file = dir.read("f.vtu");
@@ -144,7 +144,8 @@ fn the_mass_of_all_fan_tetrahedra_by_distance_is_the_energy_that_measure_prints(
     let dir = TestDir::new();
     for (name, domain) in domains() {
         dir.write("scene.json", scene(&domain, ""));
-        dir.stdout(&["fragments", "scene.json", "--tets", "--all", "-o", "t.vtu"]);
+        let tets = ["fragments", "scene.json", "--tets", "--all", "--force"];
+        dir.stdout(&[&tets[..], &["-o", "t.vtu"]].concat());
         let mass = ["mass", "t.vtu", "--density", "vertex:distance", "--json"];
         let mass: Value = serde_json::from_str(&dir.stdout(&mass)).expect("JSON");
         let measured: Value =

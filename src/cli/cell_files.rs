@@ -39,7 +39,7 @@ pub(crate) const PNG_SCALE: f64 = 2.0;
 /// More cells than this make an SVG that no viewer opens; the PNG is there all the same.
 const MOST_PATCHES: usize = 100_000;
 
-/// Up to so many cells share their points in `cells.vtu`: about 2 GB while they are paired.
+/// Up to so many cells share their points in `cells.vtu`: about 0.5 GB while they are paired.
 const MOST_SHARED: usize = 100_000;
 
 /// How far above the middle of the domain its cells are cut, in sides of a mean cell: the middle

@@ -22,9 +22,12 @@ pub struct Polynomial {
 }
 
 impl PartialEq for Polynomial {
-    /// Whether all terms about the origin are the same.
+    /// Whether all terms about the origin are the same; a term of zero is none.
     fn eq(&self, other: &Self) -> bool {
-        self.terms == other.terms
+        let is_there = |(_, value): &(Exponents, f64)| value.abs() > 0.0;
+        self.terms()
+            .filter(is_there)
+            .eq(other.terms().filter(is_there))
     }
 }
 

@@ -104,8 +104,8 @@ mod tests {
         assert_eq!(
             refusal(text),
             "a.json, line 3, column 3: unknown key `nrm`; did you mean `norm`? \
-             Known here: dimension, domain, density, sites, drop_outside, norm, order, \
-             cells, method, coarse_to_fine, frames, output"
+             Known here: dimension, domain, density, sites, drop_outside, cells, \
+             norm, order, method, coarse_to_fine, frames, output"
         );
     }
 
