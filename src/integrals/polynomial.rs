@@ -1,6 +1,6 @@
 //! Polynomials in x, y and z: arithmetic, evaluation and change of coordinates.
 //!
-//! A polynomial that was read from text keeps it as [`Formula`], so that far from the origin, where its
+//! A polynomial that was read from text keeps it as a `Formula`, so that far from the origin, where its
 //! terms cancel each other, it is expanded and evaluated by the operations that the text names.
 
 use crate::integrals::formula::{Formula, Step};

@@ -3,7 +3,7 @@
 //! A CSV file may begin with a header; if it does, the columns named x, y and z (in any case)
 //! are read, in any order of columns. Without one every line has exactly one number per axis. In
 //! CSV and in text by white space (`.xyz`, `.txt`) blank lines and what follows `#` are skipped. Text
-//! whose first line is one whole number is chemistry's XYZ ([`xyz`]). Lines end with LF, CR LF or CR.
+//! whose first line is one whole number is chemistry's XYZ (`xyz`). Lines end with LF, CR LF or CR.
 //! A JSON file is an array of arrays of numbers. Errors name the line, or the site counted from zero.
 
 use std::path::Path;
