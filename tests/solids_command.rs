@@ -494,3 +494,29 @@ fn a_descent_goes_on_along_the_wall_that_it_meets() {
         .collect();
     assert!(off.iter().all(|off| *off < 1e-6), "{site:?}");
 }
+
+/// The solid `scenes/NAME.off` with this many random sites of seed 1, as a scene without pictures.
+fn scene_of(name: &str, count: usize) -> String {
+    let scenes = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes");
+    let output = r#""output": {"cells": false, "plot": false}"#;
+    let sites = format!(r#""sites": {{"random": {{"count": {count}, "seed": 1}}}}"#);
+    format!(r#"{{"domain": {{"surface": "{scenes}/{name}.off"}}, {sites}, {output}}}"#)
+}
+
+#[test]
+fn a_bracket_of_five_thousand_sites_descends_to_the_last_move() {
+    let dir = TestDir::new();
+    dir.write("scene.json", scene_of("bracket", 5000));
+    let (percents, ended) = relaxed(&dir, &["--method", "quasi-newton", "--iterations", "15"]);
+    assert_eq!(ended, "iterations");
+    assert!(percents.len() == 16 && percents[15] < 103.0, "{percents:?}");
+}
+
+#[test]
+fn a_trefoil_is_split_from_coarse_to_fine_without_duplicates() {
+    let dir = TestDir::new();
+    dir.write("scene.json", scene_of("trefoil", 500));
+    relaxed(&dir, &["--coarse-to-fine", "2", "--iterations", "6"]);
+    let sites = String::from_utf8(dir.read("run/sites.csv")).expect("text");
+    assert_eq!(sites.lines().count(), 501);
+}
