@@ -9,6 +9,7 @@ use nalgebra::Point3;
 use crate::cli::failure::{Failure, print, write_file};
 use crate::cli::mesh_report::{MeshLimit, MeshReport};
 use crate::cli::options::{Common, finite, named, space};
+use crate::cli::output::OutputRule;
 use crate::cli::run::RunDescription;
 use crate::complex::assemble::assemble;
 use crate::complex::collapse::{collapse, straighten_edges};
@@ -118,10 +119,12 @@ fn make(options: &MeshOptions, run: &Path, output: &Path) -> Result<MeshReport, 
             options.collapse
         )));
     }
+    let outputs = output_files(output, &options.to);
     if !options.force {
-        refuse_existing(output, &options.to)?;
+        refuse_existing(&outputs)?;
     }
     let (scene, sites) = read_run(run)?;
+    refuse_inputs(run, &scene, &outputs)?;
     let space = space(&scene)?;
     let mut mesh = mesh_of(&space, &scene, &sites, options.feature_angle)?;
     if options.collapse > 0.0 {
@@ -177,8 +180,8 @@ fn place_back(mesh: &mut PolyMesh, scene: &Scene, scale: f64) -> Result<f64, Fai
     Ok(factor)
 }
 
-/// Refuses to replace files.
-fn refuse_existing(output: &Path, formats: &[String]) -> Result<(), Failure> {
+/// The files that a mesh in these formats is written to.
+fn output_files(output: &Path, formats: &[String]) -> Vec<PathBuf> {
     let mut names = vec!["mesh.json"];
     for format in formats {
         match format.as_str() {
@@ -186,14 +189,30 @@ fn refuse_existing(output: &Path, formats: &[String]) -> Result<(), Failure> {
             _ => names.push("mesh.vtu"),
         }
     }
-    let mut paths = names.into_iter().map(|name| output.join(name));
-    match paths.find(|path| path.exists()) {
+    names.into_iter().map(|name| output.join(name)).collect()
+}
+
+/// Refuses to replace files.
+fn refuse_existing(outputs: &[PathBuf]) -> Result<(), Failure> {
+    match outputs.iter().find(|path| path.exists()) {
         None => Ok(()),
         Some(path) => Err(Failure::input(format!(
             "{} exists; --force replaces the mesh, or name another directory",
             path.display()
         ))),
     }
+}
+
+/// Refuses to replace what the run is read from, whatever is forced.
+fn refuse_inputs(run: &Path, scene: &Scene, outputs: &[PathBuf]) -> Result<(), Failure> {
+    let mut inputs = scene.files();
+    inputs.extend(["run.json", "sites.csv"].map(|name| run.join(name)));
+    let rule = OutputRule {
+        inputs: &inputs,
+        force: true,
+        option: "-o",
+    };
+    rule.check(outputs)
 }
 
 /// The scene and the sites that a run left.
