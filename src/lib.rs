@@ -27,7 +27,7 @@
 //! floor 8   main.rs                             the program: one call of the command line
 //! floor 7   cli/                                one file per subcommand (feature `cli`)
 //! floor 6   scene/        export/      plot/    input, files, pictures (`scene`, `files`, `cli`)
-//! floor 5   relax/        complex/              the driver, its moves, records │ cells as one mesh
+//! floor 5   relax/        complex/  balance/    driver and moves │ cells as one mesh │ densities to measure
 //! floor 4   voronoi/      energy/               cells of sites │ energies of cells
 //! floor 3   domain/        gcode/      mass/    pieces of cells in solids │ prints │ mass properties
 //! floor 2   mesh/         integrals/            surfaces and tetrahedra │ closed forms
@@ -116,6 +116,7 @@ pub mod export;
 #[cfg(feature = "scene")]
 pub mod scene;
 
+mod balance;
 #[cfg(feature = "cli")]
 mod cli;
 mod complex;

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Folder → the folders from which it may import. What is not listed is a mistake.
-const MAY_IMPORT: [(&str, &[&str]); 15] = [
+const MAY_IMPORT: [(&str, &[&str]); 16] = [
     ("geometry", &[]),
     ("minimize", &[]),
     ("mesh", &["geometry"]),
@@ -16,6 +16,19 @@ const MAY_IMPORT: [(&str, &[&str]); 15] = [
     ("voronoi", &["geometry", "domain", "integrals"]),
     ("energy", &["geometry", "integrals", "minimize"]),
     ("complex", &["geometry", "mesh", "domain", "voronoi"]),
+    (
+        "balance",
+        &[
+            "geometry",
+            "integrals",
+            "mesh",
+            "minimize",
+            "mass",
+            "gcode",
+            "domain",
+            "voronoi",
+        ],
+    ),
     (
         "relax",
         &[
@@ -29,15 +42,35 @@ const MAY_IMPORT: [(&str, &[&str]); 15] = [
     ),
     (
         "scene",
-        &["geometry", "domain", "mesh", "relax", "integrals"],
+        &[
+            "geometry",
+            "domain",
+            "mesh",
+            "relax",
+            "integrals",
+            "mass",
+            "voronoi",
+        ],
     ),
     ("export", &["geometry", "mesh", "complex", "relax"]),
-    ("plot", &["geometry", "relax"]),
+    ("plot", &["geometry", "mesh", "relax"]),
     (
         "cli",
         &[
-            "geometry", "mesh", "complex", "domain", "mass", "gcode", "voronoi", "energy", "relax",
-            "scene", "export", "plot",
+            "geometry",
+            "mesh",
+            "integrals",
+            "complex",
+            "balance",
+            "domain",
+            "mass",
+            "gcode",
+            "voronoi",
+            "energy",
+            "relax",
+            "scene",
+            "export",
+            "plot",
         ],
     ),
 ];
