@@ -6,4 +6,6 @@
 //! maximize a concave dual of as many variables as there are conditions. [`dual`] says what a solver
 //! needs of a body for that.
 
+pub(crate) mod conditions;
 pub(crate) mod dual;
+pub(crate) mod elements;
