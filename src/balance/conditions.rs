@@ -89,6 +89,31 @@ impl Condition {
         self.constant + self.gradient.dot(&arm) + arm.dot(&(self.quadratic * arm))
     }
 
+    /// φ as a polynomial of the coordinates, as text.
+    pub(crate) fn text(&self) -> String {
+        let centered = |axis: usize| match self.about[axis] {
+            0.0 => ["x", "y", "z"][axis].to_owned(),
+            middle if middle < 0.0 => format!("({} + {})", ["x", "y", "z"][axis], -middle),
+            middle => format!("({} - {middle})", ["x", "y", "z"][axis]),
+        };
+        let mut text = format!("{}", self.constant);
+        let mut add = |factor: f64, names: &[usize]| {
+            if factor != 0.0 {
+                let sign = if factor < 0.0 { '-' } else { '+' };
+                let names: Vec<_> = names.iter().map(|&axis| centered(axis)).collect();
+                text += &format!(" {sign} {}*{}", factor.abs(), names.join("*"));
+            }
+        };
+        for axis in 0..3 {
+            add(self.gradient[axis], &[axis]);
+        }
+        for (one, other) in [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)] {
+            let twice = if one == other { 1.0 } else { 2.0 };
+            add(twice * self.quadratic[(one, other)], &[one, other]);
+        }
+        text
+    }
+
     /// ∫ d φ of a body whose `moments` are measured from `origin`.
     pub(crate) fn of(&self, moments: &Moments, origin: &Point3<f64>) -> f64 {
         let here = moments.translated(&(origin - self.about));

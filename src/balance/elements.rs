@@ -91,8 +91,7 @@ impl Elements {
         let weight = self.weights[element];
         let tilt = self.tilt(element, multipliers);
         let free = if weight > 0.0 { tilt / weight } else { 0.0 } + range.prefer;
-        let density = free.max(range.low).min(range.high);
-        (density, range.low < free && free < range.high)
+        (range.clamp(free), range.low < free && free < range.high)
     }
 
     /// The sums over some elements.

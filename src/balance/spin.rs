@@ -45,6 +45,8 @@ pub(crate) struct SpinWish {
     pub(crate) moment: Option<f64>,
     /// The mass.
     pub(crate) mass: Option<f64>,
+    /// The ratio of that moment to the mass.
+    pub(crate) gyration_squared: Option<f64>,
 }
 
 /// A body of elements, whose moments are measured from the axis's point.
@@ -101,7 +103,7 @@ pub(crate) struct SpinContrast {
 
 impl SpinWish {
     /// The conditions without those of the cone.
-    fn conditions(&self) -> Vec<Condition> {
+    pub(crate) fn conditions(&self) -> Vec<Condition> {
         let axis = &self.axis;
         let mut all = axis.center_on().to_vec();
         if self.principal {
@@ -110,6 +112,10 @@ impl SpinWish {
         all.extend(self.center_at.map(|height| axis.center_at(height)));
         all.extend(self.moment.map(|moment| axis.moment(moment)));
         all.extend(self.mass.map(Condition::mass));
+        all.extend(self.gyration_squared.map(|ratio| Condition {
+            constant: -ratio,
+            ..axis.moment(0.0)
+        }));
         all
     }
 

@@ -31,4 +31,5 @@ pub(crate) mod quadrature;
 mod relax;
 mod sites;
 mod solids;
+mod spin;
 mod voronoi;
