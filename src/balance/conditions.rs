@@ -61,17 +61,6 @@ impl Condition {
         }
     }
 
-    /// The same condition, both sides times a positive `factor`.
-    pub(crate) fn times(&self, factor: f64) -> Self {
-        Self {
-            constant: self.constant * factor,
-            gradient: self.gradient * factor,
-            quadratic: self.quadratic * factor,
-            wanted: self.wanted * factor,
-            ..self.clone()
-        }
-    }
-
     /// The same φ, measured from another point.
     pub(crate) fn seen_from(&self, about: &Point3<f64>) -> Self {
         let arm = about - self.about;
@@ -147,11 +136,6 @@ impl SpinAxis {
         })
     }
 
-    /// The point of the line nearest to `point`.
-    pub(crate) fn nearest(&self, point: &Point3<f64>) -> Point3<f64> {
-        self.at(self.height(point))
-    }
-
     /// How far along the line `point` lies from `through`.
     pub(crate) fn height(&self, point: &Point3<f64>) -> f64 {
         (point - self.through).dot(&self.along)
@@ -160,18 +144,6 @@ impl SpinAxis {
     /// The point of the line at a height.
     pub(crate) fn at(&self, height: f64) -> Point3<f64> {
         self.through + self.along.as_ref() * height
-    }
-
-    /// The distance of `point` from the line.
-    pub(crate) fn distance(&self, point: &Point3<f64>) -> f64 {
-        let [first, second] = self.offsets(point);
-        first.hypot(second)
-    }
-
-    /// How far `point` lies from the line along the two directions across it.
-    pub(crate) fn offsets(&self, point: &Point3<f64>) -> [f64; 2] {
-        self.across
-            .map(|direction| direction.dot(&(point - self.through)))
     }
 
     /// The same line, with `through` moved to a height.

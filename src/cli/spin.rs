@@ -12,7 +12,7 @@ use crate::cli::failure::{Failure, print};
 use crate::cli::mass_report::{AxisMoment, axis, positive};
 use crate::cli::options::Common;
 use crate::cli::output::OutputRule;
-use crate::cli::spin_files::{FILES, write};
+use crate::cli::spin_files::{spin_files, write};
 use crate::cli::spin_report::{Outcome, SpinReport};
 use crate::cli::spin_solid::{Basis, SpinElements, SpinSolid};
 use crate::domain::shape::DomainShape;
@@ -72,7 +72,8 @@ pub(crate) struct SpinOptions {
     /// The seed of the cells' sites
     #[arg(long, value_name = "S", default_value = "1")]
     seed: u64,
-    /// Write field.json, report.json and log.jsonl there
+    /// Write the field (field.json), report.json, log.jsonl and, of cells and vertices, density.vtu and
+    /// the picture of a cut along the axis there
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
     /// Replace files that DIR holds
@@ -100,10 +101,11 @@ pub(crate) fn run(options: &SpinOptions, common: Common) -> Result<(), Failure> 
         body,
     };
     let outcome = task.outcome(range)?;
-    let report = SpinReport::new(&outcome, &task.native());
+    let native = task.native();
     if let Some(directory) = &options.out {
-        write(directory, &solid, &elements, &outcome, &report)?;
+        write(directory, &solid, &elements, &outcome, &native)?;
     }
+    let report = SpinReport::new(&outcome, &native);
     if options.json {
         print(report.json()?)?;
     } else if !common.quiet {
@@ -147,7 +149,7 @@ impl SpinOptions {
             force: self.force,
             option: "--out",
         };
-        rule.check(&FILES.map(|name| directory.join(name)))
+        rule.check(&spin_files(directory))
     }
 
     /// What is wanted, heights measured from `axis`'s point; `scaled` leaves out what a factor on all

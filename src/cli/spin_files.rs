@@ -2,16 +2,22 @@
 
 use std::fs;
 use std::io::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
+use crate::balance::spin::SpinState;
+use crate::cli::density_files::{DensityBody, Section, center_mark, density_files, write_density};
 use crate::cli::failure::{Failure, write_file};
 use crate::cli::spin_report::{Outcome, SpinReport};
 use crate::cli::spin_solid::{SpinElements, SpinSolid};
 use crate::domain::shape::DomainShape;
+use crate::geometry::half_space::HalfSpace;
 use crate::mesh::surface::SurfaceMesh;
+use crate::plot::density_cut::{Mark, MarkShape, NATIVE, OBTAINED, WANTED};
+use crate::plot::patches::PlaneCut;
 use crate::scene::domain::SceneDomain;
+use crate::scene::field::Field;
 use crate::scene::field_file::{FieldBounds, FieldDensity, FieldFile, FieldFormula};
 use crate::scene::mesh_domain::MeshDomain;
 
@@ -19,7 +25,17 @@ use crate::scene::mesh_domain::MeshDomain;
 const SOLID: &str = "solid.off";
 
 /// What the command writes.
-pub(crate) const FILES: [&str; 4] = ["field.json", "report.json", "log.jsonl", SOLID];
+const FILES: [&str; 4] = ["field.json", "report.json", "log.jsonl", SOLID];
+
+/// Principal axes nearer to the axis than this (degrees) span no plane with it worth showing.
+const LEAST_TILT: f64 = 0.1;
+
+/// The files of a directory that the command may write.
+pub(crate) fn spin_files(directory: &Path) -> Vec<PathBuf> {
+    let mut files = density_files(directory);
+    files.extend(FILES.map(|name| directory.join(name)));
+    files
+}
 
 /// A line of the log.
 #[derive(Debug, Serialize)]
@@ -29,13 +45,13 @@ struct LogLine {
     dual_value: f64,
 }
 
-/// Writes the report and the log, and where there is a field, the field.
+/// Writes the report and the log, and where there is a field, the field and its pictures.
 pub(crate) fn write(
     directory: &Path,
     solid: &SpinSolid,
     elements: &SpinElements,
     outcome: &Outcome,
-    report: &SpinReport,
+    native: &SpinState,
 ) -> Result<(), Failure> {
     fs::create_dir_all(directory)
         .map_err(|error| Failure::run(format!("cannot make {}: {error}", directory.display())))?;
@@ -66,8 +82,84 @@ pub(crate) fn write(
         let field = field(solid, elements, outcome, domain);
         let json = serde_json::to_string_pretty(&field).map_err(Failure::run)?;
         text("field.json", json + "\n")?;
+        draw(directory, solid, elements, outcome, native)?;
     }
-    text("report.json", report.json()?)
+    text("report.json", SpinReport::new(outcome, native).json()?)
+}
+
+/// Writes `density.vtu` and the picture of a cut along the axis.
+fn draw(
+    directory: &Path,
+    solid: &SpinSolid,
+    elements: &SpinElements,
+    outcome: &Outcome,
+    native: &SpinState,
+) -> Result<(), Failure> {
+    let values = outcome.solution.densities.clone();
+    let field = match elements {
+        SpinElements::Cells(sites, _) => Field::Cells {
+            sites: sites.clone(),
+            values,
+        },
+        SpinElements::Vertices(_) => Field::Vertices(values),
+        SpinElements::Points(..) => return Ok(()),
+    };
+    let extent = solid.domain.bounds();
+    let body = DensityBody {
+        solids: std::slice::from_ref(&solid.solid),
+        fields: &[&field],
+        extent: &extent,
+    };
+    write_density(directory, body, &section(outcome, native))
+}
+
+/// The cut along the axis and the principal axis nearest to it before.
+fn section(outcome: &Outcome, native: &SpinState) -> Section {
+    let axis = &outcome.axis;
+    let [before, after] = [native, &outcome.state].map(|state| state.body.center_of_mass());
+    let tilt = axis.along.cross(&native.nearest_axis);
+    let lift = axis.along.cross(&(before - axis.through));
+    let normal = if native.angle_degrees > LEAST_TILT {
+        tilt
+    } else {
+        lift
+    };
+    let normal = normal.try_normalize(0.0).unwrap_or(axis.across[0]);
+    let line = |name: &str, color, through, along, dashed| Mark {
+        name: name.to_owned(),
+        color,
+        shape: MarkShape::Line {
+            through,
+            along,
+            dashed,
+        },
+    };
+    let angle = format!(
+        "nearest principal axis before, {:.3}° off",
+        native.angle_degrees
+    );
+    let wanted = *axis.along.as_ref();
+    let obtained = outcome.state.nearest_axis;
+    Section {
+        cut: PlaneCut::new(HalfSpace {
+            normal,
+            offset: normal.dot(&axis.through.coords),
+        }),
+        title: "A density that spins about the axis".to_owned(),
+        marks: vec![
+            line("axis", WANTED, axis.through, wanted, false),
+            line(&angle, NATIVE, before, native.nearest_axis, true),
+            line(
+                "nearest principal axis after",
+                OBTAINED,
+                after,
+                obtained,
+                true,
+            ),
+            center_mark("center of volume", NATIVE, &before),
+            center_mark("center of mass", OBTAINED, &after),
+        ],
+    }
 }
 
 /// The field as a file.

@@ -12,7 +12,6 @@ use crate::geometry::moments::Moments;
 use crate::integrals::mesh_moments::constant;
 use crate::mesh::formats::read::load;
 use crate::mesh::surface::SurfaceMesh;
-use crate::mesh::tets::TetMesh;
 use crate::mesh::validate::{Solid, validate_surface};
 use crate::relax::method::Method;
 use crate::relax::relaxation::{Relaxation, random_sites};
@@ -66,8 +65,8 @@ impl FromStr for Basis {
 pub(crate) struct SpinSolid {
     /// Its boundary as a domain.
     pub(crate) domain: SurfaceSolid,
-    /// Its tetrahedra, if it was given by such.
-    pub(crate) tets: Option<TetMesh>,
+    /// The solid; several as the surface of all.
+    pub(crate) solid: Solid,
     /// The domain for a field file; none of several files.
     pub(crate) scene_domain: Option<SceneDomain>,
     /// What was repaired.
@@ -79,8 +78,8 @@ pub(crate) struct SpinSolid {
 pub(crate) enum SpinElements {
     /// Cells of sites.
     Cells(Vec<Point3<f64>>, Vec<Moments>),
-    /// Points, and the tetrahedra for which they stand.
-    Points(Vec<WeightedPoint>, Vec<[Point3<f64>; 4]>, Vec<Moments>),
+    /// Points of these tetrahedra.
+    Points(Vec<[Point3<f64>; 4]>, Vec<Moments>),
     /// Hat functions of vertices.
     Vertices(Vec<Moments>),
 }
@@ -89,9 +88,7 @@ impl SpinElements {
     /// The moments of each.
     pub(crate) fn moments(&self) -> &[Moments] {
         match self {
-            Self::Cells(_, moments) | Self::Points(_, _, moments) | Self::Vertices(moments) => {
-                moments
-            }
+            Self::Cells(_, moments) | Self::Points(_, moments) | Self::Vertices(moments) => moments,
         }
     }
 
@@ -107,7 +104,7 @@ impl SpinElements {
     /// Eight times as many points, to tell how far a formula's own moments are from those of the points.
     pub(crate) fn finer(&self) -> Vec<WeightedPoint> {
         match self {
-            Self::Points(_, tets, _) => points(&eighths(tets)),
+            Self::Points(tets, _) => points(&eighths(tets)),
             _ => Vec::new(),
         }
     }
@@ -129,19 +126,23 @@ impl SpinSolid {
             .iter()
             .map(|file| file.display().to_string())
             .collect();
-        let domain = united(&solids)
+        let united = united(&solids)
             .map_err(|reason| Failure::input(format!("{}: {reason}", names.join(", "))))?;
+        let Solid::Surface(surface, _) = &united else {
+            return Err(Failure::run("the solids have no surface"));
+        };
+        let domain = SurfaceSolid::new(surface).map_err(Failure::input)?;
         let scene_domain = match (&solids[..], files) {
             ([solid], [file]) => Some(scene_domain(solid, file)?),
             _ => None,
         };
-        let tets = match <[Solid; 1]>::try_from(solids) {
-            Ok([Solid::Tets(tets, _)]) => Some(tets.into_mesh()),
-            _ => None,
+        let solid = match <[Solid; 1]>::try_from(solids) {
+            Ok([solid]) => solid,
+            Err(_) => united,
         };
         Ok(Self {
             domain,
-            tets,
+            solid,
             scene_domain,
             notes,
         })
@@ -161,9 +162,11 @@ impl SpinSolid {
         origin: &Point3<f64>,
     ) -> Result<SpinElements, Failure> {
         match basis {
-            Basis::Vertex => match &self.tets {
-                Some(mesh) => Ok(SpinElements::Vertices(of_vertices(mesh, origin))),
-                None => Err(Failure::input(
+            Basis::Vertex => match &self.solid {
+                Solid::Tets(tets, _) => {
+                    Ok(SpinElements::Vertices(of_vertices(tets.mesh(), origin)))
+                }
+                Solid::Surface(..) => Err(Failure::input(
                     "--basis vertex needs one tetrahedral mesh; for a surface choose cells:N",
                 )),
             },
@@ -182,7 +185,7 @@ impl SpinSolid {
                 }
                 let points = points(&tets);
                 let moments = points.iter().map(|point| point.moments(origin)).collect();
-                Ok(SpinElements::Points(points, tets, moments))
+                Ok(SpinElements::Points(tets, moments))
             }
         }
     }
@@ -198,7 +201,7 @@ impl SpinSolid {
 }
 
 /// The solid within the surfaces of all.
-fn united(solids: &[Solid]) -> Result<SurfaceSolid, String> {
+fn united(solids: &[Solid]) -> Result<Solid, String> {
     let mut all = SurfaceMesh::default();
     for solid in solids {
         let first = all.vertices.len() as u32;
@@ -215,7 +218,7 @@ fn united(solids: &[Solid]) -> Result<SurfaceSolid, String> {
     if let Some(reason) = report.no_domain() {
         return Err(format!("the surface {reason}"));
     }
-    SurfaceSolid::new(&surface).map_err(|error| error.to_string())
+    Ok(Solid::Surface(surface, report))
 }
 
 /// The domain of a file, by its full path.
