@@ -1,5 +1,7 @@
 //! The density at points of a solid, for pictures and files.
 
+use std::borrow::Cow;
+
 use nalgebra::Point3;
 
 use crate::geometry::bounds::Bounds;
@@ -35,13 +37,16 @@ pub(crate) fn density_function<'a>(
                 return Err(WeighError::VertexOfSurface);
             };
             let values = field(sound.mesh(), name.as_deref())?;
-            vertex_function(sound.mesh(), values)
+            vertex_function(sound.mesh(), values.into())
         }
     })
 }
 
 /// Values at a mesh's vertices, linear in between.
-pub(crate) fn vertex_function<'a>(mesh: &'a TetMesh, values: &'a [f64]) -> DensityFunction<'a> {
+pub(crate) fn vertex_function<'a>(
+    mesh: &'a TetMesh,
+    values: Cow<'a, [f64]>,
+) -> DensityFunction<'a> {
     let values = TetValues::new(mesh, values);
     Box::new(move |point| values.at(point))
 }

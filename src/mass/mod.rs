@@ -28,6 +28,7 @@ pub mod body;
 pub mod cut;
 pub mod density;
 pub(crate) mod evaluate;
+pub(crate) mod numeric;
 pub mod principal;
 pub mod profile;
 pub(crate) mod sign;

@@ -17,6 +17,7 @@ pub mod domain;
 pub mod error;
 pub(crate) mod field;
 pub(crate) mod field_file;
+pub(crate) mod field_text;
 pub mod frames;
 pub(crate) mod memory;
 pub mod mesh_domain;
