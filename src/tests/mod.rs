@@ -32,4 +32,5 @@ pub(crate) mod quadrature;
 mod relax;
 mod sites;
 mod solids;
+mod stand;
 mod voronoi;
