@@ -1,6 +1,7 @@
 //! Tests of the crate's parts against second opinions: quadrature, rational arithmetic, brute force.
 
 mod acceleration;
+mod balance;
 mod cell_check;
 mod complex;
 mod cubes;
