@@ -2,8 +2,8 @@
 //!
 //! With an axis through o along the unit vector e, u and v across it, and z = e·(y − o): the center of mass
 //! lies on the axis where ∫ d u = ∫ d v = 0, and the axis is then a principal one where ∫ d u z = ∫ d v z = 0
-//! (shifts of z add multiples of the first two). It has the largest moment where ∫ d (w² − (z − h)²) ≥ 0 for
-//! every unit vector w across it, h the height of the center.
+//! (shifts of z add multiples of the first two). It has the largest moment where ∫ d (t² − (z − h)²) ≥ 0 for
+//! every unit vector t across it, h the height of the center.
 
 use nalgebra::{Matrix3, Point3, Unit, Vector3};
 
@@ -68,6 +68,17 @@ impl Condition {
             gradient: self.gradient * factor,
             quadratic: self.quadratic * factor,
             wanted: self.wanted * factor,
+            ..self.clone()
+        }
+    }
+
+    /// The same φ, measured from another point.
+    pub(crate) fn seen_from(&self, about: &Point3<f64>) -> Self {
+        let arm = about - self.about;
+        Self {
+            about: *about,
+            constant: self.at(about),
+            gradient: self.gradient + self.quadratic * arm * 2.0,
             ..self.clone()
         }
     }
@@ -174,13 +185,16 @@ impl SpinAxis {
         }
     }
 
-    /// ∫ d (w² − z²) ≥ 0 for the unit vector w = cos α u + sin α v: the moment about the line is no less
-    /// than that about the axis across it and w through `through`.
-    pub(crate) fn stable_against(&self, angle: f64) -> Condition {
-        let [first, second] = self.across;
-        let across = first * angle.cos() + second * angle.sin();
-        let along = self.along.as_ref();
-        self.quadratic(across * across.transpose() - along * along.transpose())
+    /// With the unit vectors t = cos α u + sin α v and w across it: the moment about the line exceeds that
+    /// about the line along t through `through` by a `share` of it, ∫ d (t² + w² − (1 + share)(w² + z²)) ≥ 0.
+    pub(crate) fn stable_against(&self, angle: f64, share: f64) -> Condition {
+        let [u, v] = self.across;
+        let (sine, cosine) = angle.sin_cos();
+        let (t, w) = (u * cosine + v * sine, v * cosine - u * sine);
+        let square = |vector: &Vector3<f64>| vector * vector.transpose();
+        let about_t = square(&w) + square(self.along.as_ref());
+        let about_line = square(&t) + square(&w);
+        self.quadratic(about_line - about_t * (1.0 + share))
             .at_least()
     }
 
