@@ -7,10 +7,10 @@ use serde::Serialize;
 
 use crate::geometry::bounds::Bounds;
 use crate::mass::body::Body;
-use crate::mass::density::SolidDensity;
-use crate::mass::weigh::{bounds, weigh};
+use crate::mass::weigh::bounds;
 use crate::mesh::formats::read::load;
 use crate::mesh::validate::Solid;
+use crate::scene::field::GivenField;
 
 use crate::cli::failure::{Failure, print};
 use crate::cli::mass_gcode::{self, Asked, GcodeOptions, is_gcode};
@@ -31,8 +31,8 @@ pub(crate) struct MassOptions {
     #[arg(required = true, value_name = "MESH")]
     files: Vec<PathBuf>,
     /// A number, a polynomial such as '1 + 2*x - 0.5*y*z', 'linear:axis=z,from=0,to=1' (over the
-    /// whole body), 'profile:axis=z,0.2=1,0.8=5' (position=density, constant beyond) or
-    /// 'vertex[:NAME]'; once for all parts or once for each
+    /// whole body), 'profile:axis=z,0.2=1,0.8=5' (position=density, constant beyond),
+    /// 'vertex[:NAME]', or a field file '@field.json'; once for all parts or once for each
     #[arg(
         long,
         value_name = "D",
@@ -96,7 +96,7 @@ pub(crate) fn run(options: &MassOptions) -> Result<(), Failure> {
     let mut bodies = Vec::new();
     for (place, (solid, density)) in solids.iter().zip(&densities).enumerate() {
         let file = files[place].display();
-        let body = weigh(solid, density, &extent)
+        let body = (density.field.weigh(solid, &extent))
             .map_err(|error| Failure::input(format!("{file}: {error}")))?;
         bodies.push(
             options
@@ -107,6 +107,7 @@ pub(crate) fn run(options: &MassOptions) -> Result<(), Failure> {
     }
     let body = Body::combined(&bodies).ok_or_else(|| Failure::run("the parts have no mass"))?;
     notes.extend(notes_of_parts(&files, &solids));
+    notes.extend(densities.iter().filter_map(|density| density.note(&extent)));
     notes.extend(negative_notes(&files, &solids, &densities, &extent));
     let report = report(options, &files, notes, &bodies, &body);
     if options.json {
@@ -173,12 +174,11 @@ fn mesh_of(file: &Path) -> PathBuf {
 }
 
 /// One density per part, from one for all or one each.
-fn one_for_each(name: &str, texts: &[String], parts: usize) -> Result<Vec<SolidDensity>, Failure> {
+fn one_for_each(name: &str, texts: &[String], parts: usize) -> Result<Vec<GivenField>, Failure> {
     let densities = texts
         .iter()
         .map(|text| {
-            text.parse::<SolidDensity>()
-                .map_err(|error| Failure::input(format!("--{name}: {error}")))
+            GivenField::read(text).map_err(|error| Failure::input(format!("--{name}: {error}")))
         })
         .collect::<Result<Vec<_>, _>>()?;
     match &densities[..] {
