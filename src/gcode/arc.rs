@@ -87,6 +87,18 @@ impl Arc {
         })
     }
 
+    /// The part between two shares of its length, about the same axis.
+    pub(crate) fn part(&self, from: f64, to: f64) -> Self {
+        let off = (from + to) / 2.0 - 0.5;
+        Self {
+            middle: self.middle + self.sweep * off,
+            sweep: self.sweep * (to - from),
+            z: self.z + self.rise * off,
+            rise: self.rise * (to - from),
+            ..*self
+        }
+    }
+
     /// The point in its middle (mm).
     pub(crate) fn crest(&self) -> Point3<f64> {
         let (sine, cosine) = self.middle.sin_cos();

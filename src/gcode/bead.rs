@@ -52,6 +52,25 @@ impl Path {
         }
     }
 
+    /// The point at `share` of its length (mm).
+    pub(crate) fn at(&self, share: f64) -> Point3<f64> {
+        match self {
+            Self::Line { from, to } => from + (to - from) * share,
+            Self::Arc(arc) => arc.part(share, share).crest(),
+        }
+    }
+
+    /// The part between two shares of its length.
+    pub(crate) fn part(&self, from: f64, to: f64) -> Self {
+        match self {
+            Self::Line { .. } => Self::Line {
+                from: self.at(from),
+                to: self.at(to),
+            },
+            Self::Arc(arc) => Self::Arc(arc.part(from, to)),
+        }
+    }
+
     /// The nozzle's height at its end (mm).
     pub(crate) fn last_z(&self) -> f64 {
         match self {
@@ -62,14 +81,27 @@ impl Path {
 }
 
 impl Bead {
-    /// The moments, of density 1, of a bead of `height`, measured from `near`.
-    pub(crate) fn moments(&self, height: f64, near: &Point3<f64>) -> Moments {
+    /// Its width (mm) if its cross-section is a rectangle of `height`; 0 without length or height.
+    pub(crate) fn width(&self, height: f64) -> f64 {
         let length = self.path.length();
-        let width = if height > 0.0 && length > 0.0 {
+        if height > 0.0 && length > 0.0 {
             (self.volume / (length * height)).min(WIDEST * height)
         } else {
             0.0
-        };
+        }
+    }
+
+    /// The part between two shares of its length.
+    pub(crate) fn part(&self, from: f64, to: f64) -> Self {
+        Self {
+            path: self.path.part(from, to),
+            volume: self.volume * (to - from),
+        }
+    }
+
+    /// The moments, of density 1, of a bead of `height`, measured from `near`.
+    pub(crate) fn moments(&self, height: f64, near: &Point3<f64>) -> Moments {
+        let width = self.width(height);
         let (middle, mut spread, across) = match &self.path {
             Path::Line { from, to } => line(from, to),
             Path::Arc(arc) => arc_means(arc),

@@ -13,11 +13,13 @@ const LONGEST: usize = 1 << 24;
 /// The mark of UTF-8 with which some editors begin a file.
 const MARK: &[u8] = b"\xef\xbb\xbf";
 
-/// One line: `text` and `end` one after the other are its bytes.
+/// One line: `mark`, `text` and `end` one after the other are its bytes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Line<'a> {
     /// From 1.
     pub(crate) number: u64,
+    /// That of UTF-8, before the first line of some files.
+    pub(crate) mark: &'a [u8],
     /// Without its end.
     pub(crate) text: &'a [u8],
     /// LF, CR LF or CR; empty where the file ends without.
@@ -89,13 +91,12 @@ impl<R: Read> Lines<R> {
         self.start = to + end;
         self.number += 1;
         let text = &self.buffer[from..to];
+        let is_marked = self.number == 1 && text.starts_with(MARK);
+        let (mark, text) = text.split_at(if is_marked { MARK.len() } else { 0 });
         Ok(Some(Line {
             number: self.number,
-            text: if self.number == 1 {
-                text.strip_prefix(MARK).unwrap_or(text)
-            } else {
-                text
-            },
+            mark,
+            text,
             end: &self.buffer[to..to + end],
         }))
     }

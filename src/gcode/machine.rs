@@ -15,7 +15,7 @@ use crate::gcode::arc::{Arc, Round};
 use crate::gcode::bead::{Bead, Path};
 use crate::gcode::error::{ArcFault, Fault};
 use crate::gcode::settings::Filament;
-use crate::gcode::words::{Command, REACH, Words};
+use crate::gcode::words::{Command, REACH, Reading, Words, unknown_motion};
 
 /// Millimeters in an inch.
 const INCH: f64 = 25.4;
@@ -123,6 +123,11 @@ impl Machine {
         }
     }
 
+    /// Whether a state is kept under this name.
+    pub(crate) fn has_saved(&self, name: &str) -> bool {
+        self.saved.contains_key(name)
+    }
+
     pub(crate) fn filament(&self) -> &Filament {
         &self.filament
     }
@@ -140,6 +145,23 @@ impl Machine {
     /// The present tool's flow: M221.
     pub(crate) fn flow(&self) -> f64 {
         self.tools[self.tool].flow
+    }
+
+    /// How the next motion is read.
+    pub(crate) fn reading(&self) -> Reading {
+        let tool = &self.tools[self.tool];
+        let section = if self.volumetric { 1.0 } else { tool.section };
+        Reading {
+            from: self.position,
+            relative: self.relative,
+            relative_e: self.is_relative_e(),
+            register: self.register,
+            unit: self.unit,
+            unit_e: self.unit_e(),
+            rate: section * tool.flow,
+            drawn: tool.drawn,
+            absolute_centers: self.absolute_centers,
+        }
     }
 
     /// Takes tool `number`.
@@ -318,18 +340,18 @@ impl Machine {
             return Ok(None);
         };
         let value = value * self.unit_e();
-        let is_relative = if self.relative && !self.said_e && !self.absolute_e {
-            true
-        } else {
-            self.relative_e
-        };
-        let length = if is_relative {
+        let length = if self.is_relative_e() {
             value
         } else {
             value - self.register
         };
         self.register += length;
         Ok(Some(length))
+    }
+
+    /// Whether E is an offset.
+    fn is_relative_e(&self) -> bool {
+        self.relative_e || self.relative && !self.said_e && !self.absolute_e
     }
 
     /// mm, or mm³ of volumetric E, of a unit of E.
@@ -454,19 +476,5 @@ impl Machine {
         if (0.0..254.0).contains(&number) {
             self.take(number as u32);
         }
-    }
-}
-
-/// Why the motion of G and this number is unknown, if it is.
-fn unknown_motion(number: u32) -> Option<&'static str> {
-    match number {
-        0..=3 => Some("a motion that only some machines know"),
-        5 => Some("a spline, whose points are not weighed; export without it"),
-        6 => Some("it moves motors, not coordinates"),
-        41 | 42 => Some("it moves the path sideways"),
-        51 => Some("it scales coordinates"),
-        52 | 53 | 55..=59 => Some("it changes the coordinates' origin"),
-        68 => Some("it rotates coordinates"),
-        _ => None,
     }
 }

@@ -9,7 +9,8 @@
 //! machine    commands → motion and plastic pushed: modes, units, registers, retraction
 //! arc, bead  a motion that deposits → its ten moments, in closed form
 //! layers     heights of beads, from marks or from differences of z
-//! weigh      the whole file once more: moments by type, tool and object
+//! reader     the whole file once more: beads with their heights, types, tools and objects
+//! weigh      their moments, summed
 //! ```
 //!
 //! Memory does not grow with the file: one line, and one sum for each combination of type, tool and
@@ -19,11 +20,19 @@ pub(crate) mod arc;
 pub(crate) mod bead;
 pub(crate) mod comments;
 pub(crate) mod error;
+pub(crate) mod flow;
+pub(crate) mod infill;
 pub(crate) mod labels;
 pub(crate) mod layers;
 pub(crate) mod lines;
 pub(crate) mod machine;
+pub(crate) mod modulate;
+pub(crate) mod move_text;
+pub(crate) mod pace;
+pub(crate) mod reader;
+pub(crate) mod rewrite;
 pub(crate) mod settings;
+pub(crate) mod stale;
 pub(crate) mod survey;
 pub(crate) mod weigh;
 pub(crate) mod words;

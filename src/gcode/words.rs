@@ -5,6 +5,8 @@
 
 use std::ops::Range;
 
+use nalgebra::Point3;
+
 use crate::gcode::error::Fault;
 
 /// Coordinates and filament beyond this (mm) are mistakes: a kilometer.
@@ -52,9 +54,28 @@ impl Command {
         }
     }
 
+    /// G0 to G3: a motion.
+    pub(crate) fn is_motion(&self) -> bool {
+        self.letter == b'G' && self.number <= 3 && self.fraction == 0
+    }
+
     /// What follows it, up to a comment.
     pub(crate) fn rest<'a>(&self, text: &'a [u8]) -> &'a [u8] {
         before_comment(&text[self.words..self.end])
+    }
+}
+
+/// Why the motion of G and this number is unknown, if it is.
+pub(crate) fn unknown_motion(number: u32) -> Option<&'static str> {
+    match number {
+        0..=3 => Some("a motion that only some machines know"),
+        5 => Some("a spline, whose points are not weighed; export without it"),
+        6 => Some("it moves motors, not coordinates"),
+        41 | 42 => Some("it moves the path sideways"),
+        51 => Some("it scales coordinates"),
+        52 | 53 | 55..=59 => Some("it changes the coordinates' origin"),
+        68 => Some("it rotates coordinates"),
+        _ => None,
     }
 }
 
@@ -164,6 +185,29 @@ fn no_number(letter: u8, at: usize) -> Fault {
         letter: letter.to_ascii_uppercase() as char,
         column: at + 1,
     }
+}
+
+/// How the numbers of the next motion are read: what writing motions anew needs.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Reading {
+    /// The nozzle (mm).
+    pub(crate) from: Point3<f64>,
+    /// Whether X, Y and Z are offsets.
+    pub(crate) relative: bool,
+    /// Whether E is an offset.
+    pub(crate) relative_e: bool,
+    /// The register of E (mm, mm³).
+    pub(crate) register: f64,
+    /// mm of a unit of X, Y, Z, I, J and F.
+    pub(crate) unit: f64,
+    /// mm or mm³ of a unit of E.
+    pub(crate) unit_e: f64,
+    /// mm³ that come out for a mm or mm³ of the register.
+    pub(crate) rate: f64,
+    /// What has been drawn back and not yet pushed again (mm³).
+    pub(crate) drawn: f64,
+    /// Whether I and J are coordinates.
+    pub(crate) absolute_centers: bool,
 }
 
 /// The words of one command, kept by letter.
