@@ -28,4 +28,5 @@ pub(crate) mod surface_distance;
 pub mod tets;
 pub(crate) mod triangle_tree;
 pub mod validate;
+pub(crate) mod weld_tets;
 pub(crate) mod winding;

@@ -4,7 +4,9 @@
 
 pub(crate) mod binary;
 pub mod error;
+pub(crate) mod foreign;
 pub mod gmsh;
+pub(crate) mod gmsh_input;
 pub mod medit;
 pub mod mesh;
 pub mod obj;
@@ -13,9 +15,15 @@ pub(crate) mod open_foam;
 pub mod ply;
 pub(crate) mod point_data;
 pub mod read;
+pub(crate) mod second_order;
 pub mod stl;
 pub mod tetgen;
+pub(crate) mod three_mf;
+pub(crate) mod unpack;
 pub mod vtk;
+pub(crate) mod vtk_input;
+pub(crate) mod vtk_xml;
 pub mod vtu;
 pub(crate) mod words;
 pub(crate) mod xml;
+pub(crate) mod zip;

@@ -82,11 +82,25 @@ fn read_vertices(
     mesh: &mut SurfaceMesh,
 ) -> Result<(), ParseError> {
     mesh.vertices.reserve(words.capacity_for(count, 6));
-    for _ in 0..count {
+    for number in 0..count {
+        if number == 0 && is_pair(words) {
+            let mend =
+                "a solid has three; for a run in the plane write a scene with \"dimension\": 2";
+            return Err(words.unsupported("a vertex of two coordinates", mend));
+        }
         mesh.vertices.push(words.point_on_line()?);
         words.next_line();
     }
     Ok(())
+}
+
+/// Whether just two numbers stand on the line.
+fn is_pair(words: &Words<'_>) -> bool {
+    let mut words = words.clone();
+    let is_number = |word: &[u8]| std::str::from_utf8(word).is_ok_and(|w| w.parse::<f64>().is_ok());
+    let mut pair = [words.word(), words.word_on_line()].into_iter();
+    let are_numbers = pair.all(|word| word.is_some_and(is_number));
+    are_numbers && words.word_on_line().is_none() && !words.is_at_end()
 }
 
 fn read_faces(

@@ -1,47 +1,52 @@
 //! Mesh files of every format: recognized, read, and checked.
 //!
 //! An unambiguous signature in the first bytes decides the format, even against the extension;
-//! else the extension; else weaker signs in the content. [`read`] takes either kind of mesh, [`read_surface`]
+//! else the extension; else weaker signs in the content. Files packed by gzip are unpacked first. [`read`] takes either kind of mesh, [`read_surface`]
 //! and [`read_tets`] one; [`load`] also validates and names the file in every message.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
 use crate::mesh::formats::error::{ErrorKind, ParseError, ReadError};
-use crate::mesh::formats::mesh::Mesh;
+use crate::mesh::formats::foreign::{check_extension, check_signature};
+use crate::mesh::formats::mesh::{Mesh, MeshFile};
+use crate::mesh::formats::unpack::{extension_of, read_unpacked, without_gz};
 use crate::mesh::formats::words::Words;
-use crate::mesh::formats::{gmsh, medit, obj, off, ply, stl, tetgen, vtk, vtu};
+use crate::mesh::formats::{gmsh, medit, obj, off, ply, stl, tetgen, three_mf, vtk, vtu};
 use crate::mesh::report::Refusal;
 use crate::mesh::surface::SurfaceMesh;
 use crate::mesh::tets::TetMesh;
-use crate::mesh::validate::{Solid, validate_surface, validate_tets};
+use crate::mesh::validate::{Solid, validate_surface_within, validate_tets_within};
 
 /// The formats, as messages name them.
-const KNOWN: &str = "export it as .off, .obj, .stl, .ply, .mesh, .msh, .node/.ele, .vtk or .vtu";
+const KNOWN: &str =
+    "export it as .off, .obj, .stl, .ply, .3mf, .mesh, .msh, .node/.ele, .vtk, .vtu or .vtp";
 
-/// Reads a mesh file.
+/// Reads a mesh file, or standard input where `path` is `-`.
 ///
 /// # Errors
 ///
 /// The file, the line or byte, what is wrong there and what to do.
 pub fn read(path: &Path) -> Result<Mesh, ReadError> {
+    Ok(read_file(path)?.mesh)
+}
+
+/// As [`read`], with what there is to say about the file.
+pub(crate) fn read_file(path: &Path) -> Result<MeshFile, ReadError> {
     let bytes = read_bytes(path)?;
-    let extension = path
-        .extension()
-        .unwrap_or_default()
-        .to_string_lossy()
-        .to_ascii_lowercase();
-    match Format::of(&bytes, &extension) {
-        Some(Format::TetGen) => read_pair(path).map(Mesh::Tets),
-        Some(format) => format.parse(&bytes).map_err(|error| in_file(path, error)),
-        None => {
+    let extension = extension_of(path);
+    let parsed = match Format::of(&bytes, &extension) {
+        Ok(Some(Format::TetGen)) => return read_pair(path),
+        Ok(Some(format)) => format.parse(&bytes),
+        Ok(None) => {
             let what = "a mesh format told neither by the first bytes nor the extension";
             let kind = ErrorKind::unsupported(what, KNOWN);
-            Err(in_file(path, ParseError::whole(kind)))
+            Err(ParseError::whole(kind))
         }
-    }
+        Err(foreign) => Err(foreign),
+    };
+    parsed.map_err(|error| in_file(path, error))
 }
 
 /// Reads a surface; of tetrahedra, their boundary.
@@ -93,16 +98,29 @@ pub enum LoadError {
 ///
 /// The file and what is wrong with it, with the mend.
 pub fn load(path: &Path) -> Result<Solid, LoadError> {
-    let solid = match read(path)? {
-        Mesh::Surface(mesh) => {
-            validate_surface(&mesh).map(|(surface, report)| Solid::Surface(surface, report))
+    load_within(path, 0.0)
+}
+
+/// As [`load`]; vertices up to `weld` apart (L) are merged where the mesh is open without.
+///
+/// # Errors
+///
+/// As [`load`].
+pub fn load_within(path: &Path, weld: f64) -> Result<Solid, LoadError> {
+    let file = read_file(path)?;
+    let solid = match file.mesh {
+        Mesh::Surface(mesh) => validate_surface_within(&mesh, weld)
+            .map(|(surface, report)| Solid::Surface(surface, report)),
+        Mesh::Tets(mesh) => {
+            validate_tets_within(&mesh, weld).map(|(tets, report)| Solid::Tets(tets, report))
         }
-        Mesh::Tets(mesh) => validate_tets(&mesh).map(|(tets, report)| Solid::Tets(tets, report)),
     };
-    solid.map_err(|refusal| {
+    let mut solid = solid.map_err(|refusal| {
         let file = path.to_path_buf();
         LoadError::Refused { file, refusal }
-    })
+    })?;
+    solid.set_file_notes(file.notes);
+    Ok(solid)
 }
 
 /// The formats read here.
@@ -115,29 +133,35 @@ enum Format {
     Ply,
     Stl,
     TetGen,
+    ThreeMf,
     Vtk,
     Vtu,
 }
 
 impl Format {
-    fn of(bytes: &[u8], extension: &str) -> Option<Self> {
-        Self::by_signature(bytes, extension)
-            .or_else(|| Self::by_extension(extension))
-            .or_else(|| Self::by_guess(bytes))
+    /// The format, or the refusal of one that is known but not read.
+    fn of(bytes: &[u8], extension: &str) -> Result<Option<Self>, ParseError> {
+        let is_named_stl = Self::by_extension(extension) == Some(Self::Stl);
+        if is_named_stl && stl::may_be_binary(bytes) {
+            return Ok(Some(Self::Stl));
+        }
+        check_signature(bytes)?;
+        let format = Self::by_signature(bytes).or_else(|| Self::by_extension(extension));
+        if format.is_none() {
+            check_extension(extension)?;
+        }
+        Ok(format.or_else(|| Self::by_guess(bytes)))
     }
 
     /// The format whose signature the file starts with. A binary STL's first 80 bytes may hold any
-    /// remark, so its length counts more.
-    fn by_signature(bytes: &[u8], extension: &str) -> Option<Self> {
-        let is_named_stl = Self::by_extension(extension) == Some(Self::Stl);
-        if is_named_stl && stl::may_be_binary(bytes) {
-            return Some(Self::Stl);
-        }
+    /// remark, so its length counts more, before this.
+    fn by_signature(bytes: &[u8]) -> Option<Self> {
         let start = bytes.trim_ascii_start();
         let first = Words::new(bytes, Some(b'#')).word().unwrap_or_default();
         match first.to_ascii_lowercase().as_slice() {
             b"ply" => Some(Self::Ply),
-            b"$meshformat" => Some(Self::Gmsh),
+            b"$meshformat" | b"$comments" | b"$nod" => Some(Self::Gmsh),
+            _ if bytes.starts_with(b"PK\x03\x04") => Some(Self::ThreeMf),
             b"meshversionformatted" => Some(Self::Medit),
             _ if starts_with_any_case(start, b"# vtk DataFile") => Some(Self::Vtk),
             _ if start.starts_with(b"<?xml") || start.starts_with(b"<VTKFile") => Some(Self::Vtu),
@@ -156,7 +180,8 @@ impl Format {
             "msh" => Self::Gmsh,
             "node" | "ele" => Self::TetGen,
             "vtk" => Self::Vtk,
-            "vtu" => Self::Vtu,
+            "vtu" | "vtp" => Self::Vtu,
+            "3mf" => Self::ThreeMf,
             _ => return None,
         })
     }
@@ -172,22 +197,24 @@ impl Format {
             .then_some(Self::Obj)
     }
 
-    fn parse(self, bytes: &[u8]) -> Result<Mesh, ParseError> {
-        match self {
-            Self::Gmsh => gmsh::parse(bytes),
-            Self::Medit => medit::parse(bytes),
-            Self::Obj => obj::parse(bytes).map(Mesh::Surface),
-            Self::Off => off::parse(bytes).map(Mesh::Surface),
-            Self::Ply => ply::parse(bytes).map(Mesh::Surface),
-            Self::Stl => stl::parse(bytes).map(Mesh::Surface),
-            Self::Vtk => vtk::parse(bytes),
-            Self::Vtu => vtu::parse(bytes),
+    fn parse(self, bytes: &[u8]) -> Result<MeshFile, ParseError> {
+        let surface = match self {
+            Self::Gmsh => return gmsh::read(bytes),
+            Self::Medit => return medit::read(bytes),
+            Self::ThreeMf => return three_mf::read(bytes),
+            Self::Vtk => return vtk::read(bytes),
+            Self::Vtu => return vtu::read(bytes),
+            Self::Obj => obj::parse(bytes),
+            Self::Off => off::parse(bytes),
+            Self::Ply => ply::parse(bytes),
+            Self::Stl => stl::parse(bytes),
             Self::TetGen => {
                 let what = "one of TetGen's two files alone";
                 let kind = ErrorKind::unsupported(what, "name the .ele file");
                 Err(ParseError::whole(kind))
             }
-        }
+        };
+        Ok(MeshFile::plain(Mesh::Surface(surface?)))
     }
 }
 
@@ -196,24 +223,39 @@ fn starts_with_any_case(bytes: &[u8], start: &[u8]) -> bool {
     first.is_some_and(|first| first.eq_ignore_ascii_case(start))
 }
 
-/// Reads TetGen's two files, given either.
-fn read_pair(path: &Path) -> Result<TetMesh, ReadError> {
-    let (nodes, elements) = (path.with_extension("node"), path.with_extension("ele"));
+/// Reads TetGen's two files, given either; each may be packed.
+fn read_pair(path: &Path) -> Result<MeshFile, ReadError> {
+    let [nodes, elements] = tetgen_pair(path);
     let parsed = tetgen::parse_nodes(&read_bytes(&nodes)?);
     let parsed = parsed.map_err(|error| in_file(&nodes, error))?;
-    tetgen::parse_elements(&read_bytes(&elements)?, parsed)
+    tetgen::read_elements(&read_bytes(&elements)?, parsed)
         .map_err(|error| in_file(&elements, error))
+}
+
+/// The `.node` and the `.ele` file of a pair, given either: packed where the file is packed and no
+/// plain one is there.
+pub(crate) fn tetgen_pair(path: &Path) -> [PathBuf; 2] {
+    let base = without_gz(path);
+    ["node", "ele"].map(|extension| {
+        let plain = base.with_extension(extension);
+        let packed = base.with_extension(format!("{extension}.gz"));
+        if packed.exists() && !plain.exists() {
+            packed
+        } else {
+            plain
+        }
+    })
 }
 
 /// A file's bytes, without a byte order mark; not empty.
 fn read_bytes(path: &Path) -> Result<Vec<u8>, ReadError> {
-    let mut bytes =
-        fs::read(path).map_err(|error| in_file(path, ParseError::whole(error.into())))?;
+    let whole = |kind| in_file(path, ParseError::whole(kind));
+    let mut bytes = read_unpacked(path).map_err(whole)?;
     if bytes.starts_with(b"\xef\xbb\xbf") {
         bytes.drain(..3);
     }
     if bytes.trim_ascii().is_empty() {
-        return Err(in_file(path, ParseError::whole(ErrorKind::Empty)));
+        return Err(whole(ErrorKind::Empty));
     }
     Ok(bytes)
 }
