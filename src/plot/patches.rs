@@ -18,6 +18,8 @@ use crate::plot::panel::{BAR_SPACE, TITLE_SIZE, draw_color_bar};
 pub(crate) struct Patch {
     /// The contours of its area, filled by the even-odd rule (L).
     pub contours: Vec<Vec<Point2<f64>>>,
+    /// Its outline, where that is not all contours.
+    pub rims: Option<Vec<[Point2<f64>; 2]>>,
     /// The value that colors it.
     pub value: f64,
     /// The site, if it is to be shown as a dot.
@@ -37,6 +39,9 @@ const BAR_GAP: f64 = 18.0;
 const OUTLINE: (f64, [f64; 2]) = (0.02, [0.08, 0.9]);
 const DOT: (f64, [f64; 2]) = (0.06, [0.3, 2.6]);
 
+/// The lines that close the gaps between parts of a patch.
+const SEAM: f64 = 0.4;
+
 /// The luma above which dots are dark.
 const BRIGHT: f64 = 110.0;
 
@@ -53,12 +58,20 @@ pub(crate) fn picture(patches: &[Patch], scale: &ColorScale, title: &str) -> Fig
     let outline = Stroke::solid(Color::INK, sized(OUTLINE));
     for patch in patches {
         let place = |contour: &Vec<_>| contour.iter().map(|point| frame.place(point)).collect();
+        let fill = scale.color(patch.value);
         figure.shapes.push(Shape::Path {
             contours: patch.contours.iter().map(place).collect(),
             closed: true,
-            fill: Some(scale.color(patch.value)),
-            stroke: Some(outline),
+            fill: Some(fill),
+            // Between parts of one patch no line shall be seen, nor a gap.
+            stroke: Some(match patch.rims {
+                Some(_) => Stroke::solid(fill, SEAM),
+                None => outline,
+            }),
         });
+    }
+    for [start, end] in patches.iter().flat_map(|patch| patch.rims.iter().flatten()) {
+        figure.line(frame.place(start), frame.place(end), outline);
     }
     for (site, value) in patches
         .iter()
@@ -169,6 +182,7 @@ impl PlaneCut {
             .collect();
         (!contours.is_empty()).then_some(Patch {
             contours,
+            rims: None,
             value,
             site: None,
         })

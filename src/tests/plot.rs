@@ -326,6 +326,7 @@ fn ten_thousand_cells_of_the_plane_are_a_small_picture() {
     ];
     let patches: Vec<Patch> = (0..10_000)
         .map(|k| Patch {
+            rims: None,
             contours: vec![
                 hexagon
                     .map(|[x, y]| corner(k) + nalgebra::Vector2::new(x, y))
@@ -343,6 +344,7 @@ fn ten_thousand_cells_of_the_plane_are_a_small_picture() {
 #[test]
 fn odd_patches_still_give_a_picture() {
     let point = Patch {
+        rims: None,
         contours: vec![vec![Point2::new(1.0, 1.0); 3]],
         value: f64::NAN,
         site: None,
