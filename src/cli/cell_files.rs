@@ -78,7 +78,8 @@ impl DrawCells<2> for Plane {
             patches.push(flat_patch(cell, Colors::value(figures)));
         }
         file.finish()?;
-        let figure = picture(&patches, colors.scale(), "Cells and their sites");
+        let names = ["x", "y"].map(str::to_owned);
+        let figure = picture(&patches, colors.scale(), "Cells and their sites", &names);
         save_svg(&figure, patches.len(), directory)?;
         save_png(&png(&figure, PNG_SCALE)?, directory)
     }
@@ -148,7 +149,7 @@ impl DrawCells<3> for Space {
         }
         file.map_or(Ok(0), VtuWriter::finish)?;
         let title = format!("Cells cut at z = {height:.4}");
-        let figure = picture(&patches, colors.scale(), &title);
+        let figure = picture(&patches, colors.scale(), &title, &cut.axis_names());
         save_svg(&figure, patches.len(), directory)?;
         save_png(&cutaway.finish()?, directory)
     }

@@ -141,9 +141,18 @@ fn cells_of_degenerate_sites_fill_polygons_and_tori() {
         unit_square().repeated([true, true]),
         unit_square().repeated([false, true]),
     ];
-    let sets = [lattice(0.0), lattice(1e-15), lattice(1e-9), lattice(0.1), line];
+    let sets = [
+        lattice(0.0),
+        lattice(1e-15),
+        lattice(1e-9),
+        lattice(0.1),
+        line,
+    ];
     for domain in &domains {
-        for sites in sets.iter().chain([&sets[3][..1].to_vec(), &sets[0][..3].to_vec()]) {
+        for sites in sets
+            .iter()
+            .chain([&sets[3][..1].to_vec(), &sets[0][..3].to_vec()])
+        {
             let diagram = PlaneDiagram::new(domain, sites).unwrap();
             let error = diagram.area() / domain.area() - 1.0;
             assert!(error.abs() < 1e-12, "{} sites: {error:e}", sites.len());
@@ -192,12 +201,17 @@ fn energies_agree_with_sums_over_a_fine_grid() {
             if !domain.contains(&place) {
                 continue;
             }
-            let arms: Vec<_> = sites.iter().map(|s| plane.displacement(s, &place)).collect();
+            let arms: Vec<_> = sites
+                .iter()
+                .map(|s| plane.displacement(s, &place))
+                .collect();
             let nearest = (0..sites.len())
                 .min_by(|&a, &b| arms[a].norm().total_cmp(&arms[b].norm()))
                 .unwrap();
             let density = domain.density().map_or(1.0, |density| {
-                density.about(&Point2::origin()).at(&[place.x, place.y, 0.0].into())
+                density
+                    .about(&Point2::origin())
+                    .at(&[place.x, place.y, 0.0].into())
             });
             let square = extent.x * extent.y / (fine * fine) as f64;
             sums[nearest] += density * arms[nearest].amax().powi(2) * square;
@@ -206,10 +220,17 @@ fn energies_agree_with_sums_over_a_fine_grid() {
         let cells = plane.metrics(&sites, spec).unwrap();
         let total: f64 = sums.iter().sum();
         for (cell, sum) in cells.iter().zip(sums) {
-            assert!((cell.energy - sum).abs() < 6e-3 * total, "{name}: {} {sum}", cell.energy);
+            assert!(
+                (cell.energy - sum).abs() < 6e-3 * total,
+                "{name}: {} {sum}",
+                cell.energy
+            );
         }
         let exact: f64 = cells.iter().map(|cell| cell.energy).sum();
-        assert!((exact / total - 1.0).abs() < 6e-3, "{name}: {exact} {total}");
+        assert!(
+            (exact / total - 1.0).abs() < 6e-3,
+            "{name}: {exact} {total}"
+        );
     }
 }
 
@@ -232,7 +253,10 @@ fn derivatives_of_a_cells_energy_agree_with_differences_in_any_domain() {
                     let slope = (up.value - down.value) / (2.0 * step);
                     let bend = (up.gradient - down.gradient) / (2.0 * step);
                     let scale = exact.gradient.amax() + exact.hessian.amax();
-                    assert!((slope - exact.gradient[axis]).abs() < 1e-8 * scale, "{name} {order}");
+                    assert!(
+                        (slope - exact.gradient[axis]).abs() < 1e-8 * scale,
+                        "{name} {order}"
+                    );
                     let off = (bend - exact.hessian.column(axis)).amax();
                     assert!(off < 1e-4 * scale, "{name} {order}: {off:e}");
                 }
@@ -261,7 +285,10 @@ fn the_objectives_gradient_agrees_with_differences_in_any_domain() {
                     };
                     let slope = (at(step) - at(-step)) / (2.0 * step);
                     let off = (slope - exact.gradient[site][axis]).abs();
-                    assert!(off < 1e-6 * scale, "{name}, order {order}: {off:e} of {scale:e}");
+                    assert!(
+                        off < 1e-6 * scale,
+                        "{name}, order {order}: {off:e} of {scale:e}"
+                    );
                 }
             }
         }
@@ -296,9 +323,16 @@ fn k_squared_random_sites_become_squares() {
             let mut sites = random_sites(&plane.domain, k * k, seed);
             let (records, _) = run(&plane, &squares(k * k), &mut sites);
             let percent = records.last().unwrap().energy_percent;
-            assert!((percent - 100.0).abs() < 5e-5, "{k}, seed {seed}: {percent}");
+            assert!(
+                (percent - 100.0).abs() < 5e-5,
+                "{k}, seed {seed}: {percent}"
+            );
             let cells = plane.metrics(&sites, LINF).unwrap();
-            assert!(cells.iter().all(|cell| cell.facets == 4 && cell.cubeness > 0.999));
+            assert!(
+                cells
+                    .iter()
+                    .all(|cell| cell.facets == 4 && cell.cubeness > 0.999)
+            );
         }
     }
 }
@@ -314,7 +348,10 @@ fn descents_go_downhill_in_every_domain_and_sites_stay_inside() {
         assert!(fell.all(|fell| fell), "{name}");
         let (first, last) = (&records[0], records.last().unwrap());
         assert!(last.energy_mean < 0.95 * first.energy_mean, "{name}");
-        assert!(sites.iter().all(|site| plane.domain.contains(site)), "{name}");
+        assert!(
+            sites.iter().all(|site| plane.domain.contains(site)),
+            "{name}"
+        );
     }
 }
 
@@ -326,7 +363,10 @@ fn lloyd_goes_downhill_in_every_domain_and_sites_stay_inside() {
         let fell = records.windows(2);
         let mut fell = fell.map(|pair| pair[1].energy_mean <= pair[0].energy_mean * (1.0 + 1e-12));
         assert!(fell.all(|fell| fell), "{name}");
-        assert!(sites.iter().all(|site| plane.domain.contains(site)), "{name}");
+        assert!(
+            sites.iter().all(|site| plane.domain.contains(site)),
+            "{name}"
+        );
     }
 }
 
@@ -361,7 +401,11 @@ fn a_density_draws_cells_and_its_mean_and_optimum_are_right() {
     // ∫ (1 + 8x)^(2/3) dx = 3/40 (9^(5/3) − 1).
     let exact = 3.0 / 40.0 * (9.0_f64.powf(5.0 / 3.0) - 1.0) / 5.0_f64.powf(2.0 / 3.0);
     let optimum = plane.optimum();
-    assert!((optimum.volume - exact).abs() < 1e-5, "{} {exact}", optimum.volume);
+    assert!(
+        (optimum.volume - exact).abs() < 1e-5,
+        "{} {exact}",
+        optimum.volume
+    );
     let mut sites = random_sites(&plane.domain, 100, 1);
     let (records, _) = run(&plane, &Plan::quasi_newton(1, 60), &mut sites);
     let percent = records.last().unwrap().energy_percent;
@@ -374,7 +418,9 @@ fn a_density_draws_cells_and_its_mean_and_optimum_are_right() {
 fn densities_that_are_none_are_refused_with_a_place() {
     let of = |text: &str, domain: PlaneDomain| domain.weighted(&text.parse().unwrap()).unwrap_err();
     let negative = of("x - 0.5", unit_square());
-    assert!(matches!(negative, PlaneDomainError::Density { value, x, .. } if value < 0.0 && x < 0.5));
+    assert!(
+        matches!(negative, PlaneDomainError::Density { value, x, .. } if value < 0.0 && x < 0.5)
+    );
     let flat = of("1 + z", unit_square());
     assert_eq!(flat, PlaneDomainError::DensityOfZ);
     let along = of("1 + x", unit_square().repeated([true, false]));
@@ -393,9 +439,16 @@ fn sites_outside_a_polygon_and_twice_in_a_torus_are_refused() {
     let error = PlaneDiagram::new(&hole, &sites).unwrap_err().to_string();
     assert_eq!(error, "site 1 lies outside the domain: (2, 2)");
     let torus = unit_square().repeated([true, true]);
-    let twice = [Point2::new(0.0, 0.3), Point2::new(0.5, 0.5), Point2::new(1.0, 0.3)];
+    let twice = [
+        Point2::new(0.0, 0.3),
+        Point2::new(0.5, 0.5),
+        Point2::new(1.0, 0.3),
+    ];
     let error = PlaneDiagram::new(&torus, &twice).unwrap_err().to_string();
-    assert!(error.starts_with("sites 0 and 2 are the same point"), "{error}");
+    assert!(
+        error.starts_with("sites 0 and 2 are the same point"),
+        "{error}"
+    );
 }
 
 #[test]
