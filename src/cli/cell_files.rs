@@ -14,6 +14,7 @@ use crate::export::run::directory::RunDirectory;
 use crate::export::vtu::{CellGeometry, VtuWriter};
 use crate::geometry::bounds::Bounds;
 use crate::geometry::label::Label;
+use crate::geometry::polygon::ConvexPolygon;
 use crate::geometry::shell::Shell;
 use crate::plot::color::ColorScale;
 use crate::plot::cutaway::{CutawayPicture, Removed};
@@ -31,7 +32,7 @@ use crate::relax::space::Space;
 use crate::relax::space::shells;
 use crate::scene::run::RunSpace;
 use crate::voronoi::diagram::Diagram;
-use crate::voronoi::planar::diagram::PlaneDiagram;
+use crate::voronoi::planar::diagram::{PlaneCell, PlaneDiagram};
 
 /// Pixels per unit of an SVG: text stays sharp on fine screens.
 pub(crate) const PNG_SCALE: f64 = 2.0;
@@ -69,18 +70,36 @@ impl DrawCells<2> for Plane {
         let mut file = VtuWriter::new(&directory.file("cells.vtu"));
         let mut patches = Vec::with_capacity(sites.len());
         for (site, (cell, figures)) in diagram.cells.iter().zip(cells).enumerate() {
-            let outline: Vec<Point2<f64>> = cell.outline().collect();
-            file.push(&geometry(site, Shell::polygon(&outline), figures))?;
-            patches.push(Patch {
-                contours: vec![outline],
-                value: Colors::value(figures),
-                site: Some(cell.site),
-            });
+            for piece in cell.pieces() {
+                let corners = piece.translated(&cell.site.coords);
+                let shell = Shell::polygon(corners.vertices());
+                file.push(&geometry(site, shell, figures))?;
+            }
+            patches.push(flat_patch(cell, Colors::value(figures)));
         }
         file.finish()?;
-        let figure = picture(&patches, colors.scale(), "Cells and their sites");
+        let names = ["x", "y"].map(str::to_owned);
+        let figure = picture(&patches, colors.scale(), "Cells and their sites", &names);
         save_svg(&figure, patches.len(), directory)?;
         save_png(&png(&figure, PNG_SCALE)?, directory)
+    }
+}
+
+/// A cell of the plane for a picture, with lines along those edges that are not between its pieces.
+fn flat_patch(cell: &PlaneCell, value: f64) -> Patch {
+    let place = |point: &Point2<f64>| point + cell.site.coords;
+    let pieces = cell.pieces().iter();
+    let contours = pieces.map(|piece| piece.vertices().iter().map(place).collect());
+    let edges = cell.pieces().iter().flat_map(ConvexPolygon::edges);
+    let lines = edges.filter(|edge| FacetKind::of(edge.label) != FacetKind::Inner);
+    Patch {
+        contours: contours.collect(),
+        rims: (cell.pieces().len() > 1).then(|| {
+            let ends = lines.map(|edge| [place(&edge.start), place(&edge.end)]);
+            ends.collect()
+        }),
+        value,
+        site: Some(cell.site),
     }
 }
 
@@ -130,7 +149,7 @@ impl DrawCells<3> for Space {
         }
         file.map_or(Ok(0), VtuWriter::finish)?;
         let title = format!("Cells cut at z = {height:.4}");
-        let figure = picture(&patches, colors.scale(), &title);
+        let figure = picture(&patches, colors.scale(), &title, &cut.axis_names());
         save_svg(&figure, patches.len(), directory)?;
         save_png(&cutaway.finish()?, directory)
     }

@@ -20,6 +20,7 @@ pub(crate) mod mesh;
 pub(crate) mod mesh_report;
 pub(crate) mod options;
 pub(crate) mod output;
+mod overlay;
 pub(crate) mod plot;
 pub(crate) mod relax;
 pub(crate) mod run;

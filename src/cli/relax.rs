@@ -28,10 +28,13 @@ const METHODS: [(&str, &str); 3] = [
     ),
 ];
 
-const GOALS: [(&str, &str); 1] = [(
-    "cubes",
-    "Every cell a cube, as near as the number of sites allows",
-)];
+const GOALS: [(&str, &str); 2] = [
+    (
+        "cubes",
+        "Every cell a cube, as near as the number of sites allows",
+    ),
+    ("squares", "In the plane: every cell a square"),
+];
 
 /// Relax sites until their cells are near-cubic
 ///
@@ -63,7 +66,7 @@ pub(crate) struct RelaxOptions {
     /// What the cells are to become; chooses the method
     #[arg(long, value_name = "NAME", conflicts_with = "method", value_parser = named(&GOALS))]
     goal: Option<String>,
-    /// Relax one site in 8^L first, then split each into eight, L times
+    /// Relax one site in 8^L first, then split each into eight, L times (in the plane four)
     #[arg(long, value_name = "L")]
     coarse_to_fine: Option<u32>,
     #[command(flatten)]
@@ -84,6 +87,7 @@ fn start(options: &RelaxOptions, common: Common) -> Result<(), Failure> {
         RunDirectory::check_vacant(&options.out).map_err(Failure::input)?;
     }
     let scene = options.scene.scene(options.overrides())?;
+    check_goal(options.goal.as_deref(), scene.dimension)?;
     let inputs = options.scene.inputs(&scene);
     check_outputs(&options.out, &inputs, options.force)?;
     if scene.dimension == 2 {
@@ -91,6 +95,19 @@ fn start(options: &RelaxOptions, common: Common) -> Result<(), Failure> {
         return FiledRun::start(&plane, scene, &options.out, interrupt)?.run(common);
     }
     FiledRun::start(&space(&scene)?, scene, &options.out, interrupt)?.run(common)
+}
+
+/// Refuses the goal of the other dimension.
+fn check_goal(goal: Option<&str>, dimension: usize) -> Result<(), Failure> {
+    match (goal, dimension) {
+        (Some("cubes"), 2) => Err(Failure::input(
+            "--goal cubes is for sites in space, the scene has \"dimension\": 2; say --goal squares",
+        )),
+        (Some("squares"), 3) => Err(Failure::input(
+            "--goal squares is for sites in the plane; say --goal cubes, or set \"dimension\": 2 in the scene",
+        )),
+        _ => Ok(()),
+    }
 }
 
 /// Refuses a directory in which a run would replace other files than it may.

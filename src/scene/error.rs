@@ -7,7 +7,7 @@
 use std::path::{Path, PathBuf};
 
 use crate::domain::error::DomainError;
-use crate::domain::planar::PlaneDomainError;
+use crate::domain::planar_error::PlaneDomainError;
 use crate::mesh::formats::read::LoadError;
 
 /// Why a scene or its sites cannot be used. Site indices count from zero, lines from one.

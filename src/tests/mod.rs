@@ -26,6 +26,7 @@ mod minimize;
 mod models;
 mod objective;
 mod plane;
+mod plane_methods;
 mod plot;
 mod properties;
 pub(crate) mod quadrature;
