@@ -7,7 +7,9 @@ use clap::{CommandFactory, Parser, Subcommand};
 
 use crate::cli::failure::Failure;
 use crate::cli::options::Common;
-use crate::cli::{bench, cpu_features, describe, fragments, mass, measure, mesh, plot, relax};
+use crate::cli::{
+    bench, cpu_features, describe, fragments, mass, measure, mesh, plot, relax, report,
+};
 
 /// Relaxes point sets under the Chebyshev norm until their Voronoi cells are near-cubic.
 ///
@@ -28,6 +30,7 @@ enum Command {
     Mass(mass::MassOptions),
     Mesh(mesh::MeshOptions),
     Plot(plot::PlotOptions),
+    Report(report::ReportOptions),
     Fragments(fragments::FragmentsOptions),
     Bench(bench::BenchOptions),
     /// Print the JSON Schema of scenes
@@ -62,6 +65,7 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
         Command::Mass(options) => mass::run(options),
         Command::Mesh(options) => mesh::run(options, common),
         Command::Plot(options) => plot::run(options, common),
+        Command::Report(options) => report::run(options, common),
         Command::Fragments(options) => fragments::run(options, common),
         Command::Bench(options) => bench::run(options, common.threads),
         Command::Schema => describe::schema(),

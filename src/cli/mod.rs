@@ -21,5 +21,7 @@ pub(crate) mod options;
 pub(crate) mod output;
 pub(crate) mod plot;
 pub(crate) mod relax;
+pub(crate) mod report;
+pub(crate) mod report_cells;
 pub(crate) mod run;
 pub(crate) mod stopwatch;
