@@ -26,7 +26,7 @@
 //! ```text
 //! floor 8   main.rs                             the program: one call of the command line
 //! floor 7   cli/                                one file per subcommand (feature `cli`)
-//! floor 6   scene/        export/      plot/    input, files, pictures (`scene`, `files`, `cli`)
+//! floor 6   scene/    export/   plot/  report/  input, files, pictures, pages (`scene`, `files`, `cli`)
 //! floor 5   relax/        complex/  balance/    driver and moves │ cells as one mesh │ densities to measure
 //! floor 4   voronoi/      energy/               cells of sites │ energies of cells
 //! floor 3   domain/        gcode/      mass/    pieces of cells in solids │ prints │ mass properties
@@ -129,6 +129,8 @@ mod minimize;
 #[cfg(feature = "cli")]
 mod plot;
 mod relax;
+#[cfg(feature = "cli")]
+mod report;
 mod voronoi;
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Folder → the folders from which it may import. What is not listed is a mistake.
-const MAY_IMPORT: [(&str, &[&str]); 16] = [
+const MAY_IMPORT: [(&str, &[&str]); 17] = [
     ("geometry", &[]),
     ("minimize", &[]),
     ("mesh", &["geometry"]),
@@ -54,6 +54,7 @@ const MAY_IMPORT: [(&str, &[&str]); 16] = [
     ),
     ("export", &["geometry", "mesh", "complex", "relax"]),
     ("plot", &["geometry", "mesh", "relax"]),
+    ("report", &["geometry", "plot", "relax"]),
     (
         "cli",
         &[
@@ -71,6 +72,7 @@ const MAY_IMPORT: [(&str, &[&str]); 16] = [
             "scene",
             "export",
             "plot",
+            "report",
         ],
     ),
 ];

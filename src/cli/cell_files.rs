@@ -207,7 +207,7 @@ fn cut_height(bounds: &Bounds<3>, volume: f64, count: usize) -> f64 {
 
 /// Cells colored by energy, relative to a cube of the cell's own volume and mean density: that shows
 /// shapes, where a common measure would show how volumes and densities differ.
-struct Colors(ColorScale);
+pub(crate) struct Colors(ColorScale);
 
 impl Colors {
     /// Colors spread over the energies of `cells`.
@@ -225,7 +225,8 @@ impl Colors {
         &self.0
     }
 
-    fn value<const D: usize>(cell: &CellMetrics<D>) -> f64 {
+    /// The energy of a cell (%).
+    pub(crate) fn value<const D: usize>(cell: &CellMetrics<D>) -> f64 {
         let cube = cell.relative_density * optimal_energy::<D>(cell.volume, 1, 1);
         100.0 * cell.chebyshev / cube
     }

@@ -8,7 +8,7 @@ use clap::{CommandFactory, Parser, Subcommand};
 use crate::cli::failure::Failure;
 use crate::cli::options::Common;
 use crate::cli::{
-    bench, cpu_features, describe, fragments, mass, measure, mesh, plot, relax, spin,
+    bench, cpu_features, describe, fragments, mass, measure, mesh, plot, relax, report, spin,
 };
 
 /// Relaxes point sets under the Chebyshev norm until their Voronoi cells are near-cubic.
@@ -31,6 +31,7 @@ enum Command {
     Mesh(mesh::MeshOptions),
     Spin(spin::SpinOptions),
     Plot(plot::PlotOptions),
+    Report(report::ReportOptions),
     Fragments(fragments::FragmentsOptions),
     Bench(bench::BenchOptions),
     Schema(describe::SchemaOptions),
@@ -65,6 +66,7 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
         Command::Mesh(options) => mesh::run(options, common),
         Command::Spin(options) => spin::run(options, common),
         Command::Plot(options) => plot::run(options, common),
+        Command::Report(options) => report::run(options, common),
         Command::Fragments(options) => fragments::run(options, common),
         Command::Bench(options) => bench::run(options, common.threads),
         Command::Schema(options) => describe::schema(options),

@@ -23,6 +23,8 @@ pub(crate) mod output;
 mod overlay;
 pub(crate) mod plot;
 pub(crate) mod relax;
+pub(crate) mod report;
+pub(crate) mod report_cells;
 pub(crate) mod run;
 pub(crate) mod spin;
 pub(crate) mod spin_files;

@@ -114,7 +114,7 @@ pub(crate) struct ColorScale {
 }
 
 /// The share of viridis at its dark end that no value gets, so that outlines stay visible.
-const TOO_DARK: f64 = 0.12;
+pub(crate) const TOO_DARK: f64 = 0.12;
 
 /// The share of the values at either end that may leave the scale, so that one odd cell does not
 /// wash out all others.

@@ -53,7 +53,7 @@ const LEAST_EXCESS: f64 = 1e-6;
 const TO_OPTIMUM: f64 = 0.35;
 
 /// Colors that differ to the color-blind too (Okabe & Ito 2008, without black and yellow).
-const COLORS: [Color; 6] = [
+pub(crate) const COLORS: [Color; 6] = [
     Color::hex(0x00_72_b2),
     Color::hex(0xd5_5e_00),
     Color::hex(0x00_9e_73),

@@ -1,0 +1,361 @@
+//! The cells of a run as numbers for a page: points that cells share, faces, and values of every cell.
+//!
+//! Positions are quantized to 24 bits of the box around all cells, which welds the points that cells
+//! share. A face that two cells show from both sides is stored once. Cells that do not fit together to the
+//! bit (L∞ cells) keep a face each: the page then draws both.
+
+use std::collections::HashMap;
+
+use nalgebra::{Point3, Vector3};
+use serde_json::{Value, json};
+
+use crate::geometry::bounds::Bounds;
+use crate::geometry::shell::Shell;
+use crate::plot::color::ColorScale;
+use crate::report::packing::{COORDINATE_BITS, NumberPacker};
+
+/// Which end of a column's range is the good one, and bright.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum BrightEnd {
+    /// The low one.
+    Low,
+    /// The high one.
+    High,
+}
+
+/// A value of every cell.
+#[derive(Clone, Debug)]
+pub(crate) struct ValueColumn {
+    /// Its short name.
+    pub(crate) name: &'static str,
+    /// Its name with its unit, for the color bar.
+    pub(crate) label: &'static str,
+    /// Which end of its range is bright.
+    pub(crate) bright: BrightEnd,
+    /// Whether the values are whole numbers.
+    pub(crate) is_whole: bool,
+    /// A value for each cell.
+    pub(crate) values: Vec<f64>,
+}
+
+/// A cell that a page shows.
+#[derive(Clone, Debug)]
+pub(crate) struct ShownCell {
+    /// The number of its site.
+    pub(crate) site: u32,
+    /// The site's place.
+    pub(crate) position: Point3<f64>,
+    /// The cell's surface, in the plane its polygon.
+    pub(crate) shell: Shell,
+}
+
+/// The cells of a run that a page shows, in site order.
+#[derive(Clone, Debug)]
+pub(crate) struct ShownCells {
+    /// The dimension of space.
+    pub(crate) dimension: usize,
+    /// The box around the domain; z is 0 in the plane.
+    pub(crate) bounds: Bounds<3>,
+    /// How many cells the run has.
+    pub(crate) total: usize,
+    /// Which of them are shown, if not all: "those that touch …".
+    pub(crate) selection: Option<String>,
+    /// The cells.
+    pub(crate) cells: Vec<ShownCell>,
+    /// Their values.
+    pub(crate) columns: Vec<ValueColumn>,
+}
+
+/// Cells in packed form.
+#[derive(Clone, Debug)]
+pub(crate) struct PackedCells {
+    /// What a reader of the numbers needs, and what the page says about them.
+    pub(crate) header: Value,
+    /// The numbers.
+    pub(crate) numbers: String,
+}
+
+/// The largest quantized coordinate.
+const LARGEST: f64 = ((1_u32 << COORDINATE_BITS) - 1) as f64;
+
+/// The cosine above which facets of one cell that meet in an edge are one wall, and the edge gets no line:
+/// 25°, as in `plot::z_buffer`.
+const SMOOTH: f64 = 0.9;
+
+impl ShownCells {
+    /// The cells as text for a page.
+    #[must_use]
+    pub(crate) fn pack(&self) -> PackedCells {
+        let order = self.spatial_order();
+        let grid = QuantizedBox::around(self);
+        let mut faces = SharedFaces::default();
+        for &cell in &order {
+            faces.push_cell(&self.cells[cell].shell, &grid);
+        }
+        let mut packer = NumberPacker::default();
+        faces.pack(&mut packer);
+        let sites: Vec<[u32; 3]> = order
+            .iter()
+            .map(|&cell| grid.place(&self.cells[cell].position))
+            .collect();
+        push_places(&mut packer, &sites);
+        let numbers: Vec<u32> = order.iter().map(|&cell| self.cells[cell].site).collect();
+        packer.push(&numbers);
+        for column in &self.columns {
+            let values: Vec<f64> = order.iter().map(|&cell| column.values[cell]).collect();
+            packer.push_reals(&values);
+        }
+        PackedCells {
+            header: self.header(&faces, &grid, packer.len()),
+            numbers: packer.finish(),
+        }
+    }
+
+    fn header(&self, faces: &SharedFaces, grid: &QuantizedBox, bytes: usize) -> Value {
+        json!({
+            "dimension": self.dimension,
+            "bounds": [self.bounds.min.coords.as_slice(), self.bounds.max.coords.as_slice()],
+            "total": self.total,
+            "selection": self.selection,
+            "cells": self.cells.len(),
+            "points": faces.points.len(),
+            "faces": faces.sizes.len(),
+            "corners": faces.corners.len(),
+            "bytes": bytes,
+            "origin": grid.min.coords.as_slice(),
+            "step": grid.step.as_slice(),
+            "columns": self.columns.iter().map(ValueColumn::header).collect::<Vec<_>>(),
+        })
+    }
+
+    /// The cells along a curve that keeps neighbors together, which makes the numbers deflate better: by
+    /// the interleaved bits of their sites' coordinates (Morton order).
+    fn spatial_order(&self) -> Vec<usize> {
+        const BITS: u32 = 10;
+        let corner = self.bounds.min;
+        let step = self.bounds.extent().map(|length| cells_per(length, BITS));
+        let key = |cell: &usize| {
+            let arm = (self.cells[*cell].position - corner).component_mul(&step);
+            let places = arm.map(|place| place.clamp(0.0, f64::from((1 << BITS) - 1)) as u32);
+            (0..BITS).rev().fold(0_u32, |key, bit| {
+                (0..3).fold(key, |key, axis| key << 1 | places[axis] >> bit & 1)
+            })
+        };
+        let mut order: Vec<usize> = (0..self.cells.len()).collect();
+        order.sort_by_cached_key(key);
+        order
+    }
+}
+
+fn cells_per(length: f64, bits: u32) -> f64 {
+    let count = f64::from(1_u32 << bits);
+    if length > 0.0 { count / length } else { 0.0 }
+}
+
+impl ValueColumn {
+    fn header(&self) -> Value {
+        let scale = ColorScale::fitting(self.label, self.values.iter().copied());
+        json!({
+            "name": self.name,
+            "label": self.label,
+            "bright": match self.bright { BrightEnd::Low => "low", BrightEnd::High => "high" },
+            "whole": self.is_whole,
+            "range": [scale.min, scale.max],
+        })
+    }
+}
+
+/// The box that quantized coordinates fill.
+#[derive(Clone, Copy, Debug)]
+struct QuantizedBox {
+    min: Point3<f64>,
+    /// The length of one step along each axis (L).
+    step: Vector3<f64>,
+}
+
+impl QuantizedBox {
+    fn around(cells: &ShownCells) -> Self {
+        let shells = cells.cells.iter().flat_map(|cell| cell.shell.vertices());
+        let places = cells.cells.iter().map(|cell| &cell.position);
+        let bounds = Bounds::of(shells.chain(places));
+        let is_finite = bounds.extent().iter().all(|length| length.is_finite());
+        let bounds = if is_finite { bounds } else { cells.bounds };
+        Self {
+            min: bounds.min,
+            step: bounds.extent() / LARGEST,
+        }
+    }
+
+    fn place(&self, point: &Point3<f64>) -> [u32; 3] {
+        let arm = point - self.min;
+        let place = |axis: usize| {
+            let steps = arm[axis] / self.step[axis];
+            if steps.is_finite() {
+                steps.round().clamp(0.0, LARGEST) as u32
+            } else {
+                0
+            }
+        };
+        [place(0), place(1), place(2)]
+    }
+}
+
+fn push_places(packer: &mut NumberPacker, places: &[[u32; 3]]) {
+    for axis in 0..3 {
+        let along: Vec<u32> = places.iter().map(|place| place[axis]).collect();
+        packer.push_coordinates(&along);
+    }
+}
+
+/// Faces of cells by the points that they share.
+#[derive(Debug, Default)]
+struct SharedFaces {
+    points: Vec<[u32; 3]>,
+    numbers: HashMap<[u32; 3], u32>,
+    /// Faces that had one cell so far, by their corners as seen from there, the least first.
+    open: HashMap<Vec<u32>, usize>,
+    /// How many faces each cell owns; a face belongs to the first of its cells.
+    owned: Vec<u32>,
+    owners: Vec<u32>,
+    sizes: Vec<u32>,
+    /// The cell on the other side of a face, by how many cells it comes later; 0 for none.
+    neighbors: Vec<u32>,
+    corners: Vec<u32>,
+    /// For every corner whether the edge to the next one lies within a wall.
+    smooth: Vec<bool>,
+}
+
+/// A corner of a face and whether the edge to the next lies within a wall.
+type FaceCorner = (u32, bool);
+
+impl SharedFaces {
+    /// Adds the next cell.
+    fn push_cell(&mut self, shell: &Shell, grid: &QuantizedBox) {
+        let cell = self.owned.len() as u32;
+        let numbers: Vec<u32> = shell
+            .vertices()
+            .iter()
+            .map(|vertex| self.number(grid.place(vertex)))
+            .collect();
+        let (mut smooth, mut count) = (smooth_edges(shell).into_iter(), 0);
+        for facet in shell.facets() {
+            let corners = facet.iter().map(|&corner| numbers[corner as usize]);
+            let corners: Vec<FaceCorner> = corners.zip(&mut smooth).collect();
+            let face = without_repetitions(&corners);
+            if face.len() >= 3 && !self.closes(cell, &face) {
+                self.push_face(cell, &face);
+                count += 1;
+            }
+        }
+        self.owned.push(count);
+    }
+
+    fn number(&mut self, place: [u32; 3]) -> u32 {
+        let next = self.points.len() as u32;
+        let number = *self.numbers.entry(place).or_insert(next);
+        if number == next {
+            self.points.push(place);
+        }
+        number
+    }
+
+    /// Whether a face is the other side of one that is there.
+    fn closes(&mut self, cell: u32, face: &[FaceCorner]) -> bool {
+        let reversed = face.iter().rev().map(|&(corner, _)| corner).collect();
+        match self.open.remove(&least_first(reversed)) {
+            Some(other) if self.owners[other] != cell => {
+                self.neighbors[other] = cell - self.owners[other];
+                true
+            }
+            _ => false,
+        }
+    }
+
+    fn push_face(&mut self, cell: u32, face: &[FaceCorner]) {
+        let corners: Vec<u32> = face.iter().map(|&(corner, _)| corner).collect();
+        self.corners.extend_from_slice(&corners);
+        self.smooth.extend(face.iter().map(|&(_, smooth)| smooth));
+        self.open.insert(least_first(corners), self.sizes.len());
+        self.sizes.push(face.len() as u32);
+        self.owners.push(cell);
+        self.neighbors.push(0);
+    }
+
+    /// Points in the order in which faces first name them; a corner is how many numbers before the next
+    /// new one it lies, 0 for that itself.
+    fn pack(&self, packer: &mut NumberPacker) {
+        let (mut renumbered, mut order) = (vec![u32::MAX; self.points.len()], Vec::new());
+        let ways = self.corners.iter().map(|&corner| {
+            let next = order.len() as u32;
+            let number = &mut renumbered[corner as usize];
+            if *number == u32::MAX {
+                *number = next;
+                order.push(corner);
+                return 0;
+            }
+            next - *number
+        });
+        let ways: Vec<u32> = ways.collect();
+        // Points of facets that are too small to be there come last.
+        let is_left = |number: &u32| renumbered[*number as usize] == u32::MAX;
+        let left: Vec<u32> = (0..self.points.len() as u32).filter(is_left).collect();
+        let points = order.iter().chain(&left);
+        let points: Vec<[u32; 3]> = points.map(|&point| self.points[point as usize]).collect();
+        push_places(packer, &points);
+        packer.push(&self.owned);
+        packer.push(&self.sizes);
+        packer.push(&self.neighbors);
+        packer.push(&ways);
+        packer.push_flags(&self.smooth);
+    }
+}
+
+/// A loop from its least number on.
+fn least_first(mut corners: Vec<u32>) -> Vec<u32> {
+    let least = (0..corners.len()).min_by_key(|&k| corners[k]).unwrap_or(0);
+    corners.rotate_left(least);
+    corners
+}
+
+/// A loop without edges of no length.
+fn without_repetitions(face: &[FaceCorner]) -> Vec<FaceCorner> {
+    let next = face.iter().cycle().skip(1);
+    let kept = face
+        .iter()
+        .zip(next)
+        .filter(|(here, next)| here.0 != next.0);
+    kept.map(|(&here, _)| here).collect()
+}
+
+/// For every corner of every facet whether the edge from it to the next lies within a wall: between two
+/// facets that form no crease, or run through twice by one facet.
+fn smooth_edges(shell: &Shell) -> Vec<bool> {
+    let mut sides: Vec<([u32; 2], Vector3<f64>, usize)> = Vec::new();
+    for facet in shell.facets() {
+        let normal = unit_normal(shell, facet);
+        let following = facet.iter().cycle().skip(1);
+        for (&from, &to) in facet.iter().zip(following) {
+            sides.push(([from.min(to), from.max(to)], normal, sides.len()));
+        }
+    }
+    let mut smooth = vec![false; sides.len()];
+    sides.sort_unstable_by_key(|(edge, _, place)| (*edge, *place));
+    for edge in sides.chunk_by(|one, other| one.0 == other.0) {
+        let first = edge[0].1;
+        let is_smooth = edge.len() > 1 && edge.iter().all(|side| side.1.dot(&first) > SMOOTH);
+        for (_, _, place) in edge {
+            smooth[*place] = is_smooth;
+        }
+    }
+    smooth
+}
+
+fn unit_normal(shell: &Shell, facet: &[u32]) -> Vector3<f64> {
+    let place = |corner: u32| shell.vertices()[corner as usize];
+    let arms = facet.windows(2).skip(1).map(|pair| {
+        let [one, other] = [pair[0], pair[1]].map(|corner| place(corner) - place(facet[0]));
+        one.cross(&other)
+    });
+    let area: Vector3<f64> = arms.sum();
+    area.try_normalize(0.0).unwrap_or_default()
+}
