@@ -1,4 +1,4 @@
-//! One L∞ Voronoi cell: the envelopes of its six cones.
+//! One L∞ Voronoi cell: the blocks of its six cones.
 
 use std::collections::BTreeMap;
 
@@ -10,10 +10,13 @@ use crate::geometry::bounds::Bounds;
 use crate::geometry::label::Label;
 use crate::geometry::polyhedron::Polyhedron;
 use crate::voronoi::kd_tree::tree::KdTree;
+use crate::voronoi::linf::block::{Block, CONE_SIDE};
 use crate::voronoi::linf::cone::{CONES, Cone};
-use crate::voronoi::linf::envelope::{Envelope, Patch};
 use crate::voronoi::linf::facet_key::{BETWEEN_CONES, FacetKey};
+use crate::voronoi::linf::oblique::{ClippedBlock, ObliqueWalls};
 use crate::voronoi::linf::search::{Nearby, OutwardSearch};
+use crate::voronoi::linf::strips::{Strip, StripMaker};
+use crate::voronoi::linf::sweep::ConeSweep;
 use crate::voronoi::search::Duplicate;
 
 /// Which sites with an equal coordinate cut a cell.
@@ -30,8 +33,9 @@ pub(crate) enum Ties {
 pub(crate) struct LinfCell<'a> {
     /// The site's position.
     pub(crate) position: Point3<f64>,
-    cones: &'a [Envelope; CONES],
+    cones: &'a [ConeSweep; CONES],
     labels: &'a [Label],
+    oblique: &'a ObliqueWalls,
     has_ties: bool,
 }
 
@@ -48,7 +52,21 @@ pub(crate) struct Fragment {
 impl LinfCell<'_> {
     /// ∫ d∞^p over the part in each of the cones +x, −x, +y, −y, +z, −z (L^(3+p)).
     pub(crate) fn integrals(&self, order: u32) -> [f64; CONES] {
-        self.cones.each_ref().map(|cone| cone.integral(order))
+        std::array::from_fn(|number| self.integral(number, order, f64::INFINITY))
+    }
+
+    /// ∫ d∞^p over the part in a cone up to a height (L^(3+p)).
+    fn integral(&self, number: usize, order: u32, height: f64) -> f64 {
+        let blocks = self.cones[number].blocks().iter();
+        let blocks = blocks.filter_map(|block| block.up_to(height));
+        if self.oblique.is_empty() {
+            return blocks.map(|block| block.integral(order)).sum();
+        }
+        let mut clipped = ClippedBlock::default();
+        let cone = Cone::all()[number];
+        blocks
+            .map(|block| clipped.integral(cone, &block, self.oblique, order))
+            .sum()
     }
 
     /// Its volume before it is clipped to a domain that is not convex (L³).
@@ -58,32 +76,62 @@ impl LinfCell<'_> {
 
     /// The fragments of its facets.
     pub(crate) fn visit_fragments(&self, mut visit: impl FnMut(&Fragment)) {
-        let mut fragment = Fragment::default();
-        for (cone, envelope) in Cone::all().into_iter().zip(self.cones) {
-            for patch in envelope.patches() {
-                fragment.assign(cone, patch, self.labels);
-                visit(&fragment);
+        self.visit_polygons(|_, fragment, is_side| {
+            if !is_side {
+                visit(fragment);
             }
-        }
+        });
     }
 
     /// Passes the boundary of the cell to `visit`, as convex polygons that are counter-clockwise from
     /// outside: its fragments, and where regions are tied also the sides of its cones, which cancel
     /// except where the cell ends between two of them. Polygons of one facet have the same key.
     pub(crate) fn visit_boundary(&self, mut visit: impl FnMut(FacetKey, &[Vector3<f64>])) {
-        let mut fragment = Fragment::default();
-        for ((number, cone), envelope) in Cone::all().into_iter().enumerate().zip(self.cones) {
-            for patch in envelope.patches() {
-                fragment.assign(cone, patch, self.labels);
-                let key = match FacetKind::of(fragment.label) {
-                    FacetKind::Neighbor { .. } => (fragment.label, number, patch.form),
-                    FacetKind::Wall(_) | FacetKind::Inner => (fragment.label, 0, 0),
-                };
+        self.visit_polygons(|key, fragment, is_side| {
+            if !is_side || self.has_ties {
                 visit(key, &fragment.corners);
-                if self.has_ties {
-                    visit_sides(cone, patch, &mut visit);
+            }
+        });
+    }
+
+    /// Passes the polygons of all cones' boundaries with the keys of their facets, and whether they are
+    /// sides of a cone.
+    fn visit_polygons(&self, mut visit: impl FnMut(FacetKey, &Fragment, bool)) {
+        let (mut fragment, mut clipped) = (Fragment::default(), ClippedBlock::default());
+        for ((number, cone), sweep) in Cone::all().into_iter().enumerate().zip(self.cones) {
+            sweep.visit(&mut StripMaker::new(|strip: &Strip| {
+                fragment.assign(cone, strip, self.labels);
+                self.oblique.clip_polygon(&mut fragment.corners);
+                if fragment.corners.len() > 2 {
+                    visit(
+                        self.key(number, strip),
+                        &fragment,
+                        strip.source == CONE_SIDE,
+                    );
+                }
+            }));
+            if !self.oblique.is_empty() {
+                for block in sweep.blocks() {
+                    clipped.visit_walls(cone, block, self.oblique, |label, corners| {
+                        (fragment.label, fragment.corners) = (label, corners);
+                        visit((label, 0, 0), &fragment, false);
+                    });
                 }
             }
+        }
+    }
+
+    /// What tells a polygon's facet from others.
+    fn key(&self, number: usize, strip: &Strip) -> FacetKey {
+        if strip.source == CONE_SIDE {
+            let along = usize::from(strip.form) - 1;
+            let side = Cone::all()[number].side(along, strip.is_low);
+            return (BETWEEN_CONES, side, 0);
+        }
+        let label = self.labels[strip.source as usize];
+        match FacetKind::of(label) {
+            FacetKind::Neighbor { .. } => (label, number, strip.form),
+            FacetKind::Wall(_) | FacetKind::Inner => (label, 0, 0),
         }
     }
 
@@ -100,15 +148,16 @@ impl LinfCell<'_> {
         if height <= 0.0 {
             return f64::INFINITY;
         }
-        1.0 / (height * self.cones[number].at(along_u / height, along_v / height))
+        let exit = self.cones[number].exit([along_u / height, along_v / height]);
+        (exit / height).min(self.oblique.share_within(displacement))
     }
 
-    /// The least axis-aligned box around the cell, relative to its site.
+    /// An axis-aligned box around the cell, relative to its site: the least one in a box.
     pub(crate) fn bounds(&self) -> Bounds<3> {
         let mut bounds = Bounds::of(&[Point3::origin()]);
-        for (cone, envelope) in Cone::all().into_iter().zip(self.cones) {
-            for corner in envelope.patches().iter().flat_map(Patch::corners) {
-                bounds.include(&cone.displacement(*corner).into());
+        for (cone, sweep) in Cone::all().into_iter().zip(self.cones) {
+            for corner in sweep.blocks().iter().flat_map(Block::corners) {
+                bounds.include(&cone.displacement(corner).into());
             }
         }
         bounds
@@ -116,12 +165,9 @@ impl LinfCell<'_> {
 
     /// Its volume within the cube of half side `half` about the site (L³).
     pub(crate) fn volume_within(&self, half: f64) -> f64 {
-        let within = |envelope: &Envelope| {
-            let mut envelope = envelope.clone();
-            envelope.insert_constant(1.0 / half);
-            envelope.integral(0)
-        };
-        self.cones.iter().map(within).sum()
+        (0..CONES)
+            .map(|number| self.integral(number, 0, half))
+            .sum()
     }
 
     /// The area vectors of its facets (L²), by what is beyond and by the cone and the normal, of which
@@ -138,29 +184,16 @@ impl LinfCell<'_> {
 }
 
 impl Fragment {
-    fn assign(&mut self, cone: Cone, patch: &Patch, labels: &[Label]) {
-        self.label = labels[patch.source as usize];
+    fn assign(&mut self, cone: Cone, strip: &Strip, labels: &[Label]) {
+        self.label = match strip.source {
+            CONE_SIDE => BETWEEN_CONES,
+            source => labels[source as usize],
+        };
         self.corners.clear();
-        let corners = patch.corners().iter();
+        let corners = strip.corners.iter();
         (self.corners).extend(corners.map(|&corner| cone.displacement(corner)));
         if cone.is_negative {
             self.corners.reverse();
-        }
-    }
-}
-
-/// Passes the sides of a cone that a patch spans with the site, which are planes between two cones.
-fn visit_sides(cone: Cone, patch: &Patch, visit: &mut impl FnMut(FacetKey, &[Vector3<f64>])) {
-    let corners = patch.corners();
-    for (from, to) in corners.iter().zip(corners.iter().cycle().skip(1)) {
-        for along in [0, 1] {
-            if from[along].abs() < 1.0 || from[along].to_bits() != to[along].to_bits() {
-                continue;
-            }
-            let [a, b] = [from, to].map(|corner| cone.displacement(*corner));
-            let ends = if cone.is_negative { [a, b] } else { [b, a] };
-            let key = (BETWEEN_CONES, cone.side(along, from[along] < 0.0), 0);
-            visit(key, &[Vector3::zeros(), ends[0], ends[1]]);
         }
     }
 }
@@ -169,8 +202,9 @@ fn visit_sides(cone: Cone, patch: &Patch, visit: &mut impl FnMut(FacetKey, &[Vec
 #[derive(Debug, Default)]
 pub(crate) struct LinfCellBuilder {
     start: Polyhedron,
-    cones: [Envelope; CONES],
+    cones: [ConeSweep; CONES],
     labels: Vec<Label>,
+    oblique: ObliqueWalls,
     search: OutwardSearch,
 }
 
@@ -193,18 +227,21 @@ impl LinfCellBuilder {
             cones,
             labels,
             search,
+            oblique,
             ..
         } = self;
-        let (reach, mut has_ties) = (security_distance(cones), false);
-        search.walk(tree, place, reach, |nearby| {
-            if nearby.distance <= 0.0 {
-                let (first, second) = (site.min(nearby.site), site.max(nearby.site));
-                return Err(Duplicate { first, second });
-            }
-            has_ties |= nearby.displacement.iter().any(|&along| along == 0.0);
-            let wins_ties = ties == Ties::Cut || nearby.site < site;
-            if cut(cones, nearby, wins_ties, labels.len() as u32) {
-                labels.push(nearby.label(tree));
+        let mut has_ties = false;
+        search.walk(tree, place, |shell| {
+            for nearby in shell {
+                if nearby.distance <= 0.0 {
+                    let (first, second) = (site.min(nearby.site), site.max(nearby.site));
+                    return Err(Duplicate { first, second });
+                }
+                has_ties |= nearby.displacement.iter().any(|&along| along == 0.0);
+                let wins_ties = ties == Ties::Cut || nearby.site < site;
+                if cut(cones, nearby, wins_ties, labels.len() as u32) {
+                    labels.push(nearby.label(tree));
+                }
             }
             Ok(security_distance(cones))
         })?;
@@ -212,42 +249,53 @@ impl LinfCellBuilder {
             position,
             cones,
             labels,
+            oblique,
             has_ties,
         })
     }
 
-    /// Starts with the domain's walls.
+    /// Starts with the domain's walls: those along the axes, or those of the box around it, and others.
     fn begin(&mut self) {
         self.labels.clear();
-        self.cones.iter_mut().for_each(Envelope::clear);
+        self.oblique.clear();
+        let around = self.start.bounds();
+        let mut walls: [[(f64, u32); 2]; 3] = std::array::from_fn(|axis| {
+            [-around.min[axis], around.max[axis]].map(|distance| (distance.max(0.0), CONE_SIDE))
+        });
         for facet in self.start.facets() {
             let (wall, source) = (facet.half_space(), self.labels.len() as u32);
-            for (cone, envelope) in Cone::all().into_iter().zip(&mut self.cones) {
-                envelope.insert(&cone.of_wall(&wall), source);
-            }
             self.labels.push(facet.label());
+            let axis = wall.normal.iamax();
+            if wall.normal.iter().filter(|part| **part != 0.0).count() == 1 {
+                walls[axis][usize::from(wall.normal[axis] > 0.0)].1 = source;
+            } else {
+                self.oblique.push(wall, facet.label());
+            }
+        }
+        for (cone, sweep) in Cone::all().into_iter().zip(&mut self.cones) {
+            sweep.clear(cone.walls(&walls));
         }
     }
 }
 
-/// Cuts the cones by a neighbor; says whether that changes any.
-fn cut(cones: &mut [Envelope; CONES], nearby: &Nearby, wins_ties: bool, source: u32) -> bool {
+/// Cuts the cones by a neighbor; says whether that may change any.
+fn cut(cones: &mut [ConeSweep; CONES], nearby: &Nearby, wins_ties: bool, source: u32) -> bool {
     let mut is_changed = false;
-    for (cone, envelope) in Cone::all().into_iter().zip(cones) {
-        // No demand of a site exceeds 2 over its distance.
-        if nearby.distance * envelope.least() >= 2.0 {
+    for (cone, sweep) in Cone::all().into_iter().zip(cones) {
+        // Nothing starts below half the distance.
+        if nearby.distance >= 2.0 * sweep.reach() {
             continue;
         }
-        let demand = cone.of_neighbor(&nearby.displacement, wins_ties);
-        if !demand.is_empty() {
-            is_changed |= envelope.insert(&demand, source);
+        let walls = &sweep.walls;
+        if let Some(quadrant) = cone.quadrant(&nearby.displacement, wins_ties, walls, source) {
+            is_changed |= sweep.add(quadrant);
         }
     }
     is_changed
 }
 
 /// The distance beyond which no site cuts: twice that of the farthest point (L).
-fn security_distance(cones: &[Envelope; CONES]) -> f64 {
-    let least = cones.iter().map(Envelope::least);
-    2.0 / least.fold(f64::INFINITY, f64::min)
+fn security_distance(cones: &mut [ConeSweep; CONES]) -> f64 {
+    cones.iter_mut().for_each(ConeSweep::update);
+    2.0 * cones.iter().map(ConeSweep::reach).fold(0.0, f64::max)
 }

@@ -1,29 +1,16 @@
-//! The six cones of a site, and what a neighbor or a wall demands of each.
+//! The six cones of a site, and what a neighbor is nearer to in each.
 //!
-//! In the cone ±k a point is described by its height h = ±(y − x)_k and the direction
-//! (u, v) = ((y − x)_{k+1}, (y − x)_{k+2}) / h, axes counted modulo 3. With D, a, b the displacement to
+//! In the cone ±k a point is described by its height h = ±(y − x)_k and, across,
+//! (u, v) = ((y − x)_{k+1}, (y − x)_{k+2}), axes counted modulo 3. With D, a, b the displacement to
 //! site j along ±k, k+1 and k+2, site j is nearer exactly where h exceeds D/2 (and D > 0),
-//! a/(1 + u) if a > 0, −a/(1 − u) if a < 0, and likewise b and v. In g = 1/h these are linear.
+//! u > a − h if a > 0, u < a + h if a < 0, and likewise with b and v.
 
 use nalgebra::{Point3, Vector3};
 
-use crate::geometry::half_space::HalfSpace;
-use crate::voronoi::linf::envelope::{Demand, Gauge};
+use crate::voronoi::linf::sweep::{ConeWalls, Quadrant};
 
 /// How many cones a site has.
 pub(crate) const CONES: usize = 6;
-
-/// A wall that the site touches, or lies beyond by rounding, counts as this near, relative to its
-/// normal, and a difference of coordinates as at least this large (L): any other length is
-/// infinitely longer.
-const TOUCHING: f64 = 1e-290;
-
-/// The forms of a neighbor's demand: facets with normals ±k, ±k ± (k+1) and ±k ± (k+2).
-pub(crate) const AHEAD: u8 = 0;
-const ALONG_U: u8 = 1;
-const ALONG_V: u8 = 2;
-/// The form of a wall's demand.
-const WALL: u8 = 3;
 
 /// One of the six cones.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -66,74 +53,53 @@ impl Cone {
         [ahead, displacement[first], displacement[second]]
     }
 
-    /// The displacement from the site of a direction with a gauge.
-    pub(crate) fn displacement(self, [u, v, gauge]: [f64; 3]) -> Vector3<f64> {
-        let (height, [first, second]) = (1.0 / gauge, self.transverse());
+    /// The displacement from the site of a place (h, u, v) in the cone.
+    pub(crate) fn displacement(self, [height, u, v]: [f64; 3]) -> Vector3<f64> {
+        let [first, second] = self.transverse();
         let mut displacement = Vector3::zeros();
         displacement[self.axis] = if self.is_negative { -height } else { height };
-        displacement[first] = u * height;
-        displacement[second] = v * height;
+        displacement[first] = u;
+        displacement[second] = v;
         displacement
     }
 
-    /// What a neighbor at `displacement` demands; nothing where it is not ahead. One whose coordinate
-    /// along the axis is the site's own counts if it `wins_ties`.
+    /// What a neighbor at `displacement` is nearer to, between walls; nothing where it is not ahead. One
+    /// whose coordinate along the axis is the site's own counts if it `wins_ties`.
     #[inline]
-    pub(crate) fn of_neighbor(self, displacement: &Vector3<f64>, wins_ties: bool) -> Demand {
+    pub(crate) fn quadrant(
+        self,
+        displacement: &Vector3<f64>,
+        wins_ties: bool,
+        walls: &ConeWalls,
+        source: u32,
+    ) -> Option<Quadrant> {
         let [ahead, along_u, along_v] = self.coordinates(displacement);
-        let mut demand = Demand::default();
-        if ahead > 0.0 {
-            let constant = 2.0 / ahead.max(TOUCHING);
-            demand.push(
-                AHEAD,
-                Gauge {
-                    constant,
-                    by_u: 0.0,
-                    by_v: 0.0,
-                },
-            );
-        } else if ahead < 0.0 || !wins_ties {
-            return demand;
+        if ahead < 0.0 || ahead == 0.0 && !wins_ties {
+            return None;
         }
-        if along_u != 0.0 {
-            let constant = 1.0 / along_u.abs().max(TOUCHING);
-            let by_u = constant.copysign(along_u);
-            demand.push(
-                ALONG_U,
-                Gauge {
-                    constant,
-                    by_u,
-                    by_v: 0.0,
-                },
-            );
-        }
-        if along_v != 0.0 {
-            let constant = 1.0 / along_v.abs().max(TOUCHING);
-            let by_v = constant.copysign(along_v);
-            demand.push(
-                ALONG_V,
-                Gauge {
-                    constant,
-                    by_u: 0.0,
-                    by_v,
-                },
-            );
-        }
-        demand
+        let (half, is_low) = (0.5 * ahead, [along_u < 0.0, along_v < 0.0]);
+        let across = [along_u.abs(), along_v.abs()];
+        // Before that it is outside the section.
+        let entry = [0, 1].map(|along| {
+            let wall = walls.across[along][usize::from(!is_low[along])].0;
+            (0.5 * across[along]).max(across[along] - wall)
+        });
+        let start = half.max(entry[0]).max(entry[1]);
+        Some(Quadrant {
+            start,
+            across,
+            is_low,
+            is_ahead: half >= start,
+            source,
+        })
     }
 
-    /// What a half-space about the site demands.
-    pub(crate) fn of_wall(self, wall: &HalfSpace) -> Demand {
-        let scale = 1.0 / wall.offset.max(TOUCHING * wall.normal.amax());
-        let [constant, by_u, by_v] = self.coordinates(&wall.normal).map(|part| part * scale);
-        Demand::single(
-            WALL,
-            Gauge {
-                constant,
-                by_u,
-                by_v,
-            },
-        )
+    /// The cone's part of walls along the axes: distances (L) and sources, low and high.
+    pub(crate) fn walls(self, walls: &[[(f64, u32); 2]; 3]) -> ConeWalls {
+        ConeWalls {
+            across: self.transverse().map(|axis| walls[axis]),
+            ahead: walls[self.axis][usize::from(!self.is_negative)],
+        }
     }
 }
 

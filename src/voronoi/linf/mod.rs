@@ -20,8 +20,10 @@ pub(crate) mod cell;
 pub(crate) mod cone;
 pub(crate) mod diagram;
 
-mod envelope;
+mod block;
 mod facet_key;
+mod oblique;
 mod outline;
-mod ring;
 mod search;
+mod strips;
+mod sweep;

@@ -8,11 +8,11 @@ use crate::geometry::label::Label;
 use crate::voronoi::kd_tree::tree::KdTree;
 use crate::voronoi::linf::cone::exact_displacement;
 
-/// The first shell is a cube of about the volume of the ball that holds the initial candidates.
+/// How far the first shell reaches, relative to the ball that holds an L2 cell's initial candidates.
 const FIRST_SHELL: f64 = 0.8;
 
-/// How much farther every shell reaches than the one before: about twice the volume.
-const GROWTH: f64 = 1.26;
+/// How much farther every shell reaches at most than the one before.
+const GROWTH: f64 = 1.4;
 
 /// A site, or a periodic image of one, near another.
 #[derive(Clone, Copy, Debug)]
@@ -44,33 +44,24 @@ pub(crate) struct OutwardSearch {
 }
 
 impl OutwardSearch {
-    /// Shows `visit` the other sites and their images, nearest first, until they are farther than the
-    /// last reach it has returned (L), the first being `reach`. A site's own images are left out.
+    /// Shows `visit` the other sites and their images, shell by shell and nearest first in each, until
+    /// they are farther than the last reach it has returned (L). A site's own images are left out.
     pub(crate) fn walk<Stop>(
         &mut self,
         tree: &KdTree,
         place: usize,
-        mut reach: f64,
-        mut visit: impl FnMut(&Nearby) -> Result<f64, Stop>,
+        mut visit: impl FnMut(&[Nearby]) -> Result<f64, Stop>,
     ) -> Result<(), Stop> {
-        let (mut searched, mut limit) = (
-            -1.0,
-            FIRST_SHELL * tree.initial_radius_squared(place).sqrt(),
-        );
+        let initial = FIRST_SHELL * tree.initial_radius_squared(place).sqrt();
+        let (mut searched, mut limit) = (-1.0, initial.max(f64::MIN_POSITIVE));
         loop {
-            limit = limit.max(f64::MIN_POSITIVE).min(reach);
             self.gather(tree, place, (searched, limit));
-            for nearby in &self.shell {
-                if nearby.distance > reach {
-                    break;
-                }
-                reach = visit(nearby)?;
-            }
+            let reach = visit(&self.shell)?;
             if limit >= reach {
                 return Ok(());
             }
             searched = limit;
-            limit *= GROWTH;
+            limit = (GROWTH * limit).min(reach);
         }
     }
 
