@@ -24,9 +24,13 @@
 //! body, so that coordinates far from zero cost no digits, and transfers the result with
 //! [`Moments::translated`](crate::geometry::moments::Moments::translated).
 
+pub(crate) mod adaptive;
 pub mod bernstein;
 pub(crate) mod clip;
+pub(crate) mod cone_rule;
 mod double_double;
+pub(crate) mod expression;
+pub(crate) mod expression_text;
 mod formula;
 pub(crate) mod half_space;
 pub mod lanes;
@@ -34,6 +38,7 @@ pub mod mesh_moments;
 pub mod pairwise;
 pub mod polynomial;
 pub mod polynomial_text;
+pub(crate) mod radial;
 pub mod reference;
 pub mod series;
 pub mod simplex;
