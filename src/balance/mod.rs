@@ -7,6 +7,7 @@
 //! are conditions. [`dual`] says what a solver needs of a body for that, [`solve`] finds the multipliers,
 //! [`contrast`] the least range of densities that suffices, with the proof; [`quadratic`] is a step of both.
 
+pub(crate) mod bases;
 pub(crate) mod conditions;
 pub(crate) mod contrast;
 pub(crate) mod dual;
@@ -15,5 +16,6 @@ pub(crate) mod nearest;
 pub(crate) mod quadratic;
 pub(crate) mod solid;
 pub(crate) mod solve;
+pub(crate) mod spin;
 pub(crate) mod stand;
 pub(crate) mod support;

@@ -23,4 +23,8 @@ pub(crate) mod output;
 pub(crate) mod plot;
 pub(crate) mod relax;
 pub(crate) mod run;
+pub(crate) mod spin;
+pub(crate) mod spin_files;
+pub(crate) mod spin_report;
+pub(crate) mod spin_solid;
 pub(crate) mod stopwatch;

@@ -33,4 +33,5 @@ mod relax;
 mod sites;
 mod solids;
 mod stand;
+mod spin;
 mod voronoi;
