@@ -32,6 +32,6 @@ pub(crate) mod quadrature;
 mod relax;
 mod sites;
 mod solids;
-mod stand;
 mod spin;
+mod stand;
 mod voronoi;
