@@ -110,6 +110,13 @@ pub(crate) enum StandError {
     },
 }
 
+impl StandError {
+    /// Whether another input is needed, not another range.
+    pub(crate) fn is_of_input(&self) -> bool {
+        !matches!(self, Self::Undecided { .. })
+    }
+}
+
 /// Room of a range that nobody gave, above the least contrast.
 pub(crate) const RANGE_ROOM: f64 = 1.5;
 
@@ -258,7 +265,12 @@ impl StandSearch<'_> {
             }
         }
         let balance = self.balance(&chosen);
-        let solution = least_variance(&balance, &range);
+        let mut solution = least_variance(&balance, &range);
+        if range.low == range.high || (stands(&balance) && self.wanted_mass().is_none()) {
+            // The constant density itself, which may miss by rounding.
+            solution.multipliers.fill(0.0);
+            solution.end = SolveEnd::Met;
+        }
         if solution.end != SolveEnd::Met {
             return Err(StandError::Undecided {
                 low: range.low,

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use nalgebra::{Point3, Vector3};
+use nalgebra::Point3;
 use rayon::prelude::*;
 use thiserror::Error as ThisError;
 
@@ -17,7 +17,7 @@ use crate::integrals::expression::Expression;
 use crate::integrals::mesh_moments::at_vertices;
 use crate::integrals::radial::Radial;
 use crate::mass::body::Body;
-use crate::mass::density::{DensityError, SolidDensity};
+use crate::mass::density::SolidDensity;
 use crate::mass::evaluate::{DensityFunction, density_function, vertex_function};
 use crate::mass::numeric::{
     BodyErrors, FormulaField, MissedTolerance, NumericError, NumericMoments, boundary,
@@ -216,7 +216,8 @@ impl Field {
             FieldDensity::Vertices { values } => Self::Vertices(values),
             FieldDensity::Clamp { low, high, of } => match of {
                 FieldFormula::Affine { value, gradient } => {
-                    Self::Solid(clamped(low, high, value, &gradient.into())?)
+                    let high = high.unwrap_or(f64::INFINITY);
+                    Self::Solid(SolidDensity::clamp(low, high, value, &gradient.into())?)
                 }
                 FieldFormula::Polynomial(text) => {
                     let high = high.map_or(String::new(), |high| format!("min({high:?}, "));
@@ -301,25 +302,6 @@ impl Field {
             }
         })
     }
-}
-
-/// clamp(low, high, formula).
-fn clamped(
-    low: f64,
-    high: Option<f64>,
-    value: f64,
-    gradient: &Vector3<f64>,
-) -> Result<SolidDensity, DensityError> {
-    let slope = gradient.norm();
-    let Some(direction) = gradient.try_normalize(0.0) else {
-        let value = value.max(low).min(high.unwrap_or(f64::INFINITY));
-        return Ok(SolidDensity::Constant(value));
-    };
-    let start = (low - value) / slope;
-    let high = high.unwrap_or(low + slope * 1e12);
-    let breaks = vec![[start, low], [start + (high - low) / slope, high]];
-    let profile = crate::mass::profile::Profile::new(&direction, breaks)?;
-    Ok(SolidDensity::Profile(profile))
 }
 
 /// The moments from `near` of cells with one density each.

@@ -1,14 +1,14 @@
 //! Solids that are made to stand: the figures of `density.md` 1.3-1.5 and 5.3, and their properties.
 
-use nalgebra::{DVector, Point2, Point3, Rotation3, Vector3};
+use nalgebra::{Point2, Point3, Vector3};
 
 use crate::balance::conditions::Condition;
 use crate::balance::contrast::least_contrast;
-use crate::balance::dual::{Balance, DensityRange};
+use crate::balance::dual::DensityRange;
 use crate::balance::solid::SolidBalance;
-use crate::balance::solve::{LeastVariance, SolveEnd, greatest_product, least_variance};
-use crate::balance::stand::{StandGoal, StandPlan, Standing, stand};
-use crate::balance::support::{Ground, Support, SupportError};
+use crate::balance::solve::{LeastVariance, SolveEnd, least_variance};
+use crate::balance::stand::{StandGoal, StandPlan, stand};
+use crate::balance::support::{Ground, Support};
 use crate::mesh::formats::read::read_surface;
 use crate::mesh::shapes::{icosphere, unit_cube};
 use crate::mesh::surface::SurfaceMesh;
@@ -139,10 +139,10 @@ fn three_spheres_stand_over_the_lowest_ones_axis() {
     }
 }
 
-/// The 24-gon of the spheres' foot.
+/// The 24-gon of the spheres' foot, one edge across the lean.
 fn foot() -> Support {
     let corner = |k: u32| {
-        let angle = f64::from(k) * std::f64::consts::PI / 12.0;
+        let angle = (f64::from(k) + 0.5) * std::f64::consts::PI / 12.0;
         Point2::new(0.15 * angle.cos(), 0.15 * angle.sin())
     };
     Support::hull((0..24).map(corner).collect()).expect("24 corners")
@@ -180,5 +180,112 @@ fn plan(ground: Ground, support: Support, margin: f64, tilt: f64) -> StandPlan {
         prefer: None,
         mass: None,
         goal: StandGoal::LeastVariance,
+    }
+}
+
+// ------------------------------------------------------------- the shared models
+
+fn model(name: &str) -> SurfaceMesh {
+    read_surface(&shared_model(name)).expect("the model is there")
+}
+
+/// Over a vertex of the solid, free along `up`.
+fn over_vertex(mesh: &SurfaceMesh, vertex: usize, axes: [Vector3<f64>; 2]) -> Vec<Condition> {
+    levels(mesh.vertices[vertex].into(), &axes)
+}
+
+#[test]
+#[ignore = "needs ../shared/models, whose licenses are not stated"]
+fn the_rocker_arm_stands_on_its_lowest_vertex() {
+    let arm = [model("rocker-arm.obj")];
+    let conditions = over_vertex(&arm[0], 10_036, [Vector3::x(), Vector3::y()]);
+    let balance = SolidBalance::new(&arm, &conditions);
+    let least = least_contrast(&balance);
+    let contrast = 1.0 + least.growth;
+    close(contrast, 7.021670586863, 1e-9, "contrast");
+    let normal = balance.combined(&least.multipliers).gradient.normalize();
+    close(
+        (normal - Vector3::new(0.902625536, -0.430426696, 0.0)).amax(),
+        0.0,
+        1e-9,
+        "normal",
+    );
+    let found = solved(&balance, &range(1.0, 10.0, 1.0));
+    let expected = Vector3::new(102.12274549, -51.66644137, 0.0);
+    close((found.gradient - expected).amax(), 0.0, 1e-8, "gradient");
+    close(found.mass, 0.08544359009589, 1e-9 * found.mass, "mass");
+    close(found.center.z, 0.015264909043, 1e-9, "center");
+    iterations(&balance, contrast, [10, 7, 6, 5]);
+}
+
+/// Newton steps at 1.01, 1.2, 1.5 and 2 times the least contrast, at most one more than `most`.
+fn iterations(balance: &SolidBalance<'_>, contrast: f64, most: [usize; 4]) {
+    for (factor, most) in [1.01, 1.2, 1.5, 2.0].into_iter().zip(most) {
+        let found = solved(balance, &range(1.0, factor * contrast, 1.0));
+        let iterations = found.solution.iterations();
+        assert!(iterations <= most + 1, "{factor}: {iterations}");
+        println!("{factor} {iterations} {}", found.solution.evaluations);
+    }
+}
+
+#[test]
+#[ignore = "needs ../shared/models, whose licenses are not stated"]
+fn the_rocker_arms_center_comes_to_its_bore() {
+    let arm = [model("rocker-arm.obj")];
+    let axis = crate::balance::conditions::SpinAxis::new(
+        &Point3::new(0.0, 0.0671794, 0.0849169),
+        &Vector3::new(0.99997285, -0.00727018, 0.00120118),
+    );
+    let axis = axis.expect("a direction");
+    let balance = SolidBalance::new(&arm, &axis.center_on());
+    let native = balance.middle + balance.whole.center();
+    close(axis.distance(&native), 0.0655021777, 1e-7, "native");
+    close(
+        1.0 + least_contrast(&balance).growth,
+        2.15166032,
+        1e-7,
+        "contrast",
+    );
+    for (high, slope, mean) in [
+        (2.2, 13.606733712, 1.376279943),
+        (4.0, 8.037289665, 1.338929908),
+    ] {
+        let found = solved(&balance, &range(1.0, high, 1.0));
+        close(found.gradient.norm(), slope, 1e-8 * slope, "slope");
+        close(found.mass / balance.whole.mass, mean, 1e-8, "mean");
+        assert!(axis.distance(&found.center) < 1e-14);
+    }
+    assert!(solved(&balance, &range(1.0, 9.0, 1.0)).mass / balance.whole.mass - 1.338929908 < 1e-8);
+}
+
+#[test]
+#[ignore = "needs ../shared/models, whose licenses are not stated"]
+fn the_bunny_stands_on_its_head() {
+    let bunny = [model("bunny.off")];
+    let top = &bunny[0].vertices[1271];
+    assert!(bunny[0].vertices.iter().all(|vertex| vertex.y <= top.y));
+    let conditions = over_vertex(&bunny[0], 1271, [Vector3::x(), Vector3::z()]);
+    let balance = SolidBalance::new(&bunny, &conditions);
+    let contrast = 1.0 + least_contrast(&balance).growth;
+    close(contrast, 70.532991308, 1e-8, "contrast");
+    iterations(&balance, contrast, [11, 7, 6, 6]);
+    // On what touches the ground instead: the table of 1.5, to the digits printed there.
+    let body = SolidBalance::new(&bunny, &[]);
+    let ground = Ground::below(&-Vector3::y(), bunny[0].vertices.iter()).expect("up");
+    for (share, degrees, expected, digit) in [
+        (0.01, 0.0_f64, 27.6310, 1e-4),
+        (0.05, 0.0, 10.4898, 1e-4),
+        (0.01, 5.0, 15494.8, 0.1),
+        (0.05, 5.0, 43.9434, 1e-4),
+    ] {
+        let support = ground
+            .contact(bunny[0].vertices.iter(), share)
+            .expect("contact");
+        let tilt = degrees.to_radians().tan();
+        let standing = stand(&body, &plan(ground, support, 0.0, tilt)).expect("a polygon");
+        close(1.0 + standing.contrast.growth, expected, digit, "contact");
+        let field = standing.field.expect("reachable");
+        println!("{share} {degrees} {:?}", field.solution.log.len());
+        assert!(field.solution.iterations() <= 9);
     }
 }
