@@ -12,6 +12,7 @@ pub(crate) mod conditions;
 pub(crate) mod contrast;
 pub(crate) mod dual;
 pub(crate) mod elements;
+pub(crate) mod modifiers;
 pub(crate) mod quadratic;
 pub(crate) mod solve;
 pub(crate) mod spin;
