@@ -13,6 +13,7 @@ pub(crate) mod contrast;
 pub(crate) mod dual;
 pub(crate) mod elements;
 pub(crate) mod nearest;
+pub(crate) mod modifiers;
 pub(crate) mod quadratic;
 pub(crate) mod solid;
 pub(crate) mod solve;
