@@ -118,7 +118,8 @@ impl DrawCells<3> for Space {
         let mut patches = Vec::new();
         let removed = Removed::enough_of(&self.bounds(), sites);
         let (scale, title) = (colors.scale().clone(), removed.title());
-        let mut cutaway = CutawayPicture::new(&self.bounds(), removed, scale, title)?;
+        let around = seen_bounds(self, sites.len());
+        let mut cutaway = CutawayPicture::new(&around, removed, scale, title)?;
         let shown: Vec<bool> = sites.iter().map(|site| cutaway.shows(site)).collect();
         let mut add = |site: usize, [shell, seen]: [Shell; 2]| {
             let value = Colors::value(&cells[site]);
@@ -198,6 +199,13 @@ impl Space {
         write_mesh(&directory.file("cells.vtu"), &mesh, &columns, false)?;
         Ok(true)
     }
+}
+
+/// The domain's box, longer along periodic axes by what cells of sites at its ends reach beyond it.
+fn seen_bounds(space: &Space, count: usize) -> Bounds<3> {
+    let side = optimal_side::<3>(space.volume(), count);
+    let beyond = |period: Option<f64>| period.map_or(0.0, |period| side.min(0.5 * period));
+    space.bounds().grown(&space.periods().map(beyond).into())
 }
 
 fn cut_height(bounds: &Bounds<3>, volume: f64, count: usize) -> f64 {
