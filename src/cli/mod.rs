@@ -9,6 +9,7 @@ pub(crate) mod density_files;
 mod describe;
 pub(crate) mod failure;
 pub(crate) mod fragments;
+mod fragments_plane;
 pub(crate) mod identity;
 pub(crate) mod interrupt;
 pub(crate) mod mass;

@@ -39,7 +39,7 @@ pub(crate) struct PlotOptions {
     overlay: Vec<PathBuf>,
     /// The ends of the energy axis in percent [default: those of the curves]
     #[arg(long, value_name = "LO,HI", value_parser = range, allow_hyphen_values = true)]
-    range: Option<[f64; 2]>,
+    range: Option<Ends>,
     /// Draw energies on a linear axis from 100 %, as the paper does
     #[arg(long)]
     linear: bool,
@@ -48,14 +48,20 @@ pub(crate) struct PlotOptions {
     force: bool,
 }
 
+/// The ends of a range, the lesser first.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Ends(pub(crate) [f64; 2]);
+
 /// Two numbers, the lesser first.
-pub(crate) fn range(text: &str) -> Result<[f64; 2], String> {
+pub(crate) fn range(text: &str) -> Result<Ends, String> {
     let numbers = text.split_once(',').and_then(|(low, high)| {
         let [low, high] = [low, high].map(|number| number.trim().parse::<f64>().ok());
         low.zip(high)
     });
     match numbers {
-        Some((low, high)) if low.is_finite() && high.is_finite() && low < high => Ok([low, high]),
+        Some((low, high)) if low.is_finite() && high.is_finite() && low < high => {
+            Ok(Ends([low, high]))
+        }
         _ => Err("two numbers LO,HI with LO below HI are needed, such as 100,110".to_owned()),
     }
 }
@@ -77,7 +83,7 @@ pub(crate) fn run(options: &PlotOptions, common: Common) -> Result<(), Failure> 
     let overlays = options.overlay.iter().map(|path| read_overlay(path));
     let overlays = overlays.collect::<Result<Vec<_>, _>>()?;
     let axis = EnergyAxis {
-        range: options.range,
+        range: options.range.map(|ends| ends.0),
         is_linear: options.linear,
     };
     let groups = groups(&logs, &records, options.band);

@@ -11,6 +11,7 @@ use crate::cli::options::{
     Common, MethodOptions, SceneOptions, change, finite, given, named, space,
 };
 use crate::cli::output::OutputRule;
+use crate::cli::plot::{Ends, range};
 use crate::cli::run::{FiledRun, RunDescription};
 use crate::export::run::directory::RunDirectory;
 use crate::scene::overrides::Overrides;
@@ -69,6 +70,10 @@ pub(crate) struct RelaxOptions {
     /// Relax one site in 8^L first, then split each into eight, L times (in the plane four)
     #[arg(long, value_name = "L")]
     coarse_to_fine: Option<u32>,
+    /// The energies in percent that the colors of cells.svg and cells.png span, such as 100,110; with
+    /// --resume an ended run's pictures are drawn anew [default: those of most cells]
+    #[arg(long, value_name = "LO,HI", value_parser = range, allow_hyphen_values = true)]
+    range: Option<Ends>,
     #[command(flatten)]
     of_method: MethodOptions,
 }
@@ -86,7 +91,8 @@ fn start(options: &RelaxOptions, common: Common) -> Result<(), Failure> {
     if !options.force {
         RunDirectory::check_vacant(&options.out).map_err(Failure::input)?;
     }
-    let scene = options.scene.scene(options.overrides())?;
+    let mut scene = options.scene.scene(options.overrides())?;
+    scene.output.range = options.range.map(|ends| ends.0).or(scene.output.range);
     check_goal(options.goal.as_deref(), scene.dimension)?;
     let inputs = options.scene.inputs(&scene);
     check_outputs(&options.out, &inputs, options.force)?;
@@ -129,6 +135,8 @@ fn resume(options: &RelaxOptions, common: Common) -> Result<(), Failure> {
     let found = RunDirectory::reopen::<RunDescription>(&options.out).map_err(Failure::input)?;
     let (directory, mut description) = (found.directory, found.description);
     change(&mut description.scene, &options.overrides())?;
+    let range = options.range.map(|ends| ends.0);
+    description.scene.output.range = range.or(description.scene.output.range);
     check_outputs(&options.out, &description.scene.files(), true)?;
     if description.scene.dimension == 2 {
         let plane = plane(&description.scene).map_err(Failure::input)?;

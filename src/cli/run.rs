@@ -231,7 +231,7 @@ impl<'a, const D: usize, S: DrawCells<D>> FiledRun<'a, D, S> {
         let output = &self.description.scene.output;
         if output.cells {
             self.space
-                .draw_cells(sites, cells, &self.directory)
+                .draw_cells(sites, cells, output.range, &self.directory)
                 .map_err(Failure::run)?;
         }
         if output.plot {

@@ -117,12 +117,11 @@ pub(crate) fn convergence_of(
     let mut figure = Figure::new(WIDTH, height);
     let movement: Vec<_> = groups.iter().map(RunGroup::movement).collect();
     let energy: Vec<_> = groups.iter().map(RunGroup::energy).collect();
-    let points = overlays
-        .iter()
-        .flat_map(|overlay| [&overlay.movement, &overlay.energy]);
-    let last = points.flatten().map(|(iteration, _)| *iteration);
-    let last = last.chain(groups.iter().map(RunGroup::last_iteration));
-    let iterations = Axis::counts(0.0, last.fold(0.0, f64::max));
+    let last = groups.iter().map(RunGroup::last_iteration);
+    let last = last.fold(0.0, f64::max);
+    let iterations = Axis::counts(0.0, last);
+    let overlays: Vec<_> = overlays.iter().map(|overlay| overlay.up_to(last)).collect();
+    let overlays = overlays.as_slice();
     let left = Panel {
         frame: FRAME,
         x: iterations.clone(),

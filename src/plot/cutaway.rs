@@ -190,9 +190,9 @@ impl CutawayPicture {
             let beside = Point2::new(beyond.x, beyond.y + 0.36 * LABEL_SIZE);
             figure.text(beside, name, LABEL_SIZE, Anchor::Middle);
         }
-        let below = Point2::new(foot.x, foot.y + 22.0);
+        let beside = Point2::new(foot.x + AXES_FOOT + 12.0, foot.y);
         let name = format!("each {length} long");
-        figure.text(below, &name, TICK_SIZE, Anchor::Middle);
+        figure.text(beside, &name, TICK_SIZE, Anchor::Start);
     }
 }
 

@@ -41,6 +41,21 @@ pub(crate) struct Band {
     pub extremes: Option<[CurvePoints; 2]>,
 }
 
+impl Overlay {
+    /// Without the points after an iteration, for which there are no runs.
+    pub(crate) fn up_to(&self, last: f64) -> Self {
+        let kept = |points: &CurvePoints| {
+            let kept = points.iter().filter(|(iteration, _)| *iteration <= last);
+            kept.copied().collect()
+        };
+        Self {
+            name: self.name.clone(),
+            movement: kept(&self.movement),
+            energy: kept(&self.energy),
+        }
+    }
+}
+
 impl RunGroup<'_> {
     /// Movements in percent, those that are not zero.
     pub(crate) fn movement(&self) -> Band {

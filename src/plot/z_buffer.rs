@@ -35,6 +35,11 @@ const LIGHT: Vector3<f64> = Vector3::new(0.30, -0.55, 0.78);
 const AMBIENT: f64 = 0.54;
 const DIRECT: f64 = 0.46;
 
+/// The brightness of a facet with this unit normal, 0 to 1.
+pub(crate) fn shade(normal: &Vector3<f64>) -> f64 {
+    AMBIENT + DIRECT * normal.dot(&LIGHT.normalize()).max(0.0)
+}
+
 /// The width of facet rims in picture pixels.
 const LINE: f64 = 1.7;
 
@@ -167,7 +172,7 @@ impl ZBuffer {
             lines: &lines,
             slopes,
             depths: [bounds.min.z, bounds.max.z],
-            shade: AMBIENT + DIRECT * normal.dot(&LIGHT.normalize()).max(0.0),
+            shade: shade(&normal),
         };
         let mut crossings = std::mem::take(&mut self.crossings);
         for row in pixels(bounds.min.y, bounds.max.y, self.height) {

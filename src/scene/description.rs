@@ -70,13 +70,17 @@ pub struct Scene {
 }
 
 /// Which files a run leaves besides `log.jsonl`, `run.json` and `sites.csv`.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Output {
     /// The cells: `cells.vtu` in space, and a picture of them.
     pub cells: bool,
     /// The energy and movement curves: `convergence.svg`.
     pub plot: bool,
+    /// The energies in percent that the colors of the cells' picture span, so that several pictures have the
+    /// same; left out, all but the outermost 2 % of the cells.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub range: Option<[f64; 2]>,
 }
 
 impl Default for Output {
@@ -84,6 +88,19 @@ impl Default for Output {
         Self {
             cells: true,
             plot: true,
+            range: None,
+        }
+    }
+}
+
+impl Output {
+    fn validate(&self) -> Result<(), Error> {
+        match self.range {
+            Some([low, high]) if !(low.is_finite() && high.is_finite() && low < high) => {
+                let message = format!("{low:?} is not below {high:?}");
+                Err(Error::value("output.range", message))
+            }
+            _ => Ok(()),
         }
     }
 }
@@ -153,6 +170,7 @@ impl Scene {
             frames.validate(self.dimension)?;
         }
         self.validate_combinations()?;
+        self.output.validate()?;
         self.method.validate()
     }
 

@@ -25,6 +25,7 @@ mod minimize;
 #[path = "../../tests/common/models.rs"]
 mod models;
 mod objective;
+mod pictures;
 mod plane;
 mod plane_methods;
 mod plot;

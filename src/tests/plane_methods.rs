@@ -120,7 +120,7 @@ fn polygons_of_any_shape_have_their_area_and_their_cells_fill_them() {
 fn cells_of_degenerate_sites_fill_polygons_and_tori() {
     let lattice = |jitter: f64| -> Vec<Point2<f64>> {
         let mut random = Random::new(7);
-        let at = |k: usize| (k as f64 + 0.5) / 6.0;
+        let at = |k: usize| (k as f64 + 0.5) / 6.8;
         let site = |k: usize| Point2::new(at(k % 6), at(k / 6));
         let moved = |k| site(k) + Vector2::new(random.uniform(), random.uniform()) * jitter;
         (0..36).map(moved).collect()
@@ -191,7 +191,7 @@ fn energies_agree_with_sums_over_a_fine_grid() {
     for (name, plane) in planes() {
         let domain = &plane.domain;
         let sites = random_sites(domain, 6, 5);
-        let fine = 300;
+        let fine = 150;
         let (bounds, extent) = (domain.bounds(), domain.bounds().extent());
         let mut sums = vec![0.0; sites.len()];
         for k in 0..fine * fine {
@@ -221,14 +221,14 @@ fn energies_agree_with_sums_over_a_fine_grid() {
         let total: f64 = sums.iter().sum();
         for (cell, sum) in cells.iter().zip(sums) {
             assert!(
-                (cell.energy - sum).abs() < 6e-3 * total,
+                (cell.energy - sum).abs() < 1.2e-2 * total,
                 "{name}: {} {sum}",
                 cell.energy
             );
         }
         let exact: f64 = cells.iter().map(|cell| cell.energy).sum();
         assert!(
-            (exact / total - 1.0).abs() < 6e-3,
+            (exact / total - 1.0).abs() < 1.2e-2,
             "{name}: {exact} {total}"
         );
     }
