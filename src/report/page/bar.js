@@ -24,6 +24,7 @@ function decades(low, high, count) {
 const BAR_WIDTH = 250;
 const BAR_HEIGHT = 14;
 const BAR_SIDE = 16;
+const LETTER = 7;
 
 /// The bar of a scale. Ends beyond which values lie are marked by arrows.
 function colorBar(scale) {
@@ -38,14 +39,21 @@ function colorBar(scale) {
   const arrow = (x, direction, color) => drawing("path", {
     d: `M${x} 2 l${direction * 10} ${BAR_HEIGHT / 2} l${-direction * 10} ${BAR_HEIGHT / 2} z`, fill: webColor(color),
   });
-  const named = [...new Set([...ticks(low, high, 4).filter((value) => Math.min(value - low, high - value) > 0.12 * (high - low)), low, high])];
+  const end = (value) => `${value === low && isBelow ? "≤ " : value === high && isAbove ? "≥ " : ""}${numberText(value, 4)}`;
+  // About seven units a letter: a number that would touch one of the ends is left out.
+  const length = (text) => LETTER * text.length;
+  const [first, last] = [length(end(low)), BAR_WIDTH + 2 * BAR_SIDE - length(end(high))];
+  const isFree = (value) => {
+    const half = 0.5 * length(numberText(value, 4)) + LETTER;
+    return across(value) - half > first && across(value) + half < last;
+  };
+  const named = [low, ...ticks(low, high, 4).filter(isFree), ...(high > low ? [high] : [])];
   const labels = named.flatMap((value) => {
-    const text = `${value === low && isBelow ? "≤ " : value === high && isAbove ? "≥ " : ""}${numberText(value, 4)}`;
     const anchor = value === low ? "start" : value === high ? "end" : "middle";
     const x = across(value) + (value === low ? -BAR_SIDE : value === high ? BAR_SIDE : 0);
     return [
       drawing("line", { x1: across(value), x2: across(value), y1: BAR_HEIGHT + 2, y2: BAR_HEIGHT + 6, class: "tick" }),
-      drawing("text", { x, y: BAR_HEIGHT + 19, "text-anchor": anchor }, text),
+      drawing("text", { x, y: BAR_HEIGHT + 19, "text-anchor": anchor }, end(value)),
     ];
   });
   return drawing("svg", { class: "bar", viewBox: `0 0 ${BAR_WIDTH + 2 * BAR_SIDE} ${BAR_HEIGHT + 24}`, role: "img",

@@ -38,6 +38,9 @@ function runEntry(run, curves) {
     element("span", {}, `${countText(sites)} sites${iterations}${energy}`)));
 }
 
+// Another address with what it remembers, typed or followed in the same window.
+addEventListener("hashchange", () => location.reload());
+
 start().then(() => {
   document.documentElement.dataset.state = "ready";
 }).catch((error) => {

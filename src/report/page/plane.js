@@ -1,5 +1,8 @@
 // Cells in a plane, drawn on a canvas: those of runs in the plane, and sections where there is no WebGL.
 
+/// What is left free below the cells, in pixels, for axes and a scale.
+const STRIP = 56;
+
 class PlaneView {
   constructor(canvas) {
     this.canvas = canvas;
@@ -30,15 +33,20 @@ class PlaneView {
   scale() {
     const [width, height] = this.size();
     const lengths = [0, 1].map((axis) => this.frame[1][axis] - this.frame[0][axis] || 1);
-    return 0.94 * this.zoom * Math.min(width / lengths[0], height / lengths[1]);
+    return 0.96 * this.zoom * Math.min(width / lengths[0], (height - STRIP) / lengths[1]);
+  }
+
+  /// The pixel at which the middle of the frame lies.
+  middle() {
+    const [width, height] = this.size();
+    return [0.5 * width + this.pan[0], 0.5 * (height - STRIP) + 8 - this.pan[1]];
   }
 
   /// From lengths of the domain to pixels of the page.
   place([u, v]) {
-    const [width, height] = this.size();
-    const scale = this.scale();
+    const [scale, [x, y]] = [this.scale(), this.middle()];
     const middle = [0, 1].map((axis) => 0.5 * (this.frame[0][axis] + this.frame[1][axis]));
-    return [0.5 * width + this.pan[0] + scale * (u - middle[0]), 0.5 * height - this.pan[1] - scale * (v - middle[1])];
+    return [x + scale * (u - middle[0]), y - scale * (v - middle[1])];
   }
 
   draw() {
@@ -88,9 +96,8 @@ class PlaneView {
   }
 
   cellAt(x, y) {
-    const [width, height] = this.size();
-    const scale = this.scale();
-    const point = [x - 0.5 * width - this.pan[0], 0.5 * height - y - this.pan[1]].map((length, axis) =>
+    const [scale, middle] = [this.scale(), this.middle()];
+    const point = [x - middle[0], middle[1] - y].map((length, axis) =>
       0.5 * (this.frame[0][axis] + this.frame[1][axis]) + length / scale);
     const within = (box) => box.every(([low, high], axis) => point[axis] >= low && point[axis] <= high);
     const holds = ({ loops }) => loops.filter((loop) => isInside(point, loop)).length % 2 === 1;
@@ -111,7 +118,7 @@ class PlaneView {
     const [width, height] = this.size();
     const zoom = clamp(this.zoom * factor, 0.2, 400);
     const change = zoom / this.zoom;
-    const arm = [x - 0.5 * width, 0.5 * height - y];
+    const arm = [x - 0.5 * width, 0.5 * (height - STRIP) + 8 - y];
     this.pan = this.pan.map((length, k) => arm[k] + change * (length - arm[k]));
     this.zoom = zoom;
     this.draw();

@@ -113,20 +113,28 @@ class SpaceView {
     this.extent = max.map((x, axis) => x - min[axis]);
     this.radius = 0.52 * Math.hypot(...this.extent);
     this.cellSide = Math.cbrt(this.extent.reduce((product, x) => product * x, 1) / cells.total);
+    this.corners = corners;
+  }
+
+  /// The edges of the box but for the three that meet in front.
+  boxEdges() {
+    const front = this.camera.axes()[2].map((part) => (part > 0 ? 1 : 0));
     const box = [];
     for (let axis = 0; axis < 3; axis++) {
+      const others = planeAxes(axis);
       for (let side = 0; side < 4; side++) {
+        const ends = others.map((_, k) => (side >> k) & 1);
+        if (ends.every((end, k) => end === front[others[k]])) continue;
         for (const end of [0, 1]) {
-          const corner = [0, 0, 0];
-          corner[axis] = end;
-          planeAxes(axis).forEach((other, k) => {
-            corner[other] = (side >> k) & 1;
+          const corner = [end, end, end];
+          others.forEach((other, k) => {
+            corner[other] = ends[k];
           });
-          box.push(...corner.map((k, at) => corners[k][at]));
+          box.push(...corner.map((k, at) => this.corners[k][at]));
         }
       }
     }
-    this.box = new Float32Array(box);
+    return new Float32Array(box);
   }
 
   show(surface, cut) {
@@ -139,7 +147,6 @@ class SpaceView {
     };
     fill(this.buffers.faces, surface.bytes.subarray(0, surface.count * VERTEX_BYTES));
     fill(this.buffers.lines, new Float32Array(surface.lines));
-    fill(this.buffers.box, this.box);
     this.draw();
   }
 
@@ -176,7 +183,10 @@ class SpaceView {
     if (this.outlines) this.drawLines(this.buffers.lines, this.surface.lines.length / 3, [0.05, 0.05, 0.05, clamp(side / 14, 0.12, 0.8)]);
     gl.uniform4f(this.uniforms.cut, 0, 0, 0, 0);
     const ink = rgbOf(styleColor("--faint")).map((part) => part / 255);
-    this.drawLines(this.buffers.box, this.box.length / 3, [...ink, 0.9]);
+    const box = this.boxEdges();
+    gl.bindBuffer(gl.ARRAY_BUFFER, this.buffers.box);
+    gl.bufferData(gl.ARRAY_BUFFER, box, gl.DYNAMIC_DRAW);
+    this.drawLines(this.buffers.box, box.length / 3, [...ink, 0.8]);
     gl.disable(gl.BLEND);
     this.onDraw?.();
   }

@@ -77,7 +77,7 @@ function visibleSurface(cells, shown, colors, cut) {
   }
   if (cut) {
     for (let cell = 0; cell < cells.count; cell++) {
-      if (shown[cell] === 1) pushSection(buffer, cells, cell, cut, colors[cell]);
+      if (shown[cell] === 1 && meets(cells, cell, cut.axis, cut.place)) pushSection(buffer, cells, cell, cut, colors[cell]);
     }
   }
   return buffer;
@@ -102,6 +102,31 @@ function isBeyond({ points, corners, starts }, face, { axis, place, keepsBelow }
     if (points[3 * corners[k] + axis] < place === keepsBelow) return false;
   }
   return true;
+}
+
+/// Whether a cell lies on both sides of a plane.
+function meets(cells, cell, axis, place) {
+  cells.extents ??= cellExtents(cells);
+  return cells.extents[6 * cell + axis] <= place && cells.extents[6 * cell + 3 + axis] >= place;
+}
+
+/// The least and the greatest coordinates of every cell.
+function cellExtents({ count, owners, neighbors, starts, corners, points }) {
+  const extents = new Float32Array(6 * count).map((_, k) => (k % 6 < 3 ? Infinity : -Infinity));
+  const include = (cell, corner) => {
+    for (let axis = 0; axis < 3; axis++) {
+      const x = points[3 * corner + axis];
+      if (x < extents[6 * cell + axis]) extents[6 * cell + axis] = x;
+      if (x > extents[6 * cell + 3 + axis]) extents[6 * cell + 3 + axis] = x;
+    }
+  };
+  for (let face = 0; face < owners.length; face++) {
+    for (let k = starts[face]; k < starts[face + 1]; k++) {
+      include(owners[face], corners[k]);
+      if (neighbors[face] >= 0) include(neighbors[face], corners[k]);
+    }
+  }
+  return extents;
 }
 
 function pushSection(buffer, cells, cell, { axis, place, keepsBelow }, color) {

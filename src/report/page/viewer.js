@@ -33,9 +33,8 @@ class CellViewer {
     this.panel = element("div", { class: "panel" });
     this.caption = element("p", { class: "caption" });
     this.message = element("p", { class: "note", hidden: true });
-    this.home.append(this.message, element("div", { class: "viewer" }, this.stage, this.panel), this.caption,
-      element("p", { class: "hint" }, "Drag to turn, with Shift or two fingers to move; pinch, or click and use the wheel, to zoom. ",
-        "Keys: arrows turn, + − zoom, 0 back, x y z n choose the cut, [ ] move it."));
+    this.hint = element("p", { class: "hint" });
+    this.home.append(this.message, element("div", { class: "viewer" }, this.stage, this.panel), this.caption, this.hint);
     this.listen();
     new ResizeObserver(() => this.view?.draw()).observe(this.stage);
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.view?.draw());
@@ -78,6 +77,15 @@ class CellViewer {
     if (this.view instanceof SpaceView) this.view.aim(this.cells);
     this.stage.classList.toggle("flat", !this.isInSpace());
     if (this.cells.dimension === 3 && !this.isInSpace() && this.state.cut === "") this.state.cut = "z";
+    this.hint.textContent = this.hintText();
+  }
+
+  hintText() {
+    const zoom = "pinch, or click and use the wheel, to zoom; click a cell to hold its values.";
+    const cut = this.cells.dimension === 3 ? `, x y z ${this.isInSpace() ? "n " : ""}choose the cut, [ ] move it` : "";
+    return this.isInSpace()
+      ? `Drag to turn, with Shift or two fingers to move; ${zoom} Keys: arrows turn, + − zoom, 0 back${cut}.`
+      : `Drag to move; ${zoom} Keys: arrows move, + − zoom, 0 back${cut}.`;
   }
 
   restoreCamera() {
@@ -212,7 +220,7 @@ class CellViewer {
     this.bar.replaceChildren(element("p", {}, this.column().label), colorBar(scale));
     [this.low.value, this.high.value] = [scale.low, scale.high].map((value) => numberText(value));
     this.showCut(cut);
-    const left = shown.reduce((sum, is) => sum + is, 0);
+    const left = this.cells.dimension === 3 && !this.isInSpace() ? this.view.patches.length : shown.reduce((sum, is) => sum + is, 0);
     this.caption.textContent = this.captionText(left);
     this.rememberView();
     this.showFacts(this.pinned);
@@ -232,7 +240,7 @@ class CellViewer {
     const frame = cells.bounds.map((corner) => [u, v].map((axis) => corner[axis] - cells.origin[axis]));
     const patches = [];
     for (let cell = 0; cell < cells.count; cell++) {
-      if (shown[cell] === 0) continue;
+      if (shown[cell] === 0 || (cut && !meets(cells, cell, cut.axis, cut.place))) continue;
       const loops = cut ? sectionLoops(cells, cell, cut.axis, cut.place) : cells.facesOf[cell].map((face) => faceLoop(cells, face));
       const dot = cut ? null : [cells.sites[3 * cell], cells.sites[3 * cell + 1]];
       if (loops.length > 0) patches.push({ cell, loops, color: colors[cell], dot });
@@ -248,7 +256,7 @@ class CellViewer {
 
   rememberView() {
     const { state } = this;
-    remember("run", this.runs.length > 1 ? this.runs.indexOf(this.run) : null);
+    remember("run", this.runs.indexOf(this.run) || null);
     remember("color", this.column() === this.cells.columns[0] ? null : this.column().name);
     remember("cut", state.cut === "" ? null : state.cut);
     remember("place", state.cut === "" ? null : state.place);
@@ -269,7 +277,7 @@ class CellViewer {
     const length = niceLength((0.3 * Math.min(width, 500)) / scale);
     const right = width - 12;
     const left = right - length * scale;
-    const at = [40, height - 40];
+    const at = this.isInSpace() ? [40, height - 40] : [24, height - 12];
     const arrows = axes.flatMap((way, axis) => {
       if (!way) return [];
       const end = at.map((x, k) => x + 26 * way[k]);
