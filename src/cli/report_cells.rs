@@ -16,7 +16,7 @@ use crate::report::cells::{BrightEnd, ShownCell, ShownCells, ValueColumn};
 use crate::scene::description::Scene;
 use crate::scene::run::{RunSpace, energy_spec};
 use crate::voronoi::diagram::{Diagram, DiagramError};
-use crate::voronoi::planar::diagram::PlaneDiagram;
+use crate::voronoi::planar::diagram::{PlaneCell, PlaneDiagram};
 
 /// How far from the middle of the domain its cells are cut, in sides of a mean cell, as in `cells.svg`: the
 /// middle itself is a wall of cells for every lattice of an even number of layers.
@@ -60,10 +60,23 @@ impl ShowCells<2> for Plane {
         let cells = (0..).zip(&diagram.cells).map(|(site, cell)| ShownCell {
             site,
             position: cell.site.coords.push(0.0).into(),
-            shell: Shell::polygon(&cell.outline().collect::<Vec<_>>()),
+            shell: plane_shell(cell),
         });
         Ok(cells.filter(|cell| shown(&cell.shell)).collect())
     }
+}
+
+/// The cell's part in the domain, one facet for each convex piece.
+fn plane_shell(cell: &PlaneCell) -> Shell {
+    let (mut vertices, mut facets) = (Vec::new(), Vec::new());
+    for piece in cell.pieces() {
+        let first = vertices.len() as u32;
+        let corners = piece.vertices().iter();
+        vertices.extend(corners.map(|at| Point3::from((at + cell.site.coords).coords.push(0.0))));
+        facets.push(first..vertices.len() as u32);
+    }
+    // The facets name these vertices only.
+    Shell::new(&vertices, facets).unwrap_or_default()
 }
 
 impl ShowCells<3> for Space {
