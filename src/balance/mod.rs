@@ -14,5 +14,6 @@ pub(crate) mod dual;
 pub(crate) mod elements;
 pub(crate) mod modifiers;
 pub(crate) mod quadratic;
+pub(crate) mod sine_fit;
 pub(crate) mod solve;
 pub(crate) mod spin;

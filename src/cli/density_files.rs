@@ -16,9 +16,8 @@ use crate::export::field_vtu::write_simplices;
 use crate::export::mesh_vtu::{CellColumn, write_mesh};
 use crate::geometry::bounds::Bounds;
 use crate::geometry::half_space::HalfSpace;
-use crate::mass::density::SolidDensity;
 use crate::mass::evaluate::DensityFunction;
-use crate::mass::weigh::field;
+use crate::mass::linear_pieces::{LinearPieces, WeighError, linear_pieces};
 use crate::mesh::surface::SurfaceMesh;
 use crate::mesh::tets::TetMesh;
 use crate::mesh::validate::Solid;
@@ -157,9 +156,8 @@ fn write_vtu(path: &Path, body: DensityBody<'_>) -> Result<(), Failure> {
             write_mesh(path, &mesh, &columns, false).map_err(failed)
         }
         ([solid @ Solid::Tets(sound, _)], [field]) => {
-            let mesh = sound.mesh();
-            let values = at_vertices(solid, mesh, field, body.extent)?;
-            let columns = [("density", &values[..])];
+            let LinearPieces { mesh, densities } = pieces(solid, sound.mesh(), field, body.extent)?;
+            let columns = [("density", &densities[..])];
             write_simplices(path, &mesh.vertices, &mesh.tets, &columns).map_err(failed)
         }
         _ => {
@@ -192,22 +190,27 @@ fn append(all: &mut SurfaceMesh, part: SurfaceMesh) {
     all.vertices.extend(part.vertices);
 }
 
-/// The density at the vertices of tetrahedra.
-fn at_vertices(
+/// Tetrahedra with the density at their vertices: cut where it bends if it is linear in between, else
+/// those of the mesh.
+fn pieces(
     solid: &Solid,
     mesh: &TetMesh,
     given: &Field,
     extent: &Bounds<3>,
-) -> Result<Vec<f64>, Failure> {
-    match given {
-        Field::Vertices(values) => Ok(values.clone()),
-        Field::Solid(SolidDensity::Vertex(name)) => {
-            let values = field(mesh, name.as_deref()).map_err(Failure::input)?;
-            Ok(values.to_vec())
-        }
-        _ => {
-            let density = given.function(solid, extent).map_err(Failure::input)?;
-            Ok(mesh.vertices.par_iter().map(|at| density(at)).collect())
+) -> Result<LinearPieces, Failure> {
+    if let Field::Solid(density) = given {
+        match linear_pieces(mesh, density, extent) {
+            Err(WeighError::NotLinear) => {}
+            pieces => return pieces.map_err(Failure::input),
         }
     }
+    let densities = match given {
+        Field::Vertices(values) => values.clone(),
+        _ => {
+            let density = given.function(solid, extent).map_err(Failure::input)?;
+            mesh.vertices.par_iter().map(|at| density(at)).collect()
+        }
+    };
+    let mesh = mesh.clone();
+    Ok(LinearPieces { mesh, densities })
 }

@@ -8,11 +8,12 @@ use serde::Serialize;
 use crate::geometry::bounds::Bounds;
 use crate::mass::body::Body;
 use crate::mass::density::SolidDensity;
-use crate::mass::weigh::bounds;
+use crate::mass::numeric::BodyErrors;
+use crate::mass::weigh::{bounds, weigh};
 use crate::mesh::formats::read::load;
 use crate::mesh::validate::Solid;
 use crate::plot::density_cut::{NATIVE, OBTAINED};
-use crate::scene::field::{Field, GivenField};
+use crate::scene::field::{GivenField, Weighed};
 
 use crate::cli::density_files::{
     DensityBody, Section, center_mark, coordinate_cut, density_files, widest_cut, write_density,
@@ -55,6 +56,10 @@ pub(crate) struct MassOptions {
     /// Free text about the units, carried through to the output
     #[arg(long, value_name = "TEXT")]
     units: Option<String>,
+    /// The largest relative error of mass, center of mass (to the body's extent) and inertia for
+    /// formulas that are no polynomials [default: 1e-6; where they use `distance` 1e-4]
+    #[arg(long, value_name = "T", value_parser = positive)]
+    tolerance: Option<f64>,
     /// Print one JSON object instead of a table
     #[arg(long)]
     json: bool,
@@ -79,10 +84,34 @@ struct Report {
     units: Option<String>,
     #[serde(flatten)]
     properties: MassProperties,
+    /// The largest of `error_estimates` as shares of mass, extent and the tensor's largest entry; only
+    /// where a density has no closed integral.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    error_estimate: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    error_estimates: Option<ErrorEstimates>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     parts: Vec<MassPart>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     notes: Vec<String>,
+}
+
+/// Bounds of the errors of properties.
+#[derive(Debug, Serialize)]
+struct ErrorEstimates {
+    mass: f64,
+    center_of_mass: f64,
+    inertia_center: f64,
+}
+
+impl From<BodyErrors> for ErrorEstimates {
+    fn from(errors: BodyErrors) -> Self {
+        Self {
+            mass: errors.mass,
+            center_of_mass: errors.center,
+            inertia_center: errors.inertia,
+        }
+    }
 }
 
 #[derive(Debug, Serialize)]
@@ -110,29 +139,36 @@ pub(crate) fn run(options: &MassOptions) -> Result<(), Failure> {
         .map(|file| load(file).map_err(Failure::input))
         .collect::<Result<Vec<_>, _>>()?;
     let extent = extent(&solids);
-    let mut bodies = Vec::new();
+    let mut weighed = Vec::new();
     for (place, (solid, density)) in solids.iter().zip(&densities).enumerate() {
         let file = files[place].display();
-        let body = (density.field.weigh(solid, &extent))
+        let body = (density.field.weigh(solid, &extent, options.tolerance))
             .map_err(|error| Failure::input(format!("{file}: {error}")))?;
-        bodies.push(
+        weighed.push(
             options
                 .mass
                 .get(place)
                 .map_or(body, |&mass| body.weighing(mass)),
         );
     }
+    let bodies: Vec<Body> = weighed.iter().map(|part: &Weighed| part.body).collect();
     let body = Body::combined(&bodies).ok_or_else(|| Failure::run("the parts have no mass"))?;
     notes.extend(notes_of_parts(&files, &solids));
     notes.extend(densities.iter().filter_map(|density| density.note(&extent)));
     notes.extend(negative_notes(&files, &solids, &densities, &extent));
     write_files(options, &solids, &densities, &body)?;
-    let report = report(options, &files, notes, &bodies, &body);
-    if options.json {
-        let text = serde_json::to_string_pretty(&report).map_err(Failure::run)?;
-        return print(text + "\n");
-    }
-    print(report.table())
+    let errors = Weighed::errors_of(&weighed, &body, extent.extent().norm());
+    let mut report = report(options, &files, notes, &bodies, &body);
+    report.error_estimate = errors.map(|errors| errors.relative);
+    report.error_estimates = errors.map(ErrorEstimates::from);
+    let text = if options.json {
+        serde_json::to_string_pretty(&report).map_err(Failure::run)? + "\n"
+    } else {
+        report.table()
+    };
+    print(text)?;
+    let missed = weighed.iter().find_map(|part| part.missed);
+    missed.map_or(Ok(()), |missed| Err(Failure::run(missed)))
 }
 
 /// Refuses files of `--out` that must not be replaced.
@@ -173,8 +209,8 @@ fn write_files(
         ),
         None => widest_cut(&extent, &center),
     };
-    let plain = Field::Solid(SolidDensity::Constant(1.0));
-    let plain: Vec<Body> = (solids.iter().map(|solid| plain.weigh(solid, &extent)))
+    let plain = SolidDensity::Constant(1.0);
+    let plain: Vec<Body> = (solids.iter().map(|solid| weigh(solid, &plain, &extent)))
         .collect::<Result<_, _>>()
         .map_err(Failure::input)?;
     let mut marks = Vec::new();
@@ -307,6 +343,8 @@ fn report(
     Report {
         units: options.units.clone(),
         properties: MassProperties::of(body, options.axis),
+        error_estimate: None,
+        error_estimates: None,
         parts: parts.collect(),
         notes,
     }
@@ -315,6 +353,17 @@ fn report(
 impl Report {
     fn table(&self) -> String {
         let mut text = self.properties.table();
+        if let (Some(relative), Some(errors)) = (self.error_estimate, &self.error_estimates) {
+            let relative = figure(relative);
+            text += &format!("{:<24}{relative} (relative)\n", "error estimate");
+            for (name, error) in [
+                ("… of the mass", errors.mass),
+                ("… of the center", errors.center_of_mass),
+                ("… of the inertia", errors.inertia_center),
+            ] {
+                text += &format!("{name:<24}{}\n", figure(error));
+            }
+        }
         if let Some(units) = &self.units {
             text += &format!("{:<24}  {units}\n", "units");
         }

@@ -72,6 +72,15 @@ fn negative_note(solid: &Solid, field: &Field, extent: &Bounds<3>) -> Option<Str
             Solid::Surface(..) => None,
             Solid::Tets(sound, _) => least(&sound.mesh().vertices, values),
         },
+        Field::Radial(_) | Field::Formula(_) | Field::Sampled(_) => {
+            let density = field.function(solid, extent).ok()?;
+            let vertices = match solid {
+                Solid::Surface(closed, _) => &closed.mesh().vertices,
+                Solid::Tets(sound, _) => &sound.mesh().vertices,
+            };
+            let values: Vec<f64> = vertices.iter().map(|vertex| density(vertex)).collect();
+            least(vertices, &values)
+        }
     }?;
     let [x, y, z] = <[f64; 3]>::from(place);
     Some(format!(

@@ -1,11 +1,13 @@
 //! The density at points of a solid, for pictures and files.
 
+use std::borrow::Cow;
+
 use nalgebra::Point3;
 
 use crate::geometry::bounds::Bounds;
 use crate::mass::density::SolidDensity;
+use crate::mass::linear_pieces::{WeighError, field};
 use crate::mass::tet_values::TetValues;
-use crate::mass::weigh::{WeighError, field};
 use crate::mesh::tets::TetMesh;
 use crate::mesh::validate::Solid;
 
@@ -30,18 +32,28 @@ pub(crate) fn density_function<'a>(
         }
         SolidDensity::Profile(profile) => Box::new(|point| profile.at_point(point)),
         SolidDensity::Polynomial(polynomial) => Box::new(|point| polynomial.at(point)),
-        SolidDensity::Vertex(name) => {
-            let Solid::Tets(sound, _) = solid else {
-                return Err(WeighError::VertexOfSurface);
-            };
-            let values = field(sound.mesh(), name.as_deref())?;
-            vertex_function(sound.mesh(), values)
+        SolidDensity::Vertex(name) => by_data(solid, name.as_deref())?,
+        SolidDensity::VertexRamp(ramp) => {
+            let values = by_data(solid, ramp.name.as_deref())?;
+            Box::new(move |point| ramp.at(values(point)))
         }
     })
 }
 
+/// The vertex data of this name, or the only ones.
+fn by_data<'a>(solid: &'a Solid, name: Option<&str>) -> Result<DensityFunction<'a>, WeighError> {
+    let Solid::Tets(sound, _) = solid else {
+        return Err(WeighError::VertexOfSurface);
+    };
+    let values = field(sound.mesh(), name)?;
+    Ok(vertex_function(sound.mesh(), values.into()))
+}
+
 /// Values at a mesh's vertices, linear in between.
-pub(crate) fn vertex_function<'a>(mesh: &'a TetMesh, values: &'a [f64]) -> DensityFunction<'a> {
+pub(crate) fn vertex_function<'a>(
+    mesh: &'a TetMesh,
+    values: Cow<'a, [f64]>,
+) -> DensityFunction<'a> {
     let values = TetValues::new(mesh, values);
     Box::new(move |point| values.at(point))
 }

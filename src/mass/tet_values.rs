@@ -1,5 +1,7 @@
 //! Values at the vertices of tetrahedra, interpolated at a point.
 
+use std::borrow::Cow;
+
 use nalgebra::{Matrix3, Point3};
 
 use crate::geometry::bounds::Bounds;
@@ -13,13 +15,13 @@ const OUTSIDE: f64 = 1e-9;
 #[derive(Debug)]
 pub(crate) struct TetValues<'a> {
     mesh: &'a TetMesh,
-    values: &'a [f64],
+    values: Cow<'a, [f64]>,
     tree: Bvh,
 }
 
 impl<'a> TetValues<'a> {
     /// One value for each vertex of `mesh`.
-    pub(crate) fn new(mesh: &'a TetMesh, values: &'a [f64]) -> Self {
+    pub(crate) fn new(mesh: &'a TetMesh, values: Cow<'a, [f64]>) -> Self {
         let tree = Bvh::new(mesh.all_corners().map(|corners| Bounds::of(&corners)));
         Self { mesh, values, tree }
     }

@@ -26,6 +26,7 @@ pub mod shapes;
 pub mod similarity;
 pub(crate) mod slabs;
 pub mod surface;
+pub(crate) mod surface_distance;
 pub mod tets;
 pub(crate) mod triangle_tree;
 pub mod validate;

@@ -2,7 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use nalgebra::{Point3, Vector3};
+use nalgebra::Point3;
+use rayon::prelude::*;
 use thiserror::Error as ThisError;
 
 use crate::domain::error::DomainError;
@@ -11,14 +12,23 @@ use crate::domain::tri_surface::solid::SurfaceSolid;
 use crate::geometry::bounds::Bounds;
 use crate::geometry::bvh::Bvh;
 use crate::geometry::moments::Moments;
+use crate::integrals::adaptive::MomentErrors;
+use crate::integrals::expression::Expression;
 use crate::integrals::mesh_moments::at_vertices;
+use crate::integrals::radial::Radial;
 use crate::mass::body::Body;
-use crate::mass::density::{DensityError, SolidDensity};
+use crate::mass::density::SolidDensity;
 use crate::mass::evaluate::{DensityFunction, density_function, vertex_function};
+use crate::mass::numeric::{
+    BodyErrors, FormulaField, MissedTolerance, NumericError, NumericMoments, boundary,
+    formula_moments, radial_moments, sampled_moments,
+};
 use crate::mass::weigh::{WeighError, bounds, weigh};
+use crate::mesh::tets::TetMesh;
 use crate::mesh::validate::Solid;
 use crate::scene::error::Error;
 use crate::scene::field_file::{FieldBounds, FieldDensity, FieldFile, FieldFormula};
+use crate::scene::field_text::{FieldText, FieldTextError};
 use crate::voronoi::diagram::{Diagram, DiagramError};
 
 /// A density over solids.
@@ -35,6 +45,55 @@ pub(crate) enum Field {
     },
     /// Values at the vertices of the solid's tetrahedra, linear in between.
     Vertices(Vec<f64>),
+    /// A function of the distance from a point.
+    Radial(Radial),
+    /// A formula.
+    Formula(Expression),
+    /// A formula sampled at the vertices of the solid's tetrahedra, linear in between.
+    Sampled(Expression),
+}
+
+/// The mass properties of a solid, with bounds of their errors where its density has no closed integral.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Weighed {
+    pub(crate) body: Body,
+    /// Of its moments, and the point from which those are measured.
+    pub(crate) errors: Option<(MomentErrors, Point3<f64>)>,
+    /// Where the tolerance was not reached.
+    pub(crate) missed: Option<MissedTolerance>,
+}
+
+impl Weighed {
+    /// A body without errors but rounding.
+    fn exactly(body: Body) -> Self {
+        Self {
+            body,
+            errors: None,
+            missed: None,
+        }
+    }
+
+    /// The same with its density scaled so that it weighs `mass`.
+    pub(crate) fn weighing(&self, mass: f64) -> Self {
+        let factor = mass / self.body.mass;
+        Self {
+            body: self.body.weighing(mass),
+            errors: self
+                .errors
+                .map(|(errors, near)| (errors.times(factor), near)),
+            ..*self
+        }
+    }
+
+    /// The bounds of the errors of `parts` together, `body`, in a box of diagonal `extent`; none where all
+    /// are exact.
+    pub(crate) fn errors_of(parts: &[Self], body: &Body, extent: f64) -> Option<BodyErrors> {
+        let center = body.center_of_mass();
+        let about = parts.iter().filter_map(|part| part.errors);
+        let about = about.map(|(errors, near)| errors.moved((center - near).norm()));
+        let sum = about.reduce(|sum, errors| sum.plus(&errors))?;
+        Some(BodyErrors::of(body, &sum, &center, extent))
+    }
 }
 
 /// A field with the file that it was read from.
@@ -53,7 +112,7 @@ pub(crate) struct GivenField {
 pub(crate) enum FieldError {
     /// The text is no density.
     #[error(transparent)]
-    Text(#[from] DensityError),
+    Text(#[from] FieldTextError),
     /// The field file cannot be used.
     #[error(transparent)]
     File(#[from] Error),
@@ -63,7 +122,7 @@ pub(crate) enum FieldError {
         /// The file.
         path: PathBuf,
         /// Why.
-        error: DensityError,
+        error: FieldTextError,
     },
     /// The solid cannot be weighed.
     #[error(transparent)]
@@ -71,6 +130,9 @@ pub(crate) enum FieldError {
     /// The field's cells are not those of this solid.
     #[error("{0} (the field's cells must be of the solid that is weighed)")]
     Cells(#[from] DiagramError),
+    /// A formula has no integral.
+    #[error(transparent)]
+    Numeric(#[from] NumericError),
     /// The solid has no cells.
     #[error(transparent)]
     Domain(#[from] DomainError),
@@ -94,7 +156,7 @@ impl GivenField {
     pub(crate) fn read(text: &str) -> Result<Self, FieldError> {
         let Some(file) = text.trim().strip_prefix('@') else {
             return Ok(Self {
-                field: Field::Solid(text.parse()?),
+                field: Field::of_text(text)?,
                 file: None,
                 bounds: None,
             });
@@ -133,16 +195,36 @@ impl GivenField {
 }
 
 impl Field {
+    /// The density of a text, not a file's name.
+    pub(crate) fn of_text(text: &str) -> Result<Self, FieldTextError> {
+        Ok(match text.parse()? {
+            FieldText::Solid(density) => Self::Solid(density),
+            FieldText::Radial(density) => Self::Radial(density),
+            FieldText::Formula(formula) => Self::Formula(formula),
+            FieldText::Sampled(formula) => Self::Sampled(formula),
+        })
+    }
+
     /// The density that a field file holds.
-    fn of_file(density: FieldDensity) -> Result<Self, DensityError> {
+    fn of_file(density: FieldDensity) -> Result<Self, FieldTextError> {
         Ok(match density {
-            FieldDensity::Text(text) => Self::Solid(text.parse()?),
+            FieldDensity::Text(text) => Self::of_text(&text)?,
             FieldDensity::Cells { sites, values, .. } => Self::Cells {
                 sites: sites.into_iter().map(Point3::from).collect(),
                 values,
             },
             FieldDensity::Vertices { values } => Self::Vertices(values),
-            FieldDensity::Clamp { low, high, of } => Self::Solid(clamped(low, high, &of)?),
+            FieldDensity::Clamp { low, high, of } => match of {
+                FieldFormula::Affine { value, gradient } => {
+                    let high = high.unwrap_or(f64::INFINITY);
+                    Self::Solid(SolidDensity::clamp(low, high, value, &gradient.into())?)
+                }
+                FieldFormula::Polynomial(text) => {
+                    let high = high.map_or(String::new(), |high| format!("min({high:?}, "));
+                    let close = if high.is_empty() { "" } else { ")" };
+                    Self::of_text(&format!("max({low:?}, {high}{text}{close})"))?
+                }
+            },
         })
     }
 
@@ -150,24 +232,35 @@ impl Field {
     ///
     /// # Errors
     /// When the mass is not positive, or the field is not of this solid.
-    pub(crate) fn weigh(&self, solid: &Solid, extent: &Bounds<3>) -> Result<Body, FieldError> {
+    pub(crate) fn weigh(
+        &self,
+        solid: &Solid,
+        extent: &Bounds<3>,
+        tolerance: Option<f64>,
+    ) -> Result<Weighed, FieldError> {
+        let near = bounds(solid).center();
+        let exact = |moments| body(solid, extent, &moments, &near).map(Weighed::exactly);
         match self {
-            Self::Solid(density) => Ok(weigh(solid, density, extent)?),
-            Self::Vertices(values) => {
-                let mesh = tets_of(solid, values)?;
-                let near = bounds(solid).center();
-                let moments = at_vertices(&mesh.vertices, &mesh.tets, values, &near);
-                body(solid, extent, &moments, &near)
+            Self::Solid(density) => {
+                let body = weigh(solid, density, extent)?;
+                Ok(Weighed::exactly(body))
             }
-            Self::Cells { sites, values } => {
-                let shape = shape(solid)?;
-                let (diagram, near) = (Diagram::borrowed(&shape, sites)?, bounds(solid).center());
-                let cells = diagram.map_cells(|cell| cell.moments())?;
-                let mut moments = Moments::default();
-                for ((cell, site), &value) in cells.iter().zip(sites).zip(values) {
-                    moments += cell.translated(&(site - near)) * value;
-                }
-                body(solid, extent, &moments, &near)
+            Self::Vertices(values) => {
+                let mesh = tets_of(solid, values.len())?;
+                exact(at_vertices(&mesh.vertices, &mesh.tets, values, &near))
+            }
+            Self::Cells { sites, values } => exact(cell_moments(solid, sites, values, &near)?),
+            Self::Radial(density) => numeric(solid, extent, &radial_moments(solid, density)),
+            Self::Formula(formula) => {
+                numeric(solid, extent, &formula_moments(solid, formula, tolerance)?)
+            }
+            Self::Sampled(formula) => {
+                let (mesh, values) = sampled(solid, formula)?;
+                numeric(
+                    solid,
+                    extent,
+                    &sampled_moments(solid, mesh, formula, &values)?,
+                )
             }
         }
     }
@@ -183,7 +276,18 @@ impl Field {
     ) -> Result<DensityFunction<'a>, FieldError> {
         Ok(match self {
             Self::Solid(density) => density_function(solid, density, extent)?,
-            Self::Vertices(values) => vertex_function(tets_of(solid, values)?, values),
+            Self::Vertices(values) => {
+                vertex_function(tets_of(solid, values.len())?, values.as_slice().into())
+            }
+            Self::Radial(density) => Box::new(|point| density.at(point)),
+            Self::Formula(formula) => {
+                let field = FormulaField::new(formula, || boundary(solid));
+                Box::new(move |point| field.at(point, &mut 0))
+            }
+            Self::Sampled(formula) => {
+                let (mesh, values) = sampled(solid, formula)?;
+                vertex_function(mesh, values.into())
+            }
             Self::Cells { sites, values } => {
                 let point = |site: &Point3<f64>| Bounds {
                     min: *site,
@@ -200,26 +304,43 @@ impl Field {
     }
 }
 
-/// clamp(low, high, formula).
-fn clamped(
-    low: f64,
-    high: Option<f64>,
-    formula: &FieldFormula,
-) -> Result<SolidDensity, DensityError> {
-    let FieldFormula::Affine { value, gradient } = formula else {
-        return Ok(SolidDensity::Constant(low));
+/// The moments from `near` of cells with one density each.
+fn cell_moments(
+    solid: &Solid,
+    sites: &[Point3<f64>],
+    values: &[f64],
+    near: &Point3<f64>,
+) -> Result<Moments, FieldError> {
+    let shape = shape(solid)?;
+    let cells = Diagram::borrowed(&shape, sites)?.map_cells(|cell| cell.moments())?;
+    let mut moments = Moments::default();
+    for ((cell, site), &value) in cells.iter().zip(sites).zip(values) {
+        moments += cell.translated(&(site - near)) * value;
+    }
+    Ok(moments)
+}
+
+/// A formula's values at the vertices of the solid's tetrahedra.
+fn sampled<'a>(
+    solid: &'a Solid,
+    formula: &Expression,
+) -> Result<(&'a TetMesh, Vec<f64>), FieldError> {
+    let Solid::Tets(sound, _) = solid else {
+        return Err(WeighError::VertexOfSurface.into());
     };
-    let gradient = Vector3::from(*gradient);
-    let slope = gradient.norm();
-    let Some(direction) = gradient.try_normalize(0.0) else {
-        let value = value.max(low).min(high.unwrap_or(f64::INFINITY));
-        return Ok(SolidDensity::Constant(value));
-    };
-    let start = (low - value) / slope;
-    let high = high.unwrap_or(low + slope * 1e12);
-    let breaks = vec![[start, low], [start + (high - low) / slope, high]];
-    let profile = crate::mass::profile::Profile::new(&direction, breaks)?;
-    Ok(SolidDensity::Profile(profile))
+    let field = FormulaField::new(formula, || boundary(solid));
+    let vertices = sound.mesh().vertices.par_iter();
+    let values = vertices.map(|vertex| field.at(vertex, &mut 0)).collect();
+    Ok((sound.mesh(), values))
+}
+
+/// The body of moments that are not exact.
+fn numeric(solid: &Solid, extent: &Bounds<3>, sum: &NumericMoments) -> Result<Weighed, FieldError> {
+    Ok(Weighed {
+        body: body(solid, extent, &sum.moments, &sum.near)?,
+        errors: Some((sum.errors, sum.near)),
+        missed: sum.missed,
+    })
 }
 
 /// The body of these moments about `near`, with the solid's volume and area.
@@ -234,26 +355,19 @@ fn body(
         return Err(WeighError::Massless { mass }.into());
     }
     let plain = weigh(solid, &SolidDensity::Constant(1.0), extent)?;
-    Ok(Body::from_moments(
-        plain.volume,
-        plain.surface_area,
-        moments,
-        near,
-    ))
+    let (volume, area) = (plain.volume, plain.surface_area);
+    Ok(Body::from_moments(volume, area, moments, near))
 }
 
 /// The solid's tetrahedra, for one value at each vertex.
-fn tets_of<'a>(
-    solid: &'a Solid,
-    values: &[f64],
-) -> Result<&'a crate::mesh::tets::TetMesh, FieldError> {
+fn tets_of(solid: &Solid, values: usize) -> Result<&TetMesh, FieldError> {
     let Solid::Tets(sound, _) = solid else {
         return Err(WeighError::VertexOfSurface.into());
     };
     let mesh = sound.mesh();
-    if mesh.vertices.len() != values.len() {
+    if mesh.vertices.len() != values {
         return Err(FieldError::Vertices {
-            values: values.len(),
+            values,
             vertices: mesh.vertices.len(),
         });
     }

@@ -11,12 +11,14 @@
 //! from files ([`site_file`], [`npy`], `xyz`), unless `memory` has no room for them. [`run`] carries a
 //! scene out.
 
+pub(crate) mod background;
 pub mod density;
 pub mod description;
 pub mod domain;
 pub mod error;
 pub(crate) mod field;
 pub(crate) mod field_file;
+pub(crate) mod field_text;
 pub mod frames;
 pub(crate) mod memory;
 pub mod mesh_domain;

@@ -13,6 +13,7 @@ mod frames;
 mod gcode;
 mod gcode_rewrite;
 mod geometry;
+mod half_space;
 mod integrals;
 mod levels;
 mod linf;
