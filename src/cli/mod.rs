@@ -30,4 +30,8 @@ pub(crate) mod spin_files;
 pub(crate) mod spin_report;
 pub(crate) mod spin_sine;
 pub(crate) mod spin_solid;
+pub(crate) mod stand;
+pub(crate) mod stand_files;
+pub(crate) mod stand_report;
+mod stand_text;
 pub(crate) mod stopwatch;

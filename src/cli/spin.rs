@@ -17,7 +17,7 @@ use crate::cli::modifiers::{
 use crate::cli::options::Common;
 use crate::cli::output::OutputRule;
 use crate::cli::spin_bores::find_bores;
-use crate::cli::spin_files::{spin_files, write};
+use crate::cli::spin_files::{SpinFiles, spin_files};
 use crate::cli::spin_report::{Outcome, SpinReport};
 use crate::cli::spin_sine::{self, SineOptions};
 use crate::cli::spin_solid::{Basis, SpinElements, SpinSolid};
@@ -136,11 +136,16 @@ pub(crate) fn run(options: &SpinOptions, common: Common) -> Result<(), Failure> 
         return spin_sine::run(&solid, &elements, &wish, &native, options.sine(), common);
     }
     let outcome = task.outcome(range)?;
-    if let Some(directory) = &options.out {
-        write(directory, &solid, &elements, &outcome, &native)?;
-    }
     let modifiers = task.write_modifiers(&outcome)?;
     let report = SpinReport::new(&outcome, &native).with(modifiers);
+    if let Some(directory) = &options.out {
+        let files = SpinFiles {
+            directory,
+            solid: &solid,
+            elements: &elements,
+        };
+        files.write(&outcome, &native, &report)?;
+    }
     if options.json {
         print(report.json()?)?;
     } else if !common.quiet {

@@ -33,4 +33,5 @@ mod relax;
 mod sites;
 mod solids;
 mod spin;
+mod stand;
 mod voronoi;
