@@ -15,6 +15,7 @@ pub(crate) mod elements;
 pub(crate) mod nearest;
 pub(crate) mod modifiers;
 pub(crate) mod quadratic;
+pub(crate) mod sine_fit;
 pub(crate) mod solid;
 pub(crate) mod solve;
 pub(crate) mod spin;

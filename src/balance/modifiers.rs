@@ -58,6 +58,10 @@ pub(crate) fn of_ramp(
 ) -> Vec<ModifierBody> {
     let bounds = surface.bounds();
     let origin = bounds.center();
+    if gradient.norm() <= 0.0 {
+        let whole = ModifierBody::new(surface.clone(), |_| range.clamp(value), &origin);
+        return vec![whole];
+    }
     let densities = surface
         .vertices
         .iter()

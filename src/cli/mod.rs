@@ -32,6 +32,7 @@ pub(crate) mod spin;
 pub(crate) mod spin_bores;
 pub(crate) mod spin_files;
 pub(crate) mod spin_report;
+pub(crate) mod spin_sine;
 pub(crate) mod spin_solid;
 pub(crate) mod stand;
 pub(crate) mod stand_files;

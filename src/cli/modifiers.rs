@@ -1,5 +1,6 @@
 //! `--modifiers N` of `stand` and `spin`: a field as closed bodies for slicers.
 
+use std::fs;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
@@ -59,13 +60,15 @@ pub(crate) fn weigh_bodies(bodies: &[ModifierBody], origin: &Point3<f64>) -> Mom
     weighed.fold(Moments::default(), |sum, body| sum + body)
 }
 
-/// Writes bodies into a directory that is there; the density `solid_density` is a filling of 100 %.
+/// Writes bodies into a directory, made if it is not there; the density `solid_density` is a filling of 100 %.
 pub(crate) fn write_modifiers(
     directory: &Path,
     part: &SurfaceMesh,
     bodies: &[ModifierBody],
     solid_density: f64,
 ) -> Result<ModifiersReport, Failure> {
+    fs::create_dir_all(directory)
+        .map_err(|error| Failure::run(format!("cannot make {}: {error}", directory.display())))?;
     let percent = |body: &ModifierBody| 100.0 * body.density / solid_density;
     let mut reports = Vec::new();
     for (number, body) in bodies.iter().enumerate() {

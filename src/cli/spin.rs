@@ -17,8 +17,9 @@ use crate::cli::modifiers::{
 use crate::cli::options::Common;
 use crate::cli::output::OutputRule;
 use crate::cli::spin_bores::find_bores;
-use crate::cli::spin_files::{spin_files, write};
+use crate::cli::spin_files::{SpinFiles, spin_files};
 use crate::cli::spin_report::{Outcome, SpinReport};
+use crate::cli::spin_sine::{self, SineOptions};
 use crate::cli::spin_solid::{Basis, SpinElements, SpinSolid};
 use crate::complex::assemble::assemble_whole;
 use crate::domain::shape::DomainShape;
@@ -82,7 +83,16 @@ pub(crate) struct SpinOptions {
         default_value = "cells:1000"
     )]
     basis: Basis,
-    /// The seed of the cells' sites
+    /// Fit the density sin(k|y − p|) + 1 by p and k instead, from random starts, the solid's own integrals
+    /// exact: as the paper does, for comparison
+    #[arg(long, value_name = "sine", value_parser = ["sine"], conflicts_with_all = [
+        "range", "prefer", "stable", "mass", "moment", "center_at", "modifiers"])]
+    field: Option<String>,
+    /// How many starts
+    #[arg(long, value_name = "N", requires = "field", default_value = "400",
+          value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    starts: u32,
+    /// The seed of the cells' sites, and of the starts
     #[arg(long, value_name = "S", default_value = "1")]
     seed: u64,
     /// Write the field (field.json), report.json, log.jsonl and, of cells and vertices, density.vtu and
@@ -120,13 +130,22 @@ pub(crate) fn run(options: &SpinOptions, common: Common) -> Result<(), Failure> 
         elements: &elements,
         body,
     };
-    let outcome = task.outcome(range)?;
     let native = task.native();
-    if let Some(directory) = &options.out {
-        write(directory, &solid, &elements, &outcome, &native)?;
+    if options.field.is_some() {
+        let wish = options.wish(&axis, true);
+        return spin_sine::run(&solid, &elements, &wish, &native, options.sine(), common);
     }
+    let outcome = task.outcome(range)?;
     let modifiers = task.write_modifiers(&outcome)?;
     let report = SpinReport::new(&outcome, &native).with(modifiers);
+    if let Some(directory) = &options.out {
+        let files = SpinFiles {
+            directory,
+            solid: &solid,
+            elements: &elements,
+        };
+        files.write(&outcome, &native, &report)?;
+    }
     if options.json {
         print(report.json()?)?;
     } else if !common.quiet {
@@ -148,6 +167,15 @@ impl SpinOptions {
         let axis = SpinAxis::new(&given.through, &given.along);
         let refusal = || Failure::input("--axis: the direction has no length");
         axis.map(Some).ok_or_else(refusal)
+    }
+
+    fn sine(&self) -> SineOptions<'_> {
+        SineOptions {
+            starts: self.starts as usize,
+            seed: self.seed,
+            out: self.out.as_deref(),
+            json: self.json,
+        }
     }
 
     /// The range asked for.

@@ -8,6 +8,7 @@ use crate::balance::stand::{RANGE_ROOM, StandField, StandGoal, StandPlan, Standi
 use crate::balance::support::Support;
 use crate::cli::failure::Failure;
 use crate::cli::mass_report::{figure, rows};
+use crate::cli::modifiers::ModifiersReport;
 use crate::mass::body::Body;
 use crate::mass::density::SolidDensity;
 use crate::mass::weigh::weigh_surface;
@@ -57,6 +58,8 @@ pub(crate) struct StandReport {
     prefer: f64,
     #[serde(skip_serializing_if = "Option::is_none")]
     field: Option<ClampReport>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    modifiers: Option<ModifiersReport>,
     support: SupportReport,
     native: NativeReport,
     multipliers: Vec<f64>,
@@ -141,6 +144,7 @@ impl StandReport {
             range_chosen: plan.range.is_none(),
             prefer: field.map_or(plan.prefer.unwrap_or(range[0]), |field| field.range.prefer),
             field: field.map(|field| clamp_report(field, &middle)),
+            modifiers: None,
             support: SupportReport::of(plan),
             native: NativeReport {
                 volume: whole.mass,
@@ -154,6 +158,11 @@ impl StandReport {
             evaluations: solution.map_or(0, |s| s.evaluations),
             contrast_evaluations: standing.contrast.evaluations,
         })
+    }
+
+    /// With the bodies that were written.
+    pub(crate) fn with(self, modifiers: Option<ModifiersReport>) -> Self {
+        Self { modifiers, ..self }
     }
 
     /// The field.
@@ -230,6 +239,9 @@ impl StandReport {
         if let Some(Certificate { point, normal }) = self.certificate {
             line("least contrast's plane", &point);
             line("… heavy towards", &normal);
+        }
+        if let Some(modifiers) = &self.modifiers {
+            text += &modifiers.table();
         }
         text + &self.notes()
     }

@@ -43,3 +43,4 @@ pub(crate) mod radial;
 pub mod reference;
 pub mod series;
 pub mod simplex;
+pub(crate) mod sine_jet;
