@@ -9,6 +9,7 @@ use crate::cli::failure::write_file;
 use crate::complex::assemble::assemble_whole;
 use crate::domain::facet_kind::FacetKind;
 use crate::domain::shape::PieceScratch;
+use crate::export::compress::compress;
 use crate::export::mesh_vtu::{CellColumn, write_mesh};
 use crate::export::run::directory::RunDirectory;
 use crate::export::vtu::{CellGeometry, VtuWriter};
@@ -29,6 +30,7 @@ use crate::relax::planar::Plane;
 use crate::relax::relaxation_space::{Norm, RelaxationSpace};
 use crate::relax::space::Space;
 use crate::relax::space::shells;
+use crate::scene::description::Output;
 use crate::scene::run::RunSpace;
 use crate::voronoi::diagram::Diagram;
 use crate::voronoi::planar::diagram::PlaneDiagram;
@@ -48,11 +50,13 @@ const OFF_MIDDLE: f64 = 0.25;
 
 /// A space whose cells can be drawn.
 pub(crate) trait DrawCells<const D: usize>: RunSpace<D> {
-    /// Writes `cells.vtu`, `cells.svg` and `cells.png`, given the figures of every cell.
+    /// Writes those of `cells.vtu`, `cells.svg` and `cells.png` that are wanted, given the figures of
+    /// every cell.
     fn draw_cells(
         &self,
         sites: &[Point<f64, D>],
         cells: &[CellMetrics<D>],
+        wanted: Output,
         directory: &RunDirectory,
     ) -> Result<(), Box<dyn Error>>;
 }
@@ -62,22 +66,29 @@ impl DrawCells<2> for Plane {
         &self,
         sites: &[Point2<f64>],
         cells: &[CellMetrics<2>],
+        wanted: Output,
         directory: &RunDirectory,
     ) -> Result<(), Box<dyn Error>> {
         let colors = Colors::of(cells);
         let diagram = PlaneDiagram::new(&self.domain, sites)?;
-        let mut file = VtuWriter::new(&directory.file("cells.vtu"));
+        let path = directory.file("cells.vtu");
+        let mut file = wanted.cells_file.then(|| VtuWriter::new(&path));
         let mut patches = Vec::with_capacity(sites.len());
         for (site, (cell, figures)) in diagram.cells.iter().zip(cells).enumerate() {
             let outline: Vec<Point2<f64>> = cell.outline().collect();
-            file.push(&geometry(site, Shell::polygon(&outline), figures))?;
+            if let Some(file) = &mut file {
+                file.push(&geometry(site, Shell::polygon(&outline), figures))?;
+            }
             patches.push(Patch {
                 contours: vec![outline],
                 value: Colors::value(figures),
                 site: Some(cell.site),
             });
         }
-        file.finish()?;
+        finish(file, wanted, directory)?;
+        if !wanted.pictures {
+            return Ok(());
+        }
         let figure = picture(&patches, colors.scale(), "Cells and their sites");
         save_svg(&figure, patches.len(), directory)?;
         save_png(&png(&figure, PNG_SCALE)?, directory)
@@ -89,10 +100,14 @@ impl DrawCells<3> for Space {
         &self,
         sites: &[Point3<f64>],
         cells: &[CellMetrics<3>],
+        wanted: Output,
         directory: &RunDirectory,
     ) -> Result<(), Box<dyn Error>> {
         let colors = Colors::of(cells);
-        let is_written = self.write_shared(sites, cells, directory)?;
+        let is_written = !wanted.cells_file || self.write_shared(sites, cells, directory)?;
+        if is_written && !wanted.pictures {
+            return finish(None, wanted, directory);
+        }
         let mut file = (!is_written).then(|| VtuWriter::new(&directory.file("cells.vtu")));
         let height = cut_height(&self.bounds(), self.volume(), sites.len());
         let cut = PlaneCut::horizontal(height);
@@ -128,12 +143,29 @@ impl DrawCells<3> for Space {
                 &mut add,
             )?,
         }
-        file.map_or(Ok(0), VtuWriter::finish)?;
+        finish(file, wanted, directory)?;
+        if !wanted.pictures {
+            return Ok(());
+        }
         let title = format!("Cells cut at z = {height:.4}");
         let figure = picture(&patches, colors.scale(), &title);
         save_svg(&figure, patches.len(), directory)?;
         save_png(&cutaway.finish()?, directory)
     }
+}
+
+/// Completes `cells.vtu`, packed if that is wanted.
+fn finish(
+    file: Option<VtuWriter>,
+    wanted: Output,
+    directory: &RunDirectory,
+) -> Result<(), Box<dyn Error>> {
+    file.map_or(Ok(0), VtuWriter::finish)?;
+    if wanted.cells_file && wanted.compress {
+        let path = directory.file("cells.vtu");
+        compress(&path).map_err(|error| format!("cannot write {}: {error}", path.display()))?;
+    }
+    Ok(())
 }
 
 /// Whether the cell on the other side of a facet is shown too: then nobody sees the facet. Filling it

@@ -7,7 +7,7 @@ use clap::Args;
 use nalgebra::{Point3, Rotation3, Vector3};
 
 use crate::cli::failure::{Failure, format_of, print, write_file};
-use crate::cli::options::{Common, SceneOptions, space};
+use crate::cli::options::{Common, SceneOptions, print_notes, space};
 use crate::cli::output::OutputRule;
 use crate::domain::facet_kind::FacetKind;
 use crate::domain::{domain::Domain, shape::PieceScratch};
@@ -79,7 +79,9 @@ pub(crate) fn run(options: &FragmentsOptions, common: Common) -> Result<(), Fail
     };
     rule.check(std::slice::from_ref(&options.output))?;
     let space = space(&scene)?;
-    let sites = space.place(&scene).map_err(Failure::input)?;
+    let placed = space.placed(&scene).map_err(Failure::input)?;
+    print_notes(&placed.notes);
+    let sites = placed.sites;
     let site = options.site.unwrap_or_else(|| middle(&space, &sites));
     let position = *sites.get(site).ok_or_else(|| {
         let count = sites.len();

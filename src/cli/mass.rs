@@ -9,13 +9,15 @@ use crate::geometry::bounds::Bounds;
 use crate::mass::body::Body;
 use crate::mass::density::SolidDensity;
 use crate::mass::weigh::{bounds, weigh};
-use crate::mesh::formats::read::load;
+use crate::mesh::formats::read::{load_within, tetgen_pair};
+use crate::mesh::formats::unpack::extension_of;
 use crate::mesh::validate::Solid;
 
 use crate::cli::failure::{Failure, print};
 use crate::cli::mass_gcode::{self, Asked, GcodeOptions, is_gcode};
 use crate::cli::mass_notes::{negative_notes, notes_of_parts};
 use crate::cli::mass_report::{AxisMoment, MassProperties, MassTotals, axis, figure, positive};
+use crate::cli::options::length;
 
 /// The density of parts that are given none.
 const DEFAULT_DENSITY: &str = "1";
@@ -27,7 +29,7 @@ const DEFAULT_DENSITY: &str = "1";
 /// support, tower, purge and start code; `deposited` is everything.
 #[derive(Debug, Args)]
 pub(crate) struct MassOptions {
-    /// Closed surfaces or tetrahedral meshes, or one G-code file
+    /// Closed surfaces or tetrahedral meshes, plain or .gz, - for standard input; or one G-code file
     #[arg(required = true, value_name = "MESH")]
     files: Vec<PathBuf>,
     /// A number, a polynomial such as '1 + 2*x - 0.5*y*z', 'linear:axis=z,from=0,to=1' (over the
@@ -49,6 +51,9 @@ pub(crate) struct MassOptions {
     /// Free text about the units, carried through to the output
     #[arg(long, value_name = "TEXT")]
     units: Option<String>,
+    /// Merge vertices of an open mesh up to L apart, in the file's unit [default: 1e-12 of its box]
+    #[arg(long, value_name = "L", value_parser = length)]
+    weld: Option<f64>,
     /// Print one JSON object instead of a table
     #[arg(long)]
     json: bool,
@@ -90,7 +95,7 @@ pub(crate) fn run(options: &MassOptions) -> Result<(), Failure> {
     }
     let solids = files
         .iter()
-        .map(|file| load(file).map_err(Failure::input))
+        .map(|file| load_within(file, options.weld.unwrap_or(0.0)).map_err(Failure::input))
         .collect::<Result<Vec<_>, _>>()?;
     let extent = extent(&solids);
     let mut bodies = Vec::new();
@@ -149,7 +154,7 @@ fn parts(files: &[PathBuf]) -> Result<(Vec<PathBuf>, Vec<String>), Failure> {
             continue;
         };
         let (one, other) = (earlier.display(), file.display());
-        if earlier.extension() == file.extension() {
+        if extension_of(earlier) == extension_of(file) {
             return Err(Failure::input(format!(
                 "{other} is the same file as {one} and would count twice; name every part once"
             )));
@@ -161,14 +166,9 @@ fn parts(files: &[PathBuf]) -> Result<(Vec<PathBuf>, Vec<String>), Failure> {
 
 /// The file that tells meshes apart: of TetGen's pair the elements.
 fn mesh_of(file: &Path) -> PathBuf {
-    let is_nodes = file
-        .extension()
-        .is_some_and(|e| e.eq_ignore_ascii_case("node"));
-    let file = if is_nodes {
-        &file.with_extension("ele")
-    } else {
-        file
-    };
+    let [_, elements] = tetgen_pair(file);
+    let is_nodes = extension_of(file) == "node";
+    let file = if is_nodes { &elements } else { file };
     file.canonicalize().unwrap_or_else(|_| file.to_path_buf())
 }
 

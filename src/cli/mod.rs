@@ -19,6 +19,7 @@ pub(crate) mod mesh;
 pub(crate) mod mesh_report;
 pub(crate) mod options;
 pub(crate) mod output;
+pub(crate) mod phases;
 pub(crate) mod plot;
 pub(crate) mod relax;
 pub(crate) mod run;

@@ -8,7 +8,7 @@ use serde_json::json;
 use crate::cli::failure::Failure;
 use crate::cli::interrupt::Interrupt;
 use crate::cli::options::{
-    Common, MethodOptions, SceneOptions, change, finite, given, named, space,
+    Common, MethodOptions, SceneOptions, change, finite, given, given_values, named, space,
 };
 use crate::cli::output::OutputRule;
 use crate::cli::run::{FiledRun, RunDescription};
@@ -66,6 +66,18 @@ pub(crate) struct RelaxOptions {
     /// Relax one site in 8^L first, then split each into eight, L times
     #[arg(long, value_name = "L")]
     coarse_to_fine: Option<u32>,
+    /// Write no cells.vtu
+    #[arg(long)]
+    no_cells_file: bool,
+    /// Write no pictures: neither cells.png and cells.svg nor convergence.svg
+    #[arg(long)]
+    no_pictures: bool,
+    /// Compress cells.vtu by zlib
+    #[arg(long, conflicts_with = "no_cells_file")]
+    compress: bool,
+    /// Print what run.json holds at the end, as one JSON object, instead of a summary
+    #[arg(long)]
+    json: bool,
     #[command(flatten)]
     of_method: MethodOptions,
 }
@@ -88,9 +100,9 @@ fn start(options: &RelaxOptions, common: Common) -> Result<(), Failure> {
     check_outputs(&options.out, &inputs, options.force)?;
     if scene.dimension == 2 {
         let plane = plane(&scene).map_err(Failure::input)?;
-        return FiledRun::start(&plane, scene, &options.out, interrupt)?.run(common);
+        return FiledRun::start(&plane, scene, &options.out, interrupt)?.run(common, options.json);
     }
-    FiledRun::start(&space(&scene)?, scene, &options.out, interrupt)?.run(common)
+    FiledRun::start(&space(&scene)?, scene, &options.out, interrupt)?.run(common, options.json)
 }
 
 /// Refuses a directory in which a run would replace other files than it may.
@@ -115,10 +127,11 @@ fn resume(options: &RelaxOptions, common: Common) -> Result<(), Failure> {
     check_outputs(&options.out, &description.scene.files(), true)?;
     if description.scene.dimension == 2 {
         let plane = plane(&description.scene).map_err(Failure::input)?;
-        return FiledRun::resume(&plane, directory, description, interrupt)?.run(common);
+        return FiledRun::resume(&plane, directory, description, interrupt)?
+            .run(common, options.json);
     }
     let space = space(&description.scene)?;
-    FiledRun::resume(&space, directory, description, interrupt)?.run(common)
+    FiledRun::resume(&space, directory, description, interrupt)?.run(common, options.json)
 }
 
 impl RelaxOptions {
@@ -133,6 +146,11 @@ impl RelaxOptions {
         if self.goal.is_some() {
             overrides.set_cubes();
         }
+        let unless = |is_off: bool| is_off.then_some(false);
+        overrides.output = given_values(json!({
+            "cells_file": unless(self.no_cells_file), "pictures": unless(self.no_pictures),
+            "compress": self.compress.then_some(true),
+        }));
         let ends = json!({ "iterations": self.iterations, "tolerance": self.tolerance });
         overrides.method.extend(given(ends));
         overrides
