@@ -9,6 +9,7 @@ use crate::cli::failure::write_file;
 use crate::complex::assemble::assemble_whole;
 use crate::domain::facet_kind::FacetKind;
 use crate::domain::shape::PieceScratch;
+use crate::export::compress::compress;
 use crate::export::mesh_vtu::{CellColumn, write_mesh};
 use crate::export::run::directory::RunDirectory;
 use crate::export::vtu::{CellGeometry, VtuWriter};
@@ -30,6 +31,7 @@ use crate::relax::planar::Plane;
 use crate::relax::relaxation_space::{Norm, RelaxationSpace};
 use crate::relax::space::Space;
 use crate::relax::space::shells;
+use crate::scene::description::Output;
 use crate::scene::run::RunSpace;
 use crate::voronoi::diagram::Diagram;
 use crate::voronoi::planar::diagram::{PlaneCell, PlaneDiagram};
@@ -49,13 +51,13 @@ const OFF_MIDDLE: f64 = 0.25;
 
 /// A space whose cells can be drawn.
 pub(crate) trait DrawCells<const D: usize>: RunSpace<D> {
-    /// Writes `cells.vtu`, `cells.svg` and `cells.png`, given the figures of every cell and perhaps the
-    /// range of the colors.
+    /// Writes those of `cells.vtu`, `cells.svg` and `cells.png` that are wanted, given the figures of
+    /// every cell.
     fn draw_cells(
         &self,
         sites: &[Point<f64, D>],
         cells: &[CellMetrics<D>],
-        range: Option<[f64; 2]>,
+        wanted: Output,
         directory: &RunDirectory,
     ) -> Result<(), Box<dyn Error>>;
 }
@@ -65,22 +67,28 @@ impl DrawCells<2> for Plane {
         &self,
         sites: &[Point2<f64>],
         cells: &[CellMetrics<2>],
-        range: Option<[f64; 2]>,
+        wanted: Output,
         directory: &RunDirectory,
     ) -> Result<(), Box<dyn Error>> {
-        let colors = Colors::of(cells, range);
+        let colors = Colors::of(cells, wanted.range);
         let diagram = PlaneDiagram::new(&self.domain, sites)?;
-        let mut file = VtuWriter::new(&directory.file("cells.vtu"));
+        let path = directory.file("cells.vtu");
+        let mut file = wanted.cells_file.then(|| VtuWriter::new(&path));
         let mut patches = Vec::with_capacity(sites.len());
         for (site, (cell, figures)) in diagram.cells.iter().zip(cells).enumerate() {
             for piece in cell.pieces() {
                 let corners = piece.translated(&cell.site.coords);
-                let shell = Shell::polygon(corners.vertices());
-                file.push(&geometry(site, shell, figures))?;
+                if let Some(file) = &mut file {
+                    let shell = Shell::polygon(corners.vertices());
+                    file.push(&geometry(site, shell, figures))?;
+                }
             }
             patches.push(flat_patch(cell, Colors::value(figures)));
         }
-        file.finish()?;
+        finish(file, wanted, directory)?;
+        if !wanted.pictures {
+            return Ok(());
+        }
         let names = ["x", "y"].map(str::to_owned);
         let figure = picture(&patches, colors.scale(), "Cells and their sites", &names);
         save_svg(&figure, patches.len(), directory)?;
@@ -111,11 +119,14 @@ impl DrawCells<3> for Space {
         &self,
         sites: &[Point3<f64>],
         cells: &[CellMetrics<3>],
-        range: Option<[f64; 2]>,
+        wanted: Output,
         directory: &RunDirectory,
     ) -> Result<(), Box<dyn Error>> {
-        let colors = Colors::of(cells, range);
-        let is_written = self.write_shared(sites, cells, directory)?;
+        let colors = Colors::of(cells, wanted.range);
+        let is_written = !wanted.cells_file || self.write_shared(sites, cells, directory)?;
+        if is_written && !wanted.pictures {
+            return finish(None, wanted, directory);
+        }
         let mut file = (!is_written).then(|| VtuWriter::new(&directory.file("cells.vtu")));
         let height = cut_height(&self.bounds(), self.volume(), sites.len());
         let cut = PlaneCut::horizontal(height);
@@ -152,12 +163,29 @@ impl DrawCells<3> for Space {
                 &mut add,
             )?,
         }
-        file.map_or(Ok(0), VtuWriter::finish)?;
+        finish(file, wanted, directory)?;
+        if !wanted.pictures {
+            return Ok(());
+        }
         let title = format!("Cells cut at z = {height:.4}");
         let figure = picture(&patches, colors.scale(), &title, &cut.axis_names());
         save_svg(&figure, patches.len(), directory)?;
         save_png(&cutaway.finish()?, directory)
     }
+}
+
+/// Completes `cells.vtu`, packed if that is wanted.
+fn finish(
+    file: Option<VtuWriter>,
+    wanted: Output,
+    directory: &RunDirectory,
+) -> Result<(), Box<dyn Error>> {
+    file.map_or(Ok(0), VtuWriter::finish)?;
+    if wanted.cells_file && wanted.compress {
+        let path = directory.file("cells.vtu");
+        compress(&path).map_err(|error| format!("cannot write {}: {error}", path.display()))?;
+    }
+    Ok(())
 }
 
 /// Whether the cell on the other side of a facet is shown too: then nobody sees the facet. Filling it

@@ -8,7 +8,7 @@ use nalgebra::{Point3, Rotation3, Vector3};
 
 use crate::cli::failure::{Failure, format_of, print, write_file};
 use crate::cli::fragments_plane::draw_fragments;
-use crate::cli::options::{Common, SceneOptions, space};
+use crate::cli::options::{Common, SceneOptions, print_notes, space};
 use crate::cli::output::OutputRule;
 use crate::domain::facet_kind::FacetKind;
 use crate::domain::{domain::Domain, shape::PieceScratch};
@@ -97,7 +97,9 @@ pub(crate) fn run(options: &FragmentsOptions, common: Common) -> Result<(), Fail
 /// Writes the fragments of cells in space.
 fn write_in_space(options: &FragmentsOptions, scene: &Scene, format: &str) -> Result<(), Failure> {
     let space = space(scene)?;
-    let sites = space.place(scene).map_err(Failure::input)?;
+    let placed = space.placed(scene).map_err(Failure::input)?;
+    print_notes(&placed.notes);
+    let sites = placed.sites;
     let site = options.site.unwrap_or_else(|| middle(&space, &sites));
     let position = *sites.get(site).ok_or_else(|| {
         let count = sites.len();

@@ -10,7 +10,8 @@ use crate::mass::body::Body;
 use crate::mass::density::SolidDensity;
 use crate::mass::numeric::BodyErrors;
 use crate::mass::weigh::{bounds, weigh};
-use crate::mesh::formats::read::load;
+use crate::mesh::formats::read::{load_within, tetgen_pair};
+use crate::mesh::formats::unpack::extension_of;
 use crate::mesh::validate::Solid;
 use crate::plot::density_cut::{NATIVE, OBTAINED};
 use crate::scene::field::{GivenField, Weighed};
@@ -22,6 +23,7 @@ use crate::cli::failure::{Failure, print};
 use crate::cli::mass_gcode::{self, Asked, GcodeOptions, is_gcode};
 use crate::cli::mass_notes::{negative_notes, notes_of_parts};
 use crate::cli::mass_report::{AxisMoment, MassProperties, MassTotals, axis, figure, positive};
+use crate::cli::options::length;
 use crate::cli::output::OutputRule;
 
 /// The density of parts that are given none.
@@ -34,7 +36,7 @@ const DEFAULT_DENSITY: &str = "1";
 /// support, tower, purge and start code; `deposited` is everything.
 #[derive(Debug, Args)]
 pub(crate) struct MassOptions {
-    /// Closed surfaces or tetrahedral meshes, or one G-code file
+    /// Closed surfaces or tetrahedral meshes, plain or .gz, - for standard input; or one G-code file
     #[arg(required = true, value_name = "MESH")]
     files: Vec<PathBuf>,
     /// A number, a polynomial such as '1 + 2*x - 0.5*y*z', 'linear:axis=z,from=0,to=1' (over the
@@ -60,6 +62,9 @@ pub(crate) struct MassOptions {
     /// formulas that are no polynomials [default: 1e-6; where they use `distance` 1e-4]
     #[arg(long, value_name = "T", value_parser = positive)]
     tolerance: Option<f64>,
+    /// Merge vertices of an open mesh up to L apart, in the file's unit [default: 1e-12 of its box]
+    #[arg(long, value_name = "L", value_parser = length)]
+    weld: Option<f64>,
     /// Print one JSON object instead of a table
     #[arg(long)]
     json: bool,
@@ -136,7 +141,7 @@ pub(crate) fn run(options: &MassOptions) -> Result<(), Failure> {
     }
     let solids = files
         .iter()
-        .map(|file| load(file).map_err(Failure::input))
+        .map(|file| load_within(file, options.weld.unwrap_or(0.0)).map_err(Failure::input))
         .collect::<Result<Vec<_>, _>>()?;
     let extent = extent(&solids);
     let mut weighed = Vec::new();
@@ -268,7 +273,7 @@ fn parts(files: &[PathBuf]) -> Result<(Vec<PathBuf>, Vec<String>), Failure> {
             continue;
         };
         let (one, other) = (earlier.display(), file.display());
-        if earlier.extension() == file.extension() {
+        if extension_of(earlier) == extension_of(file) {
             return Err(Failure::input(format!(
                 "{other} is the same file as {one} and would count twice; name every part once"
             )));
@@ -280,14 +285,9 @@ fn parts(files: &[PathBuf]) -> Result<(Vec<PathBuf>, Vec<String>), Failure> {
 
 /// The file that tells meshes apart: of TetGen's pair the elements.
 fn mesh_of(file: &Path) -> PathBuf {
-    let is_nodes = file
-        .extension()
-        .is_some_and(|e| e.eq_ignore_ascii_case("node"));
-    let file = if is_nodes {
-        &file.with_extension("ele")
-    } else {
-        file
-    };
+    let [_, elements] = tetgen_pair(file);
+    let is_nodes = extension_of(file) == "node";
+    let file = if is_nodes { &elements } else { file };
     file.canonicalize().unwrap_or_else(|_| file.to_path_buf())
 }
 

@@ -8,7 +8,7 @@ use crate::scene::overrides::Overrides;
 use crate::scene::run::{RunSpace, energy_spec, plane};
 
 use crate::cli::failure::{Failure, print};
-use crate::cli::options::{SceneOptions, space};
+use crate::cli::options::{SceneOptions, print_notes, space};
 
 /// Print the figures of the tessellation of given sites, as one JSON object
 #[derive(Debug, Args)]
@@ -36,22 +36,30 @@ fn print_figures<const D: usize>(
     scene: &Scene,
     per_cell: bool,
 ) -> Result<(), Failure> {
-    let sites = space.place(scene).map_err(Failure::input)?;
+    let placed = space.placed(scene).map_err(Failure::input)?;
+    print_notes(&placed.notes);
+    let sites = placed.sites;
     let cells = space
         .cells(&sites, energy_spec(scene))
         .map_err(Failure::input)?;
     let figures = space.figures(&sites, &cells).map_err(Failure::input)?;
     let figures = figures.checked(0).map_err(Failure::input)?;
-    let text = object(&figures, per_cell.then_some(&cells)).map_err(Failure::run)?;
+    let text = object(&figures, placed.dropped, per_cell.then_some(&cells));
+    let text = text.map_err(Failure::run)?;
     print(text)
 }
 
 /// The figures as one JSON object; those of every cell too, one per line, where they are given.
 fn object<const D: usize>(
     figures: &Metrics,
+    dropped: usize,
     cells: Option<&Vec<CellMetrics<D>>>,
 ) -> serde_json::Result<String> {
-    let text = serde_json::to_string_pretty(figures)?;
+    let mut text = serde_json::to_string_pretty(figures)?;
+    if dropped > 0 {
+        let head = text.strip_suffix("\n}").unwrap_or(&text);
+        text = format!("{head},\n  \"dropped_outside\": {dropped}\n}}");
+    }
     let Some(cells) = cells else {
         return Ok(text + "\n");
     };

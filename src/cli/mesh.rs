@@ -8,7 +8,7 @@ use nalgebra::Point3;
 
 use crate::cli::failure::{Failure, print, write_file};
 use crate::cli::mesh_report::{MeshLimit, MeshReport};
-use crate::cli::options::{Common, finite, named, space};
+use crate::cli::options::{Common, change, finite, given, length, named, space};
 use crate::cli::output::OutputRule;
 use crate::cli::run::RunDescription;
 use crate::complex::assemble::assemble;
@@ -23,6 +23,7 @@ use crate::mesh::poly_mesh::PolyMesh;
 use crate::relax::space::Space;
 use crate::scene::description::Scene;
 use crate::scene::domain::SceneDomain;
+use crate::scene::overrides::Overrides;
 use crate::scene::run::energy_spec;
 use crate::scene::site_file;
 use crate::voronoi::diagram::Diagram;
@@ -59,6 +60,9 @@ pub(crate) struct MeshOptions {
     /// Collapse edges shorter than E sides of the mean cell where quality allows it, up to 0.5
     #[arg(long, value_name = "E", value_parser = finite, default_value = "0")]
     collapse: f64,
+    /// Merge vertices of the run's mesh up to L apart, as `relax --weld` [default: as the run did]
+    #[arg(long, value_name = "L", value_parser = length)]
+    weld: Option<f64>,
     /// Multiply all coordinates by F
     #[arg(long, value_name = "F", value_parser = finite, default_value = "1")]
     scale: f64,
@@ -123,7 +127,14 @@ fn make(options: &MeshOptions, run: &Path, output: &Path) -> Result<MeshReport, 
     if !options.force {
         refuse_existing(&outputs)?;
     }
-    let (scene, sites) = read_run(run)?;
+    let (mut scene, sites) = read_run(run)?;
+    let weld = Overrides {
+        domain: given(serde_json::json!({ "weld": options.weld })),
+        ..Overrides::default()
+    };
+    if scene.domain.file().is_some() {
+        change(&mut scene, &weld)?;
+    }
     refuse_inputs(run, &scene, &outputs)?;
     let space = space(&scene)?;
     let mut mesh = mesh_of(&space, &scene, &sites, options.feature_angle)?;

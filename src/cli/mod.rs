@@ -23,6 +23,7 @@ pub(crate) mod modifiers;
 pub(crate) mod options;
 pub(crate) mod output;
 mod overlay;
+pub(crate) mod phases;
 pub(crate) mod plot;
 pub(crate) mod relax;
 pub(crate) mod report;

@@ -1,16 +1,19 @@
 //! Command-line options that several commands share: threads, the scene, and its method's keys.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser};
+use nalgebra::Point;
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
 use crate::cli::failure::Failure;
+use crate::mesh::formats::unpack::STANDARD_INPUT;
 use crate::relax::space::Space;
 use crate::scene::description::Scene;
 use crate::scene::overrides::Overrides;
+use crate::scene::site_file::{SiteFormat, read_as};
 use crate::scene::{read, run};
 
 const NORMS: [(&str, &str); 2] = [
@@ -26,6 +29,13 @@ const CELLS: [(&str, &str); 2] = [
     ),
 ];
 
+const SITE_FORMATS: [(&str, &str); 4] = [
+    ("csv", "A table: commas, semicolons or tabs between columns"),
+    ("xyz", "Text by white space, or chemistry's XYZ"),
+    ("json", "An array of arrays of numbers"),
+    ("npy", "A NumPy array"),
+];
+
 /// Options of every command.
 #[derive(Clone, Copy, Debug, Args)]
 pub(crate) struct Common {
@@ -35,17 +45,28 @@ pub(crate) struct Common {
     /// Print errors only
     #[arg(long, short, global = true)]
     pub(crate) quiet: bool,
+    /// Say on stderr what is done and how many seconds it took
+    #[arg(long, short, global = true, conflicts_with = "quiet")]
+    pub(crate) verbose: bool,
 }
 
 /// Which tessellation: a scene, or other sites in it.
 #[derive(Debug, Args)]
 pub(crate) struct SceneOptions {
-    /// The scene [default: 1000 random sites in the unit cube]
+    /// The scene; or a run.json or a run's directory (its scene, with the sites that it left), or a mesh
+    /// (random sites in it) [default: 1000 random sites in the unit cube]
     #[arg(value_name = "SCENE.json")]
     scene: Option<PathBuf>,
-    /// Take the sites from a .csv, .npy, .xyz, .txt or .json file
+    /// Take the sites from a .csv, .tsv, .npy, .xyz, .txt or .json file, plain or .gz; - is standard
+    /// input
     #[arg(long, value_name = "FILE", conflicts_with_all = ["count", "seed"])]
     sites: Option<PathBuf>,
+    /// The format of the sites, where neither the name nor the content says it
+    #[arg(long, value_name = "FORMAT", value_parser = named(&SITE_FORMATS))]
+    sites_format: Option<String>,
+    /// Merge vertices of an open mesh up to L apart, in the file's unit [default: 1e-12 of its box]
+    #[arg(long, value_name = "L", value_parser = length)]
+    weld: Option<f64>,
     /// Leave out sites outside the domain instead of refusing them
     #[arg(long)]
     drop_outside: bool,
@@ -105,34 +126,79 @@ pub(crate) fn finite(text: &str) -> Result<f64, String> {
     number.ok_or_else(|| "a finite number is needed".to_owned())
 }
 
+/// A finite number that is not negative.
+pub(crate) fn length(text: &str) -> Result<f64, String> {
+    let length = finite(text)?;
+    match length >= 0.0 {
+        true => Ok(length),
+        false => Err("a length of 0 or more is needed".to_owned()),
+    }
+}
+
 /// Options as keys of a scene, those left out that were not given.
 pub(crate) fn given(options: impl Serialize) -> Map<String, Value> {
+    let mut keys = given_values(options);
+    keys.retain(|_, value| *value != Value::Bool(false));
+    keys
+}
+
+/// As [`given`], where false is given too.
+pub(crate) fn given_values(options: impl Serialize) -> Map<String, Value> {
     let Ok(Value::Object(mut keys)) = serde_json::to_value(options) else {
         return Map::new();
     };
-    keys.retain(|_, value| !(value.is_null() || *value == Value::Bool(false)));
+    keys.retain(|_, value| !value.is_null());
     keys
 }
 
 impl SceneOptions {
     /// The scene, changed by these options and by `others`, and validated.
     pub(crate) fn scene(&self, mut others: Overrides) -> Result<Scene, Failure> {
-        let mut scene = match &self.scene {
-            Some(path) => read::unchecked(path).map_err(Failure::input)?,
-            None => Scene::embedded(),
+        let (mut scene, notes) = match &self.scene {
+            Some(path) => read::noted(path).map_err(Failure::input)?,
+            None => (Scene::embedded(), Vec::new()),
         };
-        if let Some(file) = &self.sites {
-            others.set_site_file(file).map_err(Failure::input)?;
-        }
+        print_notes(&notes);
+        self.set_sites(&scene, &mut others)?;
         others
             .sites
             .extend(given(json!({ "count": self.count, "seed": self.seed })));
         others.scene.extend(given(json!({
             "drop_outside": self.drop_outside, "cells": self.cells, "norm": self.norm,
-            "order": self.order,
+            "order": self.order, "sites_format": self.sites_format,
         })));
+        if self.weld.is_some() && scene.domain.file().is_none() {
+            let message = "--weld is for meshes; this scene's domain is none";
+            return Err(Failure::input(message));
+        }
+        others.domain.extend(given(json!({ "weld": self.weld })));
         change(&mut scene, &others)?;
         Ok(scene)
+    }
+
+    /// Sites from a file; or from standard input or a pipe, which a list then holds for whoever goes on.
+    fn set_sites(&self, scene: &Scene, others: &mut Overrides) -> Result<(), Failure> {
+        let Some(file) = &self.sites else {
+            return Ok(());
+        };
+        // A pipe can be read once, and by nobody who resumes the run.
+        let is_stream = file
+            .metadata()
+            .is_ok_and(|file| !file.is_file() && !file.is_dir());
+        if file.as_os_str() != STANDARD_INPUT && !is_stream {
+            return others.set_site_file(file).map_err(Failure::input);
+        }
+        let format = self.sites_format.as_deref();
+        let format = format.and_then(|name| serde_json::from_value(json!(name)).ok());
+        let (rows, notes) = match scene.dimension {
+            2 => rows::<2>(file, format)?,
+            _ => rows::<3>(file, format)?,
+        };
+        print_notes(&notes);
+        others
+            .scene
+            .insert("sites".to_owned(), json!({ "list": rows }));
+        Ok(())
     }
 
     /// The files that a command reads for `scene`, which these options name.
@@ -140,6 +206,23 @@ impl SceneOptions {
         let mut inputs = scene.files();
         inputs.extend(self.scene.clone());
         inputs
+    }
+}
+
+/// The sites of a file as a scene lists them, and what there is to say about it.
+fn rows<const D: usize>(
+    file: &Path,
+    format: Option<SiteFormat>,
+) -> Result<(Vec<Vec<f64>>, Vec<String>), Failure> {
+    let file = read_as::<D>(file, format).map_err(Failure::input)?;
+    let row = |site: &Point<f64, D>| site.iter().copied().collect();
+    Ok((file.sites.iter().map(row).collect(), file.notes))
+}
+
+/// Prints notes on stderr.
+pub(crate) fn print_notes(notes: &[String]) {
+    for note in notes {
+        eprintln!("note: {note}");
     }
 }
 
@@ -152,8 +235,6 @@ pub(crate) fn change(scene: &mut Scene, overrides: &Overrides) -> Result<(), Fai
 /// The space of a scene. What was repaired in its mesh is printed on stderr.
 pub(crate) fn space(scene: &Scene) -> Result<Space, Failure> {
     let (space, notes) = run::space(scene).map_err(Failure::input)?;
-    for note in notes {
-        eprintln!("note: {note}");
-    }
+    print_notes(&notes);
     Ok(space)
 }

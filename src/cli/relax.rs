@@ -8,7 +8,7 @@ use serde_json::json;
 use crate::cli::failure::Failure;
 use crate::cli::interrupt::Interrupt;
 use crate::cli::options::{
-    Common, MethodOptions, SceneOptions, change, finite, given, named, space,
+    Common, MethodOptions, SceneOptions, change, finite, given, given_values, named, space,
 };
 use crate::cli::output::OutputRule;
 use crate::cli::plot::{Ends, range};
@@ -74,6 +74,18 @@ pub(crate) struct RelaxOptions {
     /// --resume an ended run's pictures are drawn anew [default: those of most cells]
     #[arg(long, value_name = "LO,HI", value_parser = range, allow_hyphen_values = true)]
     range: Option<Ends>,
+    /// Write no cells.vtu
+    #[arg(long)]
+    no_cells_file: bool,
+    /// Write no pictures: neither cells.png and cells.svg nor convergence.svg
+    #[arg(long)]
+    no_pictures: bool,
+    /// Compress cells.vtu by zlib
+    #[arg(long, conflicts_with = "no_cells_file")]
+    compress: bool,
+    /// Print what run.json holds at the end, as one JSON object, instead of a summary
+    #[arg(long)]
+    json: bool,
     #[command(flatten)]
     of_method: MethodOptions,
 }
@@ -98,9 +110,9 @@ fn start(options: &RelaxOptions, common: Common) -> Result<(), Failure> {
     check_outputs(&options.out, &inputs, options.force)?;
     if scene.dimension == 2 {
         let plane = plane(&scene).map_err(Failure::input)?;
-        return FiledRun::start(&plane, scene, &options.out, interrupt)?.run(common);
+        return FiledRun::start(&plane, scene, &options.out, interrupt)?.run(common, options.json);
     }
-    FiledRun::start(&space(&scene)?, scene, &options.out, interrupt)?.run(common)
+    FiledRun::start(&space(&scene)?, scene, &options.out, interrupt)?.run(common, options.json)
 }
 
 /// Refuses the goal of the other dimension.
@@ -140,10 +152,11 @@ fn resume(options: &RelaxOptions, common: Common) -> Result<(), Failure> {
     check_outputs(&options.out, &description.scene.files(), true)?;
     if description.scene.dimension == 2 {
         let plane = plane(&description.scene).map_err(Failure::input)?;
-        return FiledRun::resume(&plane, directory, description, interrupt)?.run(common);
+        return FiledRun::resume(&plane, directory, description, interrupt)?
+            .run(common, options.json);
     }
     let space = space(&description.scene)?;
-    FiledRun::resume(&space, directory, description, interrupt)?.run(common)
+    FiledRun::resume(&space, directory, description, interrupt)?.run(common, options.json)
 }
 
 impl RelaxOptions {
@@ -158,6 +171,11 @@ impl RelaxOptions {
         if self.goal.is_some() {
             overrides.set_cubes();
         }
+        let unless = |is_off: bool| is_off.then_some(false);
+        overrides.output = given_values(json!({
+            "cells_file": unless(self.no_cells_file), "pictures": unless(self.no_pictures),
+            "compress": self.compress.then_some(true),
+        }));
         let ends = json!({ "iterations": self.iterations, "tolerance": self.tolerance });
         overrides.method.extend(given(ends));
         overrides

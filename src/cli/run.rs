@@ -12,7 +12,8 @@ use crate::cli::cell_files::DrawCells;
 use crate::cli::failure::{Failure, print, write_file};
 use crate::cli::identity::{identity, of_scene, of_sites};
 use crate::cli::interrupt::Interrupt;
-use crate::cli::options::Common;
+use crate::cli::options::{Common, print_notes};
+use crate::cli::phases::Phases;
 use crate::export::run::directory;
 use crate::export::run::directory::RunDirectory;
 use crate::export::run::error::RunError;
@@ -53,7 +54,9 @@ impl<'a, const D: usize, S: DrawCells<D>> FiledRun<'a, D, S> {
         out: &Path,
         interrupt: Interrupt,
     ) -> Result<Self, Failure> {
-        let sites = space.place(&scene).map_err(Failure::input)?;
+        let placed = space.placed(&scene).map_err(Failure::input)?;
+        print_notes(&placed.notes);
+        let sites = placed.sites;
         let (volume, optimum) = (space.volume(), space.optimum());
         space
             .check_scale(sites.len(), energy_spec(&scene))
@@ -66,6 +69,7 @@ impl<'a, const D: usize, S: DrawCells<D>> FiledRun<'a, D, S> {
             identity: run.clone(),
             scene,
             sites: sites.len(),
+            dropped_outside: placed.dropped,
             domain_volume: volume,
             optimal_energy: optimum.energy::<D>(sites.len()),
             optimal_energy_error: optimum.energy_error::<D>(sites.len()),
@@ -152,7 +156,8 @@ impl<'a, const D: usize, S: DrawCells<D>> FiledRun<'a, D, S> {
     }
 
     /// Runs to the end and leaves all files.
-    pub(crate) fn run(mut self, common: Common) -> Result<(), Failure> {
+    pub(crate) fn run(mut self, common: Common, json: bool) -> Result<(), Failure> {
+        let mut phases = Phases::new(common);
         if self.description.initial.is_none() {
             let sites = &self.checkpoint.sites;
             self.description.initial = Some(self.metrics(sites, &self.cells(sites)?)?);
@@ -160,10 +165,14 @@ impl<'a, const D: usize, S: DrawCells<D>> FiledRun<'a, D, S> {
                 .describe(&self.description)
                 .map_err(Failure::run)?;
         }
+        phases.end("measured the cells of the first sites");
         let mut ended = self.relax(common)?;
+        phases.end("relaxed");
         let sites = all_sites(self.space, &self.checkpoint).map_err(Failure::run)?;
         let cells = self.cells(&sites)?;
+        phases.end("measured the cells of the last sites");
         self.leave_files(&sites, &cells)?;
+        phases.end("wrote sites, cells and pictures");
         let last = self.checkpoint.record.as_ref();
         let interrupted = self.interrupt.exit_code();
         if interrupted.is_some() {
@@ -175,7 +184,10 @@ impl<'a, const D: usize, S: DrawCells<D>> FiledRun<'a, D, S> {
         self.directory
             .describe(&self.description)
             .map_err(Failure::run)?;
-        if !common.quiet {
+        if json {
+            let text = serde_json::to_string_pretty(&self.description).map_err(Failure::run)?;
+            print(text + "\n")?;
+        } else if !common.quiet {
             let done = last.map_or(0, |record| record.iteration);
             print(summary(&self.description, done, self.directory.path()))?;
         }
@@ -231,10 +243,10 @@ impl<'a, const D: usize, S: DrawCells<D>> FiledRun<'a, D, S> {
         let output = &self.description.scene.output;
         if output.cells {
             self.space
-                .draw_cells(sites, cells, output.range, &self.directory)
+                .draw_cells(sites, cells, *output, &self.directory)
                 .map_err(Failure::run)?;
         }
-        if output.plot {
+        if output.plot && output.pictures {
             let records = read_log(&self.directory.file("log.jsonl")).map_err(Failure::run)?;
             let runs = [Run {
                 name: "energy and movement",

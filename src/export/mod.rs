@@ -1,6 +1,8 @@
 //! Writers of sites, cells and run directories.
 
 pub mod atomic_write;
+#[cfg(feature = "cli")]
+pub(crate) mod compress;
 pub(crate) mod field_vtu;
 pub(crate) mod mesh_vtu;
 pub(crate) mod poly_mesh;

@@ -26,8 +26,8 @@
 
 pub(crate) mod adaptive;
 pub mod bernstein;
-pub(crate) mod cone_rule;
 pub(crate) mod clip;
+pub(crate) mod cone_rule;
 mod double_double;
 pub(crate) mod expression;
 pub(crate) mod expression_text;

@@ -2,7 +2,8 @@
 //!
 //! ```text
 //! sum     = [+ | −] product { (+ | −) product }
-//! product = power { (* power) | (/ number) }
+//! product = factor { (* factor) | (/ [+ | −] number) }
+//! factor  = { + | − } power
 //! power   = atom [ ^ whole number ]
 //! atom    = number | x | y | z | ( sum )
 //! ```
@@ -116,11 +117,11 @@ impl<'a> Reader<'a> {
     }
 
     fn product(&mut self) -> Result<u32, PolynomialError> {
-        let mut degree = self.power()?;
+        let mut degree = self.factor()?;
         while let Some(operator) = self.taken(&['*', '/']) {
             let column = self.column();
             if operator == '*' {
-                degree += self.power()?;
+                degree += self.factor()?;
                 self.steps.push(Step::Multiply);
             } else {
                 let divisor = self.divisor()?;
@@ -131,11 +132,25 @@ impl<'a> Reader<'a> {
         Ok(degree)
     }
 
+    /// A power behind any number of signs.
+    fn factor(&mut self) -> Result<u32, PolynomialError> {
+        let mut is_negative = false;
+        while let Some(sign) = self.taken(&['+', '-']) {
+            is_negative ^= sign == '-';
+        }
+        let degree = self.power()?;
+        if is_negative {
+            self.steps.push(Step::Negate);
+        }
+        Ok(degree)
+    }
+
     fn divisor(&mut self) -> Result<f64, PolynomialError> {
         let column = self.column();
+        let sign = self.taken(&['+', '-']);
         let divisor = self.number()?;
         if divisor.abs() > 0.0 {
-            Ok(divisor)
+            Ok(if sign == Some('-') { -divisor } else { divisor })
         } else {
             Err(PolynomialError::DivisionByZero { column })
         }
@@ -167,6 +182,15 @@ impl<'a> Reader<'a> {
                 let number = self.number()?;
                 self.steps.push(Step::Number(number));
                 Ok(0)
+            }
+            Some(first) if first.is_alphabetic() => {
+                let column = self.column();
+                let name = self.taken_while(|c| c.is_alphanumeric() || c == '_');
+                Err(PolynomialError::Unexpected {
+                    column,
+                    expected: "a number, `x`, `y`, `z` or `(` (a polynomial has no functions)",
+                    found: format!("`{name}`, which is not known"),
+                })
             }
             _ => Err(self.unexpected("a number, `x`, `y`, `z` or `(`")),
         }
@@ -257,5 +281,50 @@ fn check_degree(column: usize, degree: u64) -> Result<(), PolynomialError> {
         Err(PolynomialError::Degree { column, degree })
     } else {
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::Point3;
+
+    #[test]
+    fn signs_follow_operators() {
+        let at = |text: &str| {
+            let polynomial: Polynomial = text.parse().unwrap_or_else(|e| panic!("{text}: {e}"));
+            polynomial.at(&Point3::new(2.0, 3.0, 5.0))
+        };
+        for (text, value) in [
+            ("5+-0.1*x", 4.8),
+            ("5--0.1*x", 5.2),
+            ("2*-x^2", -8.0),
+            ("-x*-y", 6.0),
+            ("x/-4", -0.5),
+            ("+-+z", -5.0),
+            ("1 - -(x + -y)", 0.0),
+        ] {
+            assert!((at(text) - value).abs() < 1e-15, "{text}: {}", at(text));
+        }
+        assert!("5+-".parse::<Polynomial>().is_err() && "x*/2".parse::<Polynomial>().is_err());
+    }
+
+    #[test]
+    fn names_that_are_no_coordinates_are_told() {
+        for (text, name, column) in [
+            ("1 + exp(-x)", "exp", 5),
+            ("2*r", "r", 3),
+            ("sin(x)", "sin", 1),
+        ] {
+            let message = text.parse::<Polynomial>().unwrap_err().to_string();
+            assert!(
+                message.starts_with(&format!("column {column}: expected")),
+                "{message}"
+            );
+            assert!(
+                message.contains(&format!("`{name}`, which is not known")),
+                "{message}"
+            );
+        }
     }
 }

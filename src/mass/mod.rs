@@ -27,11 +27,11 @@
 pub mod body;
 pub mod cut;
 pub mod density;
-pub(crate) mod evaluate;
-pub(crate) mod numeric;
 mod density_text;
+pub(crate) mod evaluate;
 pub(crate) mod layers;
 pub(crate) mod linear_pieces;
+pub(crate) mod numeric;
 pub mod principal;
 pub mod profile;
 pub(crate) mod sign;

@@ -7,12 +7,15 @@ use serde::{Deserialize, Serialize};
 
 use crate::domain::domain as space;
 use crate::domain::planar::PlaneDomain;
+use crate::mesh::formats::read::tetgen_pair;
+use crate::mesh::formats::unpack::extension_of;
 use crate::relax::relaxation_space::Norm;
 use crate::scene::density::SceneDensity;
 use crate::scene::domain::SceneDomain;
 use crate::scene::error::Error;
 use crate::scene::frames::FrameChoice;
 use crate::scene::method::SceneMethod;
+use crate::scene::site_file::SiteFormat;
 use crate::scene::sites::Sites;
 
 /// The largest order p: beyond it d∞^p underflows for cells of a thousandth of the domain.
@@ -30,6 +33,9 @@ const EMBEDDED: &str = include_str!("../../scenes/cube.json");
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Scene {
+    /// The place of this schema, for editors; it changes nothing.
+    #[serde(rename = "$schema", default, skip_serializing)]
+    pub schema: Option<String>,
     /// 3, or 2 for sites in the plane.
     #[serde(default = "three")]
     pub dimension: usize,
@@ -41,6 +47,9 @@ pub struct Scene {
     pub density: Option<SceneDensity>,
     /// The sites to start from.
     pub sites: Sites,
+    /// The format of the sites' file, where its name does not say it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sites_format: Option<SiteFormat>,
     /// Whether sites outside the domain are left out instead of refused.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub drop_outside: bool,
@@ -70,8 +79,12 @@ pub struct Scene {
 }
 
 /// Which files a run leaves besides `log.jsonl`, `run.json` and `sites.csv`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
+#[allow(
+    clippy::struct_excessive_bools,
+    reason = "each says whether a file is written"
+)]
 pub struct Output {
     /// The cells: `cells.vtu` in space, and a picture of them.
     pub cells: bool,
@@ -81,6 +94,15 @@ pub struct Output {
     /// same; left out, all but the outermost 2 % of the cells.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub range: Option<[f64; 2]>,
+    /// Of the cells, `cells.vtu`.
+    #[serde(skip_serializing_if = "is_true")]
+    pub cells_file: bool,
+    /// All pictures: of the cells and of the curves.
+    #[serde(skip_serializing_if = "is_true")]
+    pub pictures: bool,
+    /// Whether `cells.vtu` is compressed by zlib: smaller and slower, the numbers are the same.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub compress: bool,
 }
 
 impl Default for Output {
@@ -89,6 +111,9 @@ impl Default for Output {
             cells: true,
             plot: true,
             range: None,
+            cells_file: true,
+            pictures: true,
+            compress: false,
         }
     }
 }
@@ -220,17 +245,12 @@ impl Scene {
     /// The files that the scene names, but for the sites'; TetGen's as the pair that they are.
     pub(crate) fn domain_files(&self) -> Vec<PathBuf> {
         let mesh = self.domain.file().map(Path::to_owned);
-        let extension = mesh.as_ref().and_then(|mesh| mesh.extension());
-        let is = |name: &str| extension.is_some_and(|own| own.eq_ignore_ascii_case(name));
-        let other = match (is("node"), is("ele")) {
-            (true, _) => Some("ele"),
-            (_, true) => Some("node"),
-            _ => None,
-        };
-        let pair = mesh.as_ref().zip(other);
-        let pair = pair.map(|(mesh, other)| mesh.with_extension(other));
+        let is_pair = |mesh: &&PathBuf| ["node", "ele"].contains(&extension_of(mesh).as_str());
+        let pair = mesh.as_ref().filter(is_pair).map(|mesh| tetgen_pair(mesh));
+        let pair = pair.into_iter().flatten();
+        let pair = pair.filter(|file| Some(file) != mesh.as_ref());
         let frames = self.frames.as_ref().and_then(FrameChoice::file);
-        let files = mesh.clone().into_iter().chain(pair);
+        let files = mesh.iter().cloned().chain(pair);
         files.chain(frames.map(Path::to_owned)).collect()
     }
 
@@ -261,6 +281,10 @@ impl Scene {
             frames.anchor(folder);
         }
     }
+}
+
+fn is_true(value: &bool) -> bool {
+    *value
 }
 
 fn l2() -> Norm {

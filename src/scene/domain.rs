@@ -82,7 +82,7 @@ pub struct DomainKeys {
     /// which those within others are holes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     polygon: Option<Loops>,
-    /// The solid within a closed surface: an OBJ, OFF, STL or PLY file, relative to the scene's
+    /// The solid within a closed surface: an OBJ, OFF, STL, PLY, 3MF or VTK file, relative to the scene's
     /// folder.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     surface: Option<PathBuf>,
@@ -93,6 +93,9 @@ pub struct DomainKeys {
     /// The box into which a mesh is fitted: `"unit_cube"`, a side length, or `min` and `max`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     scale_to: Option<ScaleTo>,
+    /// How far apart vertices of a mesh that is open may be to be merged, in the file's unit.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    weld: Option<f64>,
 }
 
 impl TryFrom<DomainKeys> for SceneDomain {
@@ -100,9 +103,11 @@ impl TryFrom<DomainKeys> for SceneDomain {
 
     fn try_from(keys: DomainKeys) -> Result<Self, String> {
         let scale_to = keys.scale_to;
+        let weld = keys.weld;
         let mesh = |file: PathBuf| MeshDomain {
             file,
             scale_to: scale_to.clone(),
+            weld,
         };
         let kinds = [
             keys.cuboid.map(Self::Box),
@@ -114,6 +119,9 @@ impl TryFrom<DomainKeys> for SceneDomain {
         let mut kinds = kinds.into_iter().flatten();
         match (kinds.next(), kinds.next()) {
             (Some(domain @ (Self::Surface(_) | Self::Tets(_))), None) => Ok(domain),
+            (Some(_), None) if weld.is_some() => {
+                Err("`weld` is for `surface` and `tets`, whose vertices a file names".to_owned())
+            }
             (Some(_), None) if scale_to.is_some() => Err(
                 "`scale_to` is for `surface` and `tets`; a domain of numbers has its size"
                     .to_owned(),
@@ -138,10 +146,12 @@ impl From<SceneDomain> for DomainKeys {
             SceneDomain::Surface(mesh) => {
                 keys.surface = Some(mesh.file);
                 keys.scale_to = mesh.scale_to;
+                keys.weld = mesh.weld;
             }
             SceneDomain::Tets(mesh) => {
                 keys.tets = Some(mesh.file);
                 keys.scale_to = mesh.scale_to;
+                keys.weld = mesh.weld;
             }
         }
         keys

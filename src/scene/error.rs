@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 
 use crate::domain::error::DomainError;
 use crate::domain::planar_error::PlaneDomainError;
+use crate::mesh::formats::error::ErrorKind;
 use crate::mesh::formats::read::LoadError;
 
 /// Why a scene or its sites cannot be used. Site indices count from zero, lines from one.
@@ -71,7 +72,7 @@ pub enum Error {
     },
     /// A site file whose name does not determine its format.
     #[error(
-        "cannot tell the format of {path}: name it .csv, .npy, .xyz, .txt or .json",
+        "cannot tell the format of {path}: name it .csv, .tsv, .npy, .xyz, .txt or .json, or say it by --sites-format",
         path = path.display()
     )]
     UnknownFormat {
@@ -169,6 +170,24 @@ pub enum Error {
 }
 
 impl Error {
+    /// A function from the system's error to that of reading `path`.
+    pub(crate) fn reading(path: &Path) -> impl FnOnce(std::io::Error) -> Self {
+        let path = path.to_owned();
+        |source| Self::Read { path, source }
+    }
+
+    /// A file whose bytes could not be had.
+    pub(crate) fn of_bytes(path: &Path, error: ErrorKind) -> Self {
+        let path = path.to_owned();
+        match error {
+            ErrorKind::Unreadable(source) => Self::Read { path, source },
+            other => Self::File {
+                path,
+                message: other.to_string(),
+            },
+        }
+    }
+
     pub(crate) fn value(key: impl Into<String>, message: impl Into<String>) -> Self {
         Self::Value {
             key: key.into(),

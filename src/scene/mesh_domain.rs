@@ -9,7 +9,7 @@ use crate::domain::domain as space;
 use crate::domain::tet_mesh::TetSolid;
 use crate::domain::tri_surface::solid::SurfaceSolid;
 use crate::geometry::bounds::Bounds;
-use crate::mesh::formats::read::load;
+use crate::mesh::formats::read::load_within;
 use crate::mesh::report::SurfaceReport;
 use crate::mesh::similarity::Similarity;
 use crate::mesh::validate::{Solid, validate_surface};
@@ -23,6 +23,9 @@ pub struct MeshDomain {
     pub file: PathBuf,
     /// Where the solid is brought; by default it stays as it is.
     pub scale_to: Option<ScaleTo>,
+    /// How far apart vertices of an open mesh may be to be merged, in the file's unit; by default
+    /// little more than their rounding.
+    pub weld: Option<f64>,
 }
 
 /// A box into which a solid is fitted: scaled alike along all axes to the largest size that fits,
@@ -70,13 +73,22 @@ impl MeshDomain {
         if dimension != 3 {
             return Err(self.in_plane());
         }
+        if let Some(weld) = self.weld.filter(|weld| !(weld.is_finite() && *weld >= 0.0)) {
+            let message = format!("{weld:?} is not 0 or a positive length");
+            return Err(Error::value("domain.weld", message));
+        }
         self.scale_to.as_ref().map_or(Ok(()), ScaleTo::validate)
+    }
+
+    /// The solid of the file.
+    fn load(&self) -> Result<Solid, Error> {
+        Ok(load_within(&self.file, self.weld.unwrap_or(0.0))?)
     }
 
     /// The solid within the file's surface, or within the boundary of its tetrahedra, and what was
     /// repaired.
     pub(crate) fn surface(&self) -> Result<(Box<dyn space::Domain>, Vec<String>), Error> {
-        let mut solid = load(&self.file)?;
+        let mut solid = self.load()?;
         self.scale(&mut solid);
         let notes = solid.notes();
         let surface = match solid {
@@ -103,7 +115,7 @@ impl MeshDomain {
 
     /// As [`MeshDomain::tets`], to be given a density.
     pub(crate) fn tet_solid(&self) -> Result<(TetSolid, Vec<String>), Error> {
-        let mut solid = load(&self.file)?;
+        let mut solid = self.load()?;
         self.scale(&mut solid);
         let notes = solid.notes();
         match solid {
@@ -133,7 +145,7 @@ impl MeshDomain {
     pub(crate) fn similarity(&self) -> Result<Option<Similarity>, Error> {
         match self.scale_to {
             None => Ok(None),
-            Some(_) => Ok(self.similarity_of(&load(&self.file)?)),
+            Some(_) => Ok(self.similarity_of(&self.load()?)),
         }
     }
 

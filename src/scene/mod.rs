@@ -31,5 +31,6 @@ pub mod place;
 pub mod read;
 pub mod run;
 pub mod site_file;
+pub(crate) mod site_table;
 pub mod sites;
 pub(crate) mod xyz;

@@ -8,12 +8,19 @@ use std::path::Path;
 
 use nalgebra::Point;
 
+use crate::mesh::formats::binary::Scalar;
 use crate::scene::error::Error;
+
+/// The first bytes of an array's file.
+pub(crate) const MAGIC: &[u8] = b"\x93NUMPY";
+
+/// The greatest whole number below which f64 holds all.
+const EXACT: f64 = 9_007_199_254_740_992.0;
 
 /// Parses a `.npy` file; `path` is for messages only.
 ///
 /// # Errors
-/// [`Error::File`] when it is no array of `D` columns of floats, its length is not the announced
+/// [`Error::File`] when it is no array of `D` columns of numbers, its length is not the announced
 /// one, or it holds a number that is not finite (its row is named).
 pub fn parse<const D: usize>(bytes: &[u8], path: &Path) -> Result<Vec<Point<f64, D>>, Error> {
     rows(bytes).map_err(|message| Error::File {
@@ -23,6 +30,9 @@ pub fn parse<const D: usize>(bytes: &[u8], path: &Path) -> Result<Vec<Point<f64,
 }
 
 fn rows<const D: usize>(bytes: &[u8]) -> Result<Vec<Point<f64, D>>, String> {
+    if bytes.starts_with(b"PK") {
+        return Err("a .npz archive of arrays; save the one of the sites by numpy.save".to_owned());
+    }
     let (header, data) = split(bytes).ok_or("not a .npy file: it does not begin with a header")?;
     let damaged = || format!("not a .npy file: its header {header:?} is damaged");
     let header = NpyHeader::parse(header).ok_or_else(damaged)?;
@@ -52,7 +62,7 @@ fn rows<const D: usize>(bytes: &[u8]) -> Result<Vec<Point<f64, D>>, String> {
 
 /// The header's text and the bytes of the numbers.
 fn split(bytes: &[u8]) -> Option<(&str, &[u8])> {
-    let (version, rest) = bytes.strip_prefix(b"\x93NUMPY")?.split_at_checked(2)?;
+    let (version, rest) = bytes.strip_prefix(MAGIC)?.split_at_checked(2)?;
     let width = if version[0] == 1 { 2 } else { 4 };
     let (length, rest) = rest.split_at_checked(width)?;
     let length = length
@@ -98,14 +108,25 @@ impl<'a> NpyHeader<'a> {
 
     /// The numbers in storage order, as many as there are, and the bytes after them.
     fn numbers<'b>(&self, data: &'b [u8]) -> Result<(Vec<f64>, &'b [u8]), String> {
-        match self.descr.trim_matches(['\'', '"']) {
-            "<f8" => Ok(numbers(data, f64::from_le_bytes)),
-            ">f8" => Ok(numbers(data, f64::from_be_bytes)),
-            "<f4" => Ok(numbers(data, |bytes| f32::from_le_bytes(bytes).into())),
-            ">f4" => Ok(numbers(data, |bytes| f32::from_be_bytes(bytes).into())),
-            _ => Err(format!(
-                "the array's type is {} where f8 or f4 is expected",
+        let descr = self.descr.trim_matches(['\'', '"']);
+        let kind = descr.get(1..).and_then(scalar);
+        let order = descr.chars().next().filter(|order| "<>=|".contains(*order));
+        let (Some(kind), Some(order)) = (kind, order) else {
+            return Err(format!(
+                "the array's type is {}; save it as numbers: array.astype(float)",
                 self.descr
+            ));
+        };
+        let chunks = data.chunks_exact(kind.width());
+        let rest = chunks.remainder();
+        let values: Vec<f64> = chunks
+            .map(|bytes| kind.decode(bytes, order == '>'))
+            .collect();
+        let is_wide = matches!(kind, Scalar::Int64 | Scalar::UInt64);
+        match values.iter().find(|value| is_wide && value.abs() >= EXACT) {
+            None => Ok((values, rest)),
+            Some(value) => Err(format!(
+                "holds about {value:e}, beyond 2^53, which would be rounded"
             )),
         }
     }
@@ -148,13 +169,21 @@ fn tuple(text: &str) -> Option<Vec<u64>> {
     numbers.map(|number| number.trim().parse().ok()).collect()
 }
 
-/// As many numbers as the bytes hold, and those that remain.
-fn numbers<const WIDTH: usize>(
-    data: &[u8],
-    number: impl Fn([u8; WIDTH]) -> f64,
-) -> (Vec<f64>, &[u8]) {
-    let (chunks, rest) = data.as_chunks::<WIDTH>();
-    (chunks.iter().map(|&bytes| number(bytes)).collect(), rest)
+/// The type of numbers that NumPy calls so.
+fn scalar(name: &str) -> Option<Scalar> {
+    Some(match name {
+        "f8" => Scalar::Float64,
+        "f4" => Scalar::Float32,
+        "i1" => Scalar::Int8,
+        "i2" => Scalar::Int16,
+        "i4" => Scalar::Int32,
+        "i8" => Scalar::Int64,
+        "u1" => Scalar::UInt8,
+        "u2" => Scalar::UInt16,
+        "u4" => Scalar::UInt32,
+        "u8" => Scalar::UInt64,
+        _ => return None,
+    })
 }
 
 #[cfg(test)]
@@ -208,6 +237,49 @@ mod tests {
     }
 
     #[test]
+    fn whole_numbers_of_every_width_are_read() {
+        let expected = [Point::from([1.0, 2.0, 3.0]), Point::from([4.0, 5.0, 6.0])];
+        for (name, width) in [
+            ("i1", 1),
+            ("u1", 1),
+            ("i2", 2),
+            ("u2", 2),
+            ("i4", 4),
+            ("u4", 4),
+            ("i8", 8),
+            ("u8", 8),
+        ] {
+            for order in ["<", ">"] {
+                let header = format!(
+                    "{{'descr': '{order}{name}', 'fortran_order': False, 'shape': (2, 3), }}"
+                );
+                let data: Vec<u8> = (1..=6_u64)
+                    .flat_map(|value| match order {
+                        "<" => value.to_le_bytes()[..width].to_vec(),
+                        _ => value.to_be_bytes()[8 - width..].to_vec(),
+                    })
+                    .collect();
+                assert_eq!(
+                    parsed(&file(&header, &data)).expect(name),
+                    expected,
+                    "{order}{name}"
+                );
+            }
+        }
+        let bytes = "{'descr': '|u1', 'fortran_order': True, 'shape': (2, 3), }";
+        assert_eq!(
+            parsed(&file(bytes, &[1, 4, 2, 5, 3, 6])).expect("bytes"),
+            expected
+        );
+        let wide = "{'descr': '<i8', 'fortran_order': False, 'shape': (1, 3), }";
+        let data: Vec<u8> = [1, 2, (1_i64 << 53) + 1]
+            .iter()
+            .flat_map(|x| x.to_le_bytes())
+            .collect();
+        assert!(parsed(&file(wide, &data)).unwrap_err().contains("2^53"));
+    }
+
+    #[test]
     fn later_versions_have_longer_headers_and_keys_come_in_any_order() {
         let header = "{\"shape\": (1, 3), 'fortran_order': False, 'descr': '>f8'}\n";
         for version in [2, 3] {
@@ -245,11 +317,11 @@ mod tests {
                 .unwrap_err()
                 .contains("[n, 3] is expected")
         );
-        let whole = "{'descr': '<i8', 'fortran_order': False, 'shape': (2, 3), }";
+        let complex = "{'descr': '<c16', 'fortran_order': False, 'shape': (2, 3), }";
         assert!(
-            parsed(&file(whole, &[0; 48]))
+            parsed(&file(complex, &[0; 96]))
                 .unwrap_err()
-                .contains("f8 or f4")
+                .contains("astype(float)")
         );
         let structured =
             "{'descr': [('x', '<f8'), ('y', '<f8')], 'fortran_order': False, 'shape': (2,)}";

@@ -21,6 +21,10 @@ pub struct Overrides {
     pub sites: Map<String, Value>,
     /// Keys of the method, whichever it is.
     pub method: Map<String, Value>,
+    /// Keys of `output`.
+    pub output: Map<String, Value>,
+    /// Keys of a domain that is a mesh.
+    pub domain: Map<String, Value>,
 }
 
 impl Overrides {
@@ -69,6 +73,11 @@ impl Overrides {
             })?;
             options.extend(keys.clone());
         }
+        for (part, keys) in [("output", &self.output), ("domain", &self.domain)] {
+            if let Some(options) = value.get_mut(part).and_then(Value::as_object_mut) {
+                options.extend(keys.clone());
+            }
+        }
         *scene =
             serde_json::from_value(Value::Object(value)).map_err(|error| self.explain(&error))?;
         scene.fill_defaults();
@@ -78,7 +87,13 @@ impl Overrides {
     /// The refusal of the override at which the reader has stopped.
     fn explain(&self, error: &serde_json::Error) -> Error {
         let message = error.to_string();
-        let maps = [&self.scene, &self.sites, &self.method];
+        let maps = [
+            &self.scene,
+            &self.sites,
+            &self.method,
+            &self.output,
+            &self.domain,
+        ];
         let mut all = maps.into_iter().flatten();
         let Some(UnknownKey {
             key,
@@ -143,6 +158,7 @@ mod tests {
             scene: keys(json!({ "norm": "l2", "method": "lloyd", "drop_outside": true })),
             sites: keys(json!({ "count": 7, "seed": 9 })),
             method: keys(json!({ "iterations": 3, "tolerance": 0.25 })),
+            ..Overrides::default()
         };
         overrides.apply(&mut scene).expect("they fit");
         let text = serde_json::to_value(&scene).expect("a scene is JSON");

@@ -17,6 +17,7 @@ use crate::domain::planar::PlaneDomain;
 use crate::domain::random_points::{source_in_plane, source_in_solid};
 use crate::geometry::bounds::Bounds;
 use crate::geometry::random::{PointSource, Random, points_inside};
+use crate::scene::description::Scene;
 use crate::scene::error::Error;
 use crate::scene::numbers::point;
 use crate::scene::site_file;
@@ -103,30 +104,54 @@ impl<const D: usize> fmt::Debug for SiteRegion<'_, D> {
     }
 }
 
-/// The points that `sites` names, in their order, each finite, in the region, and alone at its
-/// place. With `drop_outside`, those outside the region are left out.
+/// Sites where they are placed, and what there is to say about them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlacedSites<const D: usize> {
+    /// The sites in their order, each finite, in the region, and alone at its place.
+    pub sites: Vec<Point<f64, D>>,
+    /// How many outside the region are left out.
+    pub dropped: usize,
+    /// One sentence each.
+    pub notes: Vec<String>,
+}
+
+/// The points that the scene's `sites` names. With its `drop_outside`, those outside the region are
+/// left out.
 ///
 /// # Errors
 /// When a site file cannot be read, or [`check()`] refuses a point.
 pub fn place<const D: usize>(
-    sites: &Sites,
+    scene: &Scene,
     region: &SiteRegion<'_, D>,
-    drop_outside: bool,
-) -> Result<Vec<Point<f64, D>>, Error> {
-    let mut points: Vec<Point<f64, D>> = match sites {
-        Sites::Random(random) => random_sites(random.count, random.seed, region)?,
-        Sites::Grid(grid) => grid_sites(grid, region)?,
-        Sites::List(list) => list.iter().map(|row| point(row)).collect(),
-        Sites::File(path) => site_file::read(path)?,
+) -> Result<PlacedSites<D>, Error> {
+    let (mut sites, mut notes): (Vec<Point<f64, D>>, _) = match &scene.sites {
+        Sites::Random(random) => (random_sites(random.count, random.seed, region)?, Vec::new()),
+        Sites::Grid(grid) => (grid_sites(grid, region)?, Vec::new()),
+        Sites::List(list) => (list.iter().map(|row| point(row)).collect(), Vec::new()),
+        Sites::File(path) => {
+            let file = site_file::read_as(path, scene.sites_format)?;
+            (file.sites, file.notes)
+        }
     };
-    if drop_outside {
-        points.retain(|point| region.holds(point));
-        if points.is_empty() {
+    let all = sites.len();
+    if scene.drop_outside {
+        sites.retain(|point| region.holds(point));
+        if sites.is_empty() {
             return Err(Error::AllOutside);
         }
     }
-    check(&points, region)?;
-    Ok(points)
+    let dropped = all - sites.len();
+    if dropped > 0 {
+        notes.push(format!(
+            "{dropped} of {all} sites lie outside the domain and are left out"
+        ));
+    }
+    check(&sites, region)?;
+    Ok(PlacedSites {
+        sites,
+        dropped,
+        notes,
+    })
 }
 
 /// `count` sites uniform over the region, by rejection from its bounding box or from closer about it.

@@ -2,8 +2,17 @@
 
 use std::path::Path;
 
+use serde::Deserialize;
+use serde::de::IgnoredAny;
+
+use crate::mesh::formats;
+use crate::mesh::formats::mesh::Mesh;
+use crate::mesh::formats::read::LoadError;
 use crate::scene::description::Scene;
+use crate::scene::domain::SceneDomain;
 use crate::scene::error::{Error, json_error};
+use crate::scene::mesh_domain::MeshDomain;
+use crate::scene::sites::Sites;
 
 /// Reads the scene at `path`: defaults filled in, paths absolute, every number validated.
 ///
@@ -21,6 +30,103 @@ pub fn scene(path: &Path) -> Result<Scene, Error> {
 /// # Errors
 /// As [`scene()`], but for [`Error::Value`].
 pub fn unchecked(path: &Path) -> Result<Scene, Error> {
+    Ok(noted(path)?.0)
+}
+
+/// As [`unchecked`], with what there is to say about the file. A run's directory, or its `run.json`, is
+/// the scene of the run: of a directory with the sites that the run has left. A mesh is the domain of
+/// random sites.
+pub(crate) fn noted(path: &Path) -> Result<(Scene, Vec<String>), Error> {
+    if path.is_dir() {
+        return of_run(path);
+    }
+    if !is_json(path) {
+        return Ok((of_mesh(path)?, Vec::new()));
+    }
+    let (text, scene) = anchored(path)?;
+    let is_run = serde_json::from_str::<RunText>(&text).is_ok();
+    let note = || format!("{} is a run; its scene is taken", path.display());
+    Ok((scene, is_run.then(note).into_iter().collect()))
+}
+
+/// The scene of the run in a directory, with the sites that it has left, if it has.
+fn of_run(path: &Path) -> Result<(Scene, Vec<String>), Error> {
+    let run = path.join("run.json");
+    if !run.is_file() {
+        let message = "is a directory without run.json, so it holds no run; name a scene, a mesh or what \
+                       `relax --out` left";
+        let (path, message) = (path.to_owned(), message.to_owned());
+        return Err(Error::File { path, message });
+    }
+    let (_, mut scene) = anchored(&run)?;
+    let sites = path.join("sites.csv");
+    let which = if sites.is_file() {
+        scene.sites = Sites::File(sites.canonicalize().map_err(Error::reading(&sites))?);
+        (scene.sites_format, scene.drop_outside) = (None, false);
+        "the sites that it left in sites.csv"
+    } else {
+        "the sites that it began with: it has left none yet"
+    };
+    let note = format!(
+        "{} is a run; its scene is taken with {which}",
+        path.display()
+    );
+    Ok((scene, vec![note]))
+}
+
+/// The solid of a mesh file as the domain of the embedded scene's random sites.
+fn of_mesh(path: &Path) -> Result<Scene, Error> {
+    let mesh = formats::read::read(path).map_err(LoadError::from)?;
+    let file = path.canonicalize().map_err(Error::reading(path))?;
+    let domain = MeshDomain {
+        file,
+        scale_to: None,
+        weld: None,
+    };
+    let domain = match mesh {
+        Mesh::Surface(_) => SceneDomain::Surface(domain),
+        Mesh::Tets(_) => SceneDomain::Tets(domain),
+    };
+    Ok(Scene {
+        domain,
+        ..Scene::embedded()
+    })
+}
+
+/// Whether a file is called or begins like JSON, or is not there: then the reader of scenes says so.
+fn is_json(path: &Path) -> bool {
+    let has_name = path
+        .extension()
+        .is_some_and(|e| e.eq_ignore_ascii_case("json"));
+    let bytes = if has_name {
+        None
+    } else {
+        std::fs::read(path).ok()
+    };
+    bytes.is_none_or(|bytes| {
+        let start = bytes.trim_ascii_start();
+        start.is_empty()
+            || start.starts_with(b"{") && !start.windows(7).take(4096).any(|w| w == b"\"asset\"")
+    })
+}
+
+/// The keys that tell a `run.json` from a scene.
+#[derive(Deserialize)]
+#[allow(dead_code, reason = "their presence is what counts")]
+struct RunText {
+    program: String,
+    version: String,
+    scene: IgnoredAny,
+}
+
+/// A `run.json`, its scene checked.
+#[derive(Deserialize)]
+struct RunScene {
+    scene: Scene,
+}
+
+/// The text of a scene or a run, and its scene with absolute paths.
+fn anchored(path: &Path) -> Result<(String, Scene), Error> {
     let read = |source| Error::Read {
         path: path.to_owned(),
         source,
@@ -29,7 +135,7 @@ pub fn unchecked(path: &Path) -> Result<Scene, Error> {
     let mut scene = parse(&text, path)?;
     let folder = path.parent().unwrap_or(Path::new("")).join(".");
     scene.anchor(&folder.canonicalize().map_err(read)?);
-    Ok(scene)
+    Ok((text, scene))
 }
 
 /// Parses a scene's `text`; `path` is for messages only. Defaults are filled in, relative paths
@@ -38,8 +144,12 @@ pub fn unchecked(path: &Path) -> Result<Scene, Error> {
 /// # Errors
 /// [`Error::Json`] or [`Error::UnknownKey`].
 pub fn parse(text: &str, path: &Path) -> Result<Scene, Error> {
-    let mut scene: Scene = serde_json::from_str(text)
-        .map_err(|error| json_error(&error, path, text, |message| mended(message, text)))?;
+    let parsed = match serde_json::from_str::<RunText>(text) {
+        Ok(_) => serde_json::from_str::<RunScene>(text).map(|run| run.scene),
+        Err(_) => serde_json::from_str(text),
+    };
+    let mut scene =
+        parsed.map_err(|error| json_error(&error, path, text, |message| mended(message, text)))?;
     scene.fill_defaults();
     Ok(scene)
 }
@@ -69,8 +179,8 @@ mod tests {
         assert_eq!(
             refusal(text),
             "a.json, line 3, column 3: unknown key `nrm`; did you mean `norm`? \
-             Known here: dimension, domain, density, sites, drop_outside, cells, \
-             norm, order, method, coarse_to_fine, frames, output"
+             Known here: $schema, dimension, domain, density, sites, sites_format, \
+             drop_outside, cells, norm, order, method, coarse_to_fine, frames, output"
         );
     }
 

@@ -23,7 +23,7 @@ use crate::scene::error::Error;
 use crate::scene::frames::FrameChoice;
 use crate::scene::memory;
 use crate::scene::method::{Anneal, SceneMethod};
-use crate::scene::place::{SiteRegion, place};
+use crate::scene::place::{PlacedSites, SiteRegion, place};
 
 /// Sites of a run, by dimension.
 #[derive(Clone, Debug, PartialEq)]
@@ -128,10 +128,18 @@ pub trait RunSpace<const D: usize>: RelaxationSpace<D> {
     /// # Errors
     /// As [`place()`], and where there is no memory for so many.
     fn place(&self, scene: &Scene) -> Result<Vec<Point<f64, D>>, Error> {
+        Ok(self.placed(scene)?.sites)
+    }
+
+    /// The scene's sites, and what there is to say about them.
+    ///
+    /// # Errors
+    /// As [`RunSpace::place`].
+    fn placed(&self, scene: &Scene) -> Result<PlacedSites<D>, Error> {
         scene.sites.announced().map_or(Ok(()), memory::check)?;
-        let sites = place(&scene.sites, &self.region(), scene.drop_outside)?;
-        memory::check(sites.len() as u64)?;
-        Ok(sites)
+        let placed = place(scene, &self.region())?;
+        memory::check(placed.sites.len() as u64)?;
+        Ok(placed)
     }
 }
 

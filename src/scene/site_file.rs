@@ -1,167 +1,138 @@
-//! Readers of files of sites, chosen by extension: `.csv`, `.npy`, `.xyz`, `.txt` and `.json`.
+//! Readers of files of sites: CSV, text by white space, chemistry's XYZ, JSON, NumPy arrays.
 //!
-//! A CSV file may begin with a header; if it does, the columns named x, y and z (in any case)
-//! are read, in any order of columns. Without one every line has exactly one number per axis. In
-//! CSV and in text by white space (`.xyz`, `.txt`) blank lines and what follows `#` are skipped. Text
-//! whose first line is one whole number is chemistry's XYZ (`xyz`). Lines end with LF, CR LF or CR.
-//! A JSON file is an array of arrays of numbers. Errors name the line, or the site counted from zero.
+//! The format is the caller's, else that of the extension (`.csv`, `.tsv`, `.npy`, `.xyz`, `.txt`, `.json`),
+//! else told by the content, as for standard input; gzip is unpacked. Text that is neither JSON nor
+//! chemistry's XYZ (`xyz`) is a table (`site_table`). A JSON file is an array of arrays of numbers. Errors
+//! name the line, or the site counted from zero.
 
 use std::path::Path;
 
 use nalgebra::Point;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
-use crate::mesh::formats::words::{line_of, lines};
+use crate::mesh::formats::unpack::{STANDARD_INPUT, extension_of, read_unpacked};
+use crate::mesh::formats::words::line_of;
 use crate::scene::error::{Error, bare_message};
-use crate::scene::number_text::{AXES, number};
+use crate::scene::site_table::{self, Separator, SiteFile};
 use crate::scene::{memory, npy, xyz};
 
-/// Reads the sites in `path`: `.csv`, `.npy`, `.xyz`, `.txt` or `.json`.
+/// A format of sites.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum SiteFormat {
+    /// A table with commas, semicolons or tabs between its columns.
+    Csv,
+    /// Text by white space, or chemistry's XYZ.
+    Xyz,
+    /// An array of arrays of numbers.
+    Json,
+    /// A NumPy array.
+    Npy,
+}
+
+/// Reads the sites in `path`: `.csv`, `.npy`, `.xyz`, `.txt` or `.json`, or what its content says.
 ///
 /// # Errors
 /// [`Error::UnknownFormat`], [`Error::Read`], or what is wrong with the file and where.
 pub fn read<const D: usize>(path: &Path) -> Result<Vec<Point<f64, D>>, Error> {
-    let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
-    let parse = match extension.to_str() {
-        Some("csv") => parse_csv::<D>,
-        Some("xyz" | "txt") => parse_words::<D>,
-        Some("json") => parse_json::<D>,
-        Some("npy") => npy::parse::<D>,
-        _ => {
-            return Err(Error::UnknownFormat {
-                path: path.to_owned(),
-            });
-        }
-    };
+    Ok(read_as(path, None)?.sites)
+}
+
+/// As [`read`], of a format that is known, with notes; `-` is standard input.
+pub(crate) fn read_as<const D: usize>(
+    path: &Path,
+    format: Option<SiteFormat>,
+) -> Result<SiteFile<D>, Error> {
     memory::check_file(path)?;
-    let bytes = std::fs::read(path).map_err(|source| Error::Read {
-        path: path.to_owned(),
-        source,
+    let bytes = read_unpacked(path).map_err(|error| Error::of_bytes(path, error))?;
+    let name = if path == Path::new(STANDARD_INPUT) {
+        Path::new("standard input")
+    } else {
+        path
+    };
+    let format = format
+        .or_else(|| SiteFormat::of_extension(&extension_of(path)))
+        .or_else(|| SiteFormat::of_content(&bytes));
+    let format = format.ok_or_else(|| Error::UnknownFormat {
+        path: name.to_owned(),
     })?;
-    let sites = parse(&bytes, path)?;
-    if sites.is_empty() {
+    let file = format.parse(&bytes, name)?;
+    if file.sites.is_empty() {
         return Err(Error::File {
-            path: path.to_owned(),
+            path: name.to_owned(),
             message: "holds no sites".to_owned(),
         });
     }
-    Ok(sites)
+    Ok(file)
 }
 
-/// Parses a `.csv` file; `path` is for messages only.
-///
-/// # Errors
-/// [`Error::Line`] with the first line that is not a point.
-fn parse_csv<const D: usize>(bytes: &[u8], path: &Path) -> Result<Vec<Point<f64, D>>, Error> {
-    let fields = |line: &str| {
-        line.split(',')
-            .map(|field| field.trim().trim_matches('"').to_owned())
-            .collect()
-    };
-    parse_lines(bytes, path, fields, true)
-}
-
-/// Parses a `.xyz` or `.txt` file; `path` is for messages only.
-///
-/// # Errors
-/// [`Error::Line`] with the first line that is not a point.
-fn parse_words<const D: usize>(bytes: &[u8], path: &Path) -> Result<Vec<Point<f64, D>>, Error> {
-    if let Some(parsed) = xyz::parse(bytes) {
-        return parsed.map_err(|(line, message)| Error::Line {
-            path: path.to_owned(),
-            line,
-            message,
-        });
-    }
-    let fields = |line: &str| line.split_whitespace().map(str::to_owned).collect();
-    parse_lines(bytes, path, fields, false)
-}
-
-fn parse_lines<const D: usize>(
-    bytes: &[u8],
-    path: &Path,
-    fields: impl Fn(&str) -> Vec<String>,
-    mut header_allowed: bool,
-) -> Result<Vec<Point<f64, D>>, Error> {
-    let text = std::str::from_utf8(bytes).map_err(|error| not_text(bytes, error, path))?;
-    let mut columns = Columns::plain();
-    let mut sites = Vec::new();
-    for (index, line) in lines(text.trim_start_matches('\u{feff}')).enumerate() {
-        let content = line.split('#').next().unwrap_or("").trim();
-        if content.is_empty() {
-            continue;
-        }
-        let at = |message| Error::Line {
-            path: path.to_owned(),
-            line: index + 1,
-            message,
-        };
-        let fields = fields(content);
-        if header_allowed && fields.iter().any(|field| is_word(field)) {
-            columns = Columns::named(&fields).map_err(at)?;
-        } else {
-            sites.push(columns.point(&fields).map_err(at)?);
-        }
-        header_allowed = false;
-    }
-    Ok(sites)
-}
-
-/// The columns of the coordinates in a line.
-struct Columns<const D: usize> {
-    at: [usize; D],
-    width: usize,
-}
-
-impl<const D: usize> Columns<D> {
-    fn plain() -> Self {
-        Self {
-            at: std::array::from_fn(|axis| axis),
-            width: D,
-        }
-    }
-
-    fn named(header: &[String]) -> Result<Self, String> {
-        let mut at = [0; D];
-        for (column, axis) in at.iter_mut().zip(AXES) {
-            let found = header
-                .iter()
-                .position(|name| name.eq_ignore_ascii_case(axis));
-            *column = found.ok_or_else(|| {
-                format!(
-                    "the header names no column {axis}; expected {}",
-                    AXES[..D].join(",")
-                )
-            })?;
-        }
-        Ok(Self {
-            at,
-            width: header.len(),
+impl SiteFormat {
+    fn of_extension(extension: &str) -> Option<Self> {
+        Some(match extension {
+            "csv" | "tsv" => Self::Csv,
+            "xyz" | "txt" => Self::Xyz,
+            "json" => Self::Json,
+            "npy" => Self::Npy,
+            _ => return None,
         })
     }
 
-    fn point(&self, fields: &[String]) -> Result<Point<f64, D>, String> {
-        if fields.len() != self.width {
-            return Err(wrong_width::<D>(fields.len(), self.width));
+    /// The format of text that begins with a number or names its columns, or of an array.
+    fn of_content(bytes: &[u8]) -> Option<Self> {
+        if bytes.starts_with(npy::MAGIC) || bytes.starts_with(b"PK") {
+            return Some(Self::Npy);
         }
-        let mut point = Point::origin();
-        for (axis, &column) in self.at.iter().enumerate() {
-            point[axis] = number(&fields[column], AXES[axis])?;
+        let text = std::str::from_utf8(bytes).ok()?;
+        let start = text.trim_start_matches('\u{feff}').trim_start();
+        if start.is_empty() || start.starts_with('[') {
+            return Some(Self::Json);
         }
-        Ok(point)
+        let line = site_table::first_line(text)?;
+        let separator = Separator::of(line);
+        let fields = separator.fields(line);
+        let is_table = fields[0].parse::<f64>().is_ok() || site_table::names_columns(&fields);
+        let format = match separator {
+            Separator::Blank => Self::Xyz,
+            Separator::Sign(_) => Self::Csv,
+        };
+        is_table.then_some(format)
+    }
+
+    fn parse<const D: usize>(self, bytes: &[u8], path: &Path) -> Result<SiteFile<D>, Error> {
+        let sites = match self {
+            Self::Csv => return parse_table(bytes, path, None),
+            Self::Xyz => match xyz::parse(bytes) {
+                None => return parse_table(bytes, path, Some(Separator::Blank)),
+                Some(parsed) => parsed.map_err(|(line, message)| Error::Line {
+                    path: path.to_owned(),
+                    line,
+                    message,
+                })?,
+            },
+            Self::Json => parse_json(bytes, path)?,
+            Self::Npy => npy::parse(bytes, path)?,
+        };
+        let notes = Vec::new();
+        Ok(SiteFile { sites, notes })
     }
 }
 
-/// Whether a field is neither a number nor one that went wrong: a header's word.
-fn is_word(field: &str) -> bool {
-    field.parse::<f64>().is_err() && field.starts_with(|first: char| first.is_alphabetic())
-}
-
-fn wrong_width<const D: usize>(found: usize, expected: usize) -> String {
-    let mend = match found {
-        2 | 3 if expected == D => format!("; a scene with \"dimension\": {found} takes these"),
-        _ => String::new(),
-    };
-    format!("{found} columns where {expected} are expected{mend}")
+/// Parses a table with this separator, or the one that its first line says; `path` is for messages only.
+///
+/// # Errors
+/// [`Error::Line`] with the first line that is not a point.
+fn parse_table<const D: usize>(
+    bytes: &[u8],
+    path: &Path,
+    separator: Option<Separator>,
+) -> Result<SiteFile<D>, Error> {
+    let text = std::str::from_utf8(bytes).map_err(|error| not_text(bytes, error, path))?;
+    site_table::parse(text, separator).map_err(|(line, message)| Error::Line {
+        path: path.to_owned(),
+        line,
+        message,
+    })
 }
 
 fn not_text(bytes: &[u8], error: std::str::Utf8Error, path: &Path) -> Error {
@@ -217,7 +188,7 @@ mod tests {
     use nalgebra::{Point2, Point3};
 
     fn csv(text: &str) -> Result<Vec<Point3<f64>>, Error> {
-        parse_csv(text.as_bytes(), Path::new("p.csv"))
+        parse_table(text.as_bytes(), Path::new("p.csv"), None).map(|file| file.sites)
     }
 
     fn refusal(text: &str) -> String {
@@ -254,16 +225,17 @@ mod tests {
 
     #[test]
     fn bytes_that_are_no_text_are_named_by_line() {
-        let error = parse_csv::<3>(b"0,0,0\n0,\xff,0\n", Path::new("p.csv")).unwrap_err();
+        let error = parse_table::<3>(b"0,0,0\n0,\xff,0\n", Path::new("p.csv"), None).unwrap_err();
         assert_eq!(error.to_string(), "p.csv, line 2: not text (UTF-8)");
     }
 
     #[test]
     fn words_come_by_any_white_space_with_comments() {
         let text = "# a cloud\n 0.5\t0.25 # first\n\n1 2\n";
-        let sites: Vec<Point2<f64>> =
-            parse_words(text.as_bytes(), Path::new("p.xyz")).expect("two points");
-        assert_eq!(sites, [Point2::new(0.5, 0.25), Point2::new(1.0, 2.0)]);
+        let blank = Some(Separator::Blank);
+        let file =
+            parse_table::<2>(text.as_bytes(), Path::new("p.xyz"), blank).expect("two points");
+        assert_eq!(file.sites, [Point2::new(0.5, 0.25), Point2::new(1.0, 2.0)]);
     }
 
     fn json(text: &str) -> Result<Vec<Point<f64, 3>>, Error> {

@@ -30,6 +30,10 @@ const OUTPUTS: [&str; 6] = [
     CHECKPOINT,
 ];
 
+fn is_zero(count: &usize) -> bool {
+    *count == 0
+}
+
 /// A run's directory, locked until this is dropped or the process ends.
 #[derive(Debug)]
 pub struct RunDirectory {
@@ -260,6 +264,9 @@ pub struct Description<S, M> {
     pub scene: S,
     /// How many sites there are.
     pub sites: usize,
+    /// How many sites outside the domain were left out.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub dropped_outside: usize,
     /// The domain's volume (L^D).
     pub domain_volume: f64,
     /// The mean p = 1 Chebyshev energy of equal cubes, with a density of the asymptotic optimum (L^(D+1)).
