@@ -17,47 +17,20 @@ pub(crate) fn read_overlay(path: &Path) -> Result<Overlay, Failure> {
     let mut lines = lines.filter(|(_, line)| !line.trim().is_empty() && !line.starts_with('#'));
     let header = lines.next().map_or("", |(_, line)| line);
     let places = COLUMNS.map(|column| header.split(',').position(|name| name.trim() == column));
-    let [Some(_), _, _] = places else {
+    if places[0].is_none() {
         return Err(Failure::input(format!(
-            "{shown} has no column `iteration`: its first line must name the columns, such as \
-             iteration,energy_percent,movement_percent"
+            "{shown} has no column `iteration`: its first line must name the columns, such as {}",
+            COLUMNS.join(",")
         )));
-    };
+    }
+    let stem = path.file_stem().unwrap_or_default();
     let mut overlay = Overlay {
-        name: path
-            .file_stem()
-            .unwrap_or_default()
-            .to_string_lossy()
-            .into_owned(),
+        name: stem.to_string_lossy().into_owned(),
         ..Overlay::default()
     };
     for (number, line) in lines {
-        let fields: Vec<&str> = line.split(',').map(str::trim).collect();
-        let value = |place: Option<usize>| -> Result<Option<f64>, Failure> {
-            let field = place.and_then(|place| fields.get(place)).copied();
-            let Some(field) = field.filter(|field| !field.is_empty()) else {
-                return Ok(None);
-            };
-            let value = field.parse::<f64>().ok().filter(|value| value.is_finite());
-            value.map(Some).ok_or_else(|| {
-                let line = number + 1;
-                Failure::input(format!("{shown}:{line}: `{field}` is no finite number"))
-            })
-        };
-        let [iteration, energy, movement] = places.map(value);
-        let (iteration, energy, movement) = (iteration?, energy?, movement?);
-        let Some(iteration) = iteration.filter(|iteration| *iteration >= 0.0) else {
-            let line = number + 1;
-            let message = format!("{shown}:{line}: there is no iteration of zero or more");
-            return Err(Failure::input(message));
-        };
-        overlay
-            .energy
-            .extend(energy.map(|value| (iteration, value)));
-        let moved = movement.filter(|value| *value > 0.0);
-        overlay
-            .movement
-            .extend(moved.map(|value| (iteration, value)));
+        let added = add_line(&mut overlay, places, line);
+        added.map_err(|fault| Failure::input(format!("{shown}:{}: {fault}", number + 1)))?;
     }
     if overlay.energy.is_empty() && overlay.movement.is_empty() {
         return Err(Failure::input(format!(
@@ -66,4 +39,30 @@ pub(crate) fn read_overlay(path: &Path) -> Result<Overlay, Failure> {
         )));
     }
     Ok(overlay)
+}
+
+/// Adds the points of a line whose columns are at `places`.
+fn add_line(overlay: &mut Overlay, places: [Option<usize>; 3], line: &str) -> Result<(), String> {
+    let fields: Vec<&str> = line.split(',').map(str::trim).collect();
+    let value = |place: Option<usize>| -> Result<Option<f64>, String> {
+        let field = place.and_then(|place| fields.get(place)).copied();
+        let Some(field) = field.filter(|field| !field.is_empty()) else {
+            return Ok(None);
+        };
+        let value = field.parse::<f64>().ok().filter(|value| value.is_finite());
+        let refused = || format!("`{field}` is no finite number");
+        value.map(Some).ok_or_else(refused)
+    };
+    let [iteration, energy, movement] = places.map(value);
+    let (iteration, energy, movement) = (iteration?, energy?, movement?);
+    let iteration = iteration.filter(|iteration| *iteration >= 0.0);
+    let iteration = iteration.ok_or("there is no iteration of zero or more")?;
+    overlay
+        .energy
+        .extend(energy.map(|value| (iteration, value)));
+    let moved = movement.filter(|value| *value > 0.0);
+    overlay
+        .movement
+        .extend(moved.map(|value| (iteration, value)));
+    Ok(())
 }

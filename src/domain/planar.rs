@@ -12,7 +12,7 @@ use crate::domain::error::FARTHEST;
 use crate::domain::facet_kind::FacetKind;
 use crate::domain::planar_density::PlaneDensity;
 use crate::domain::planar_error::PlaneDomainError;
-use crate::domain::trapezoids::{refuse_crossings, trapezoids};
+use crate::domain::trapezoids::{Trapezoids, refuse_crossings, trapezoids};
 use crate::geometry::bounds::Bounds;
 use crate::geometry::half_plane::HalfPlane;
 use crate::geometry::label::Label;
@@ -95,22 +95,22 @@ impl PlaneDomain {
             }
         }
         refuse_crossings(loops)?;
-        let bounds = Bounds::of(loops.iter().flatten());
-        let parts = trapezoids(loops);
+        Self::of_parts(Bounds::of(loops.iter().flatten()), trapezoids(loops)).checked()
+    }
+
+    /// The domain of these parts.
+    fn of_parts(bounds: Bounds<2>, parts: Trapezoids) -> Self {
         let middle = bounds.center();
         let twice = |side: &PolygonEdge| (side.start - middle).perp(&(side.end - middle));
-        let area = 0.5 * parts.sides.iter().map(twice).sum::<f64>();
-        let hull = ConvexPolygon::rectangle(&bounds, [FacetKind::Inner.label(); 4]);
         Self {
-            hull,
+            area: 0.5 * parts.sides.iter().map(twice).sum::<f64>(),
+            hull: ConvexPolygon::rectangle(&bounds, [FacetKind::Inner.label(); 4]),
             pieces: parts.pieces,
             sides: parts.sides,
             bounds,
-            area,
             periods: [None; 2],
             density: None,
         }
-        .checked()
     }
 
     /// The points that lie in all `half_planes`; superfluous ones do no harm.

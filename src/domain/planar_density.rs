@@ -47,18 +47,14 @@ impl PlaneDensity {
     ) -> Result<Self, PlaneDomainError> {
         let middle = bounds.center();
         refuse_axes(&polynomial.relative_to(&in_space(&middle)), periods)?;
-        let mut mass = 0.0;
-        for piece in pieces {
-            if let Some(prism) = prism(piece, &bounds)
-                && let Some((place, value)) = refused_place(&prism, polynomial)
-            {
-                let (x, y) = (place.x, place.y);
-                return Err(PlaneDomainError::Density { value, x, y });
-            }
-            let about = piece.translated(&-middle.coords);
-            let terms = plane_terms(&polynomial.relative_to(&in_space(&middle)));
-            mass += over_polygon(&about, &terms, [[0, 0]])[0];
-        }
+        pieces
+            .iter()
+            .try_for_each(|piece| refuse_signs(piece, &bounds, polynomial))?;
+        let terms = plane_terms(&polynomial.relative_to(&in_space(&middle)));
+        let about = pieces.iter().map(|piece| piece.translated(&-middle.coords));
+        let mass: f64 = about
+            .map(|piece| over_polygon(&piece, &terms, [[0, 0]])[0])
+            .sum();
         let area: f64 = pieces.iter().map(ConvexPolygon::area).sum();
         let mean = mass / area;
         if !(mean.is_normal() && mean > 0.0) {
@@ -133,6 +129,23 @@ fn refuse_axes(polynomial: &Polynomial, periods: [Option<f64>; 2]) -> Result<(),
     }
     match (0..2).find(|&axis| periods[axis].is_some() && changes(axis)) {
         Some(axis) => Err(PlaneDomainError::DensityAlongPeriod { axis }),
+        None => Ok(()),
+    }
+}
+
+/// Refuses a density that is negative somewhere in a piece.
+fn refuse_signs(
+    piece: &ConvexPolygon,
+    bounds: &Bounds<2>,
+    polynomial: &Polynomial,
+) -> Result<(), PlaneDomainError> {
+    let refused = prism(piece, bounds).and_then(|prism| refused_place(&prism, polynomial));
+    match refused {
+        Some((place, value)) => Err(PlaneDomainError::Density {
+            value,
+            x: place.x,
+            y: place.y,
+        }),
         None => Ok(()),
     }
 }

@@ -103,54 +103,64 @@ pub(crate) fn convergence_of(
     overlays: &[Overlay],
     axis: EnergyAxis,
 ) -> Figure {
-    let is_alone = groups.len() == 1 && overlays.is_empty();
-    let rows = if is_alone {
-        Vec::new()
-    } else {
-        legend_rows(groups, overlays)
-    };
-    let height = if is_alone {
-        LEGEND_TOP - 8.0
-    } else {
-        LEGEND_TOP + LEGEND_ROW * rows.len().saturating_sub(1) as f64 + 18.0
-    };
-    let mut figure = Figure::new(WIDTH, height);
-    let movement: Vec<_> = groups.iter().map(RunGroup::movement).collect();
-    let energy: Vec<_> = groups.iter().map(RunGroup::energy).collect();
     let last = groups.iter().map(RunGroup::last_iteration);
     let last = last.fold(0.0, f64::max);
-    let iterations = Axis::counts(0.0, last);
     let overlays: Vec<_> = overlays.iter().map(|overlay| overlay.up_to(last)).collect();
-    let overlays = overlays.as_slice();
-    let left = Panel {
-        frame: FRAME,
-        x: iterations.clone(),
-        y: movement_axis(&all(&movement, overlays, |overlay| &overlay.movement)),
+    let rows = if groups.len() == 1 && overlays.is_empty() {
+        Vec::new()
+    } else {
+        legend_rows(groups, &overlays)
     };
-    let reference = common_reference(groups);
-    let energies = all(&energy, overlays, |overlay| &overlay.energy);
-    let right = Panel {
-        frame: FRAME.map(|corner| Point2::new(corner.x + PANEL_STEP, corner.y)),
-        x: iterations,
-        y: energy_axis(&energies, reference, axis),
+    let height = match rows.len() {
+        0 => LEGEND_TOP - 8.0,
+        rows => LEGEND_TOP + LEGEND_ROW * (rows - 1) as f64 + 18.0,
     };
-    left.draw_grid(&mut figure);
-    right.draw_grid(&mut figure);
-    if right.y.min < 100.0 && right.y.max > 100.0 {
-        draw_optimum(&mut figure, &right, reference);
-    }
-    for (panel, bands) in [(&left, &movement), (&right, &energy)] {
-        draw_bands(&mut figure, panel, bands);
-    }
-    for (k, overlay) in overlays.iter().enumerate() {
-        draw_points(&mut figure, &left, &overlay.movement, k);
-        draw_points(&mut figure, &right, &overlay.energy, k);
-    }
-    let y_name = "mean movement (% of the optimal diagonal)";
-    left.draw_frame(&mut figure, "Movement", "iteration", y_name);
-    right.draw_frame(&mut figure, "Energy", "iteration", energy_name(reference));
+    let mut figure = Figure::new(WIDTH, height);
+    draw_movement(&mut figure, (groups, &overlays), last);
+    draw_energy(&mut figure, (groups, &overlays), last, axis);
     draw_legend(&mut figure, &rows);
     figure
+}
+
+/// What is drawn in both panels.
+type Drawn<'a> = (&'a [RunGroup<'a>], &'a [Overlay]);
+
+/// The left panel.
+fn draw_movement(figure: &mut Figure, (groups, overlays): Drawn<'_>, last: f64) {
+    let bands: Vec<_> = groups.iter().map(RunGroup::movement).collect();
+    let panel = Panel {
+        frame: FRAME,
+        x: Axis::counts(0.0, last),
+        y: movement_axis(&all(&bands, overlays, |overlay| &overlay.movement)),
+    };
+    panel.draw_grid(figure);
+    draw_bands(figure, &panel, &bands);
+    for (k, overlay) in overlays.iter().enumerate() {
+        draw_points(figure, &panel, &overlay.movement, k);
+    }
+    let y_name = "mean movement (% of the optimal diagonal)";
+    panel.draw_frame(figure, "Movement", "iteration", y_name);
+}
+
+/// The right panel.
+fn draw_energy(figure: &mut Figure, (groups, overlays): Drawn<'_>, last: f64, axis: EnergyAxis) {
+    let bands: Vec<_> = groups.iter().map(RunGroup::energy).collect();
+    let reference = common_reference(groups);
+    let energies = all(&bands, overlays, |overlay| &overlay.energy);
+    let panel = Panel {
+        frame: FRAME.map(|corner| Point2::new(corner.x + PANEL_STEP, corner.y)),
+        x: Axis::counts(0.0, last),
+        y: energy_axis(&energies, reference, axis),
+    };
+    panel.draw_grid(figure);
+    if panel.y.min < 100.0 && panel.y.max > 100.0 {
+        draw_optimum(figure, &panel, reference);
+    }
+    draw_bands(figure, &panel, &bands);
+    for (k, overlay) in overlays.iter().enumerate() {
+        draw_points(figure, &panel, &overlay.energy, k);
+    }
+    panel.draw_frame(figure, "Energy", "iteration", energy_name(reference));
 }
 
 /// The curves of all bands and overlays.

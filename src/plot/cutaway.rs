@@ -159,22 +159,25 @@ impl CutawayPicture {
         );
         let above = Point2::new(MARGIN + 0.5 * size[0], MARGIN + 0.8 * TITLE_SIZE);
         figure.text(above, &self.title, TITLE_SIZE, Anchor::Middle);
+        self.draw_bar(&mut figure, corner, size, is_low);
+        let foot = Point2::new(MARGIN + AXES_FOOT, corner.y + size[1] + AXES_SPACE - 22.0);
+        self.draw_axes(&mut figure, foot);
+        self.buffer.to_png(&figure, corner, SCALE)
+    }
+
+    /// The color bar, beside the picture of this size or below it.
+    fn draw_bar(&self, figure: &mut Figure, corner: Point2<f64>, size: [f64; 2], is_low: bool) {
         let scale = (&self.scale, self.clipped);
         if is_low {
             let length = BAR_SHARE * size[0];
             let start = Point2::new(MARGIN + size[0] - length, corner.y + size[1] + MARGIN);
-            draw_level_color_bar(&mut figure, start, length, scale);
+            draw_level_color_bar(figure, start, length, scale);
         } else {
             let length = BAR_SHARE * size[1];
-            let start = Point2::new(
-                MARGIN + size[0] + BAR_GAP,
-                corner.y + 0.5 * (size[1] - length),
-            );
-            draw_clipped_color_bar(&mut figure, start, length, scale);
+            let top = corner.y + 0.5 * (size[1] - length);
+            let start = Point2::new(MARGIN + size[0] + BAR_GAP, top);
+            draw_clipped_color_bar(figure, start, length, scale);
         }
-        let foot = Point2::new(MARGIN + AXES_FOOT, corner.y + size[1] + AXES_SPACE - 22.0);
-        self.draw_axes(&mut figure, foot);
-        self.buffer.to_png(&figure, corner, SCALE)
     }
 
     /// The axes' directions, each as long as the same length in the domain, which is named.

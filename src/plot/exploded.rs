@@ -106,13 +106,14 @@ fn draw_cell(buffer: &mut ZBuffer, cell: &FragmentedCell, number: usize) {
     }
 }
 
-/// The axes' colors, in the upper left corner.
+/// The axes' colors, in a row on the line of the caption.
 pub(crate) fn draw_legend(figure: &mut Figure) {
+    let foot = figure.height - MARGIN;
     for (number, (color, name)) in AXES.into_iter().zip(["x", "y", "z"]).enumerate() {
-        let min = Point2::new(MARGIN, MARGIN + 18.0 * number as f64);
-        let max = Point2::new(min.x + 11.0, min.y + 11.0);
+        let max = Point2::new(MARGIN + 11.0 + 32.0 * number as f64, foot);
+        let min = Point2::new(max.x - 11.0, max.y - 11.0);
         figure.rectangle([min, max], Some(color), None);
-        let beside = Point2::new(max.x + 6.0, max.y - 1.0);
+        let beside = Point2::new(max.x + 5.0, max.y - 1.0);
         figure.text(beside, name, LABEL_SIZE, Anchor::Start);
     }
 }

@@ -51,11 +51,9 @@ pub(crate) fn exploded_figure(cell: &FragmentedCell) -> Figure {
     let corner = Point2::new(MARGIN, MARGIN);
     let far = corner + nalgebra::Vector2::repeat(SIDE);
     let camera = Camera::fitting(moved, [corner, far]);
-    let mut facets: Vec<DrawnFacet> = cell
-        .fragments
-        .iter()
-        .flat_map(|fragment| facets(fragment, shift(fragment), &camera))
-        .collect();
+    let facets = cell.fragments.iter();
+    let facets = facets.flat_map(|fragment| facets_toward(fragment, shift(fragment), &camera));
+    let mut facets: Vec<DrawnFacet> = facets.collect();
     facets.sort_by(|a, b| {
         let [one, other] = [a.depth, b.depth];
         one[0]
@@ -74,7 +72,7 @@ pub(crate) fn exploded_figure(cell: &FragmentedCell) -> Figure {
 }
 
 /// The facets of a fragment that face the viewer.
-fn facets(fragment: &Fragment, shift: Vector3<f64>, camera: &Camera) -> Vec<DrawnFacet> {
+fn facets_toward(fragment: &Fragment, shift: Vector3<f64>, camera: &Camera) -> Vec<DrawnFacet> {
     let depth = |points: &[Point3<f64>]| {
         let depths = points
             .iter()

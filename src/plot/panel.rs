@@ -1,6 +1,6 @@
 //! Framed areas with axes, color bars, and the sizes of texts in all pictures.
 
-use nalgebra::Point2;
+use nalgebra::{Point2, Vector2};
 
 use crate::plot::axis::Axis;
 use crate::plot::color::{Color, ColorScale};
@@ -232,35 +232,20 @@ fn draw_arrows(
     (scale, clipped): (&ColorScale, [bool; 2]),
     is_upright: bool,
 ) {
-    let middle = nalgebra::center(&start, &end);
-    let low = match is_upright {
-        true => [
-            Point2::new(start.x, end.y),
-            end,
-            Point2::new(middle.x, end.y + ARROW),
-        ],
-        false => [
-            start,
-            Point2::new(start.x, end.y),
-            Point2::new(start.x - ARROW, middle.y),
-        ],
+    let [low, high] = if is_upright {
+        let up = [start, Point2::new(end.x, start.y)];
+        let down = [end, Point2::new(start.x, end.y)];
+        [(down, Vector2::y()), (up, -Vector2::y())]
+    } else {
+        let left = [start, Point2::new(start.x, end.y)];
+        let right = [end, Point2::new(end.x, start.y)];
+        [(left, -Vector2::x()), (right, Vector2::x())]
     };
-    let high = match is_upright {
-        true => [
-            start,
-            Point2::new(end.x, start.y),
-            Point2::new(middle.x, start.y - ARROW),
-        ],
-        false => [
-            Point2::new(end.x, start.y),
-            end,
-            Point2::new(end.x + ARROW, middle.y),
-        ],
-    };
-    let ends = [(low, scale.min), (high, scale.max)];
-    for ((corners, value), _) in ends.into_iter().zip(clipped).filter(|(_, is)| *is) {
+    let ends = [(low, scale.min), (high, scale.max)].into_iter();
+    for (((base, outward), value), _) in ends.zip(clipped).filter(|(_, is)| *is) {
+        let tip = nalgebra::center(&base[0], &base[1]) + outward * ARROW;
         figure.shapes.push(Shape::Path {
-            contours: vec![corners.to_vec()],
+            contours: vec![vec![base[0], base[1], tip]],
             closed: true,
             fill: Some(scale.color(value)),
             stroke: Some(TICK_LINE),

@@ -44,6 +44,8 @@ const MARGIN: f64 = 24.0;
 const ABOVE: f64 = 44.0;
 const BELOW: f64 = 56.0;
 const GAP: f64 = 14.0;
+/// The width of the legend below the triangles.
+const LEGEND: f64 = 300.0;
 /// Bands from the site to the farthest point.
 const BANDS: u32 = 48;
 const OUTLINE: Stroke = Stroke::solid(Color::INK, 1.6);
@@ -58,54 +60,64 @@ const SQUARE: Stroke = Stroke {
 /// The picture of a cell.
 #[must_use]
 pub(crate) fn fragments_figure(cell: &FlatCell) -> Figure {
-    let vertices = || cell.pieces.iter().flat_map(ConvexPolygon::vertices);
-    let mut bounds = Bounds::of(vertices());
-    bounds.include(&Point2::origin());
     let half = 0.5 * cell.area.max(0.0).sqrt();
-    bounds.include(&Point2::new(half, half));
-    bounds.include(&Point2::new(-half, -half));
+    let bounds = bounds(cell, half);
     let extent = bounds.extent().max();
-    let farthest = vertices().map(|vertex| vertex.coords.amax());
-    let farthest = farthest.fold(f64::MIN_POSITIVE, f64::max);
     // Both parts have one scale, with room for the fragments that move apart.
     let factor = SIDE / (extent * (1.0 + 2.0 * EXPLOSION));
     let size = bounds.extent().add_scalar(2.0 * EXPLOSION * extent) * factor;
-    let left = View::new(MARGIN, (&bounds, size, factor));
-    let bar = MARGIN + size.x + GAP;
-    let right = View::new(bar + BAR_SPACE + GAP, (&bounds, size, factor));
-    let width = right.corner.x + size.x + MARGIN;
+    let bar = Point2::new(MARGIN + size.x + GAP, ABOVE);
+    let view = |left: f64| View::new(left, (&bounds, size, factor));
+    let (left, right) = (view(MARGIN), view(bar.x + BAR_SPACE + GAP));
+    let width = right.corner.x + size.x.max(LEGEND) + MARGIN;
     let mut figure = Figure::new(width, ABOVE + size.y + BELOW);
     let scale = ColorScale {
         label: "Chebyshev distance from the site".to_owned(),
         min: 0.0,
-        max: farthest,
+        max: farthest(cell),
     };
     draw_distances(&mut figure, &left, cell, &scale);
     draw_square(&mut figure, &left, half);
-    draw_color_bar(&mut figure, Point2::new(bar, ABOVE), size.y, &scale);
-    draw_triangles(&mut figure, &right, (cell, EXPLOSION * extent), farthest);
-    let titles = [
-        "The cell and its distances",
-        "Its four fragments, as triangles",
-    ];
-    let captions = [&cell.caption, &cell.sum];
-    for ((view, title), caption) in [&left, &right].into_iter().zip(titles).zip(captions) {
-        let middle = view.corner.x + 0.5 * size.x;
-        let above = Point2::new(middle, ABOVE - 18.0);
-        figure.text(above, title, TITLE_SIZE, Anchor::Middle);
-        let below = Point2::new(middle, ABOVE + size.y + 18.0);
-        figure.text(below, caption, LABEL_SIZE, Anchor::Middle);
-    }
+    draw_color_bar(&mut figure, bar, size.y, &scale);
+    draw_triangles(&mut figure, &right, (cell, EXPLOSION * extent), scale.max);
+    left.name(&mut figure, "The cell and its distances", &cell.caption);
+    right.name(&mut figure, "Its four fragments, as triangles", &cell.sum);
     let start = Point2::new(MARGIN, ABOVE + size.y + 38.0);
     figure.line(start, start + Vector2::new(26.0, 0.0), SQUARE);
     let beside = Point2::new(start.x + 34.0, start.y + 0.36 * LABEL_SIZE);
     figure.text(beside, "the square of its area", LABEL_SIZE, Anchor::Start);
+    for (axis, name) in ["distances along x", "distances along y"]
+        .into_iter()
+        .enumerate()
+    {
+        let x = right.corner.x + 150.0 * axis as f64;
+        let min = Point2::new(x, start.y - 5.5);
+        figure.rectangle([min, min.map(|c| c + 11.0)], Some(AXES[axis]), None);
+        let beside = Point2::new(x + 17.0, start.y + 0.36 * LABEL_SIZE);
+        figure.text(beside, name, LABEL_SIZE, Anchor::Start);
+    }
     figure
+}
+
+/// The box around the cell, its site and the square of half side `half` about that.
+fn bounds(cell: &FlatCell, half: f64) -> Bounds<2> {
+    let mut bounds = Bounds::of(cell.pieces.iter().flat_map(ConvexPolygon::vertices));
+    bounds.include(&Point2::new(half, half));
+    bounds.include(&Point2::new(-half, -half));
+    bounds
+}
+
+/// The greatest distance of the cell's points from the site (L).
+fn farthest(cell: &FlatCell) -> f64 {
+    let vertices = cell.pieces.iter().flat_map(ConvexPolygon::vertices);
+    let distances = vertices.map(|vertex| vertex.coords.amax());
+    distances.fold(f64::MIN_POSITIVE, f64::max)
 }
 
 /// Where a part of the picture lies.
 struct View {
     corner: Point2<f64>,
+    size: Vector2<f64>,
     middle: Point2<f64>,
     /// The domain's point there.
     center: Point2<f64>,
@@ -117,6 +129,7 @@ impl View {
         let corner = Point2::new(left, ABOVE);
         Self {
             corner,
+            size,
             middle: corner + size * 0.5,
             center: bounds.center(),
             factor,
@@ -126,6 +139,15 @@ impl View {
     fn place(&self, point: &Point2<f64>) -> Point2<f64> {
         let arm = (point - self.center) * self.factor;
         Point2::new(self.middle.x + arm.x, self.middle.y - arm.y)
+    }
+
+    /// Writes a title above and a caption below.
+    fn name(&self, figure: &mut Figure, title: &str, caption: &str) {
+        let middle = self.corner.x + 0.5 * self.size.x;
+        let above = Point2::new(middle, ABOVE - 18.0);
+        figure.text(above, title, TITLE_SIZE, Anchor::Middle);
+        let below = Point2::new(middle, ABOVE + self.size.y + 18.0);
+        figure.text(below, caption, LABEL_SIZE, Anchor::Middle);
     }
 
     fn draw(

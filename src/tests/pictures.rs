@@ -274,7 +274,7 @@ fn the_energy_axis_is_spent_where_the_curve_is() {
         let share = |k: i32| 0.8_f64.powi(k);
         (0..50).map(|k| to + (126.0 - to) * share(k)).collect()
     };
-    for (energies, middle) in [(fall(102.5), 0.06), (fall(100.0), 0.3), (fall(125.0), 0.0)] {
+    for (energies, middle) in [(fall(102.5), 0.03), (fall(100.0), 0.3), (fall(125.0), 0.0)] {
         let records = log(&energies);
         let curve = energy_curve(&convergence(&[Run {
             name: "",
