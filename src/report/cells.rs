@@ -366,3 +366,66 @@ fn unit_normal(shell: &Shell, facet: &[u32]) -> Vector3<f64> {
     let area: Vector3<f64> = arms.sum();
     area.try_normalize(0.0).unwrap_or_default()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A unit cube at `x`, its top cut in two along a diagonal.
+    fn cube(x: f64) -> Shell {
+        let corners: Vec<Point3<f64>> = (0..8)
+            .map(|k: u32| {
+                Point3::new(
+                    x + f64::from(k & 1),
+                    f64::from(k >> 1 & 1),
+                    f64::from(k >> 2),
+                )
+            })
+            .collect();
+        let facets: [&[u32]; 7] = [
+            &[0, 2, 3, 1],
+            &[4, 5, 7],
+            &[4, 7, 6],
+            &[0, 1, 5, 4],
+            &[1, 3, 7, 5],
+            &[3, 2, 6, 7],
+            &[2, 0, 4, 6],
+        ];
+        let facets = facets.map(|facet| facet.iter().copied());
+        Shell::new(&corners, facets).expect("corners are there")
+    }
+
+    #[test]
+    fn two_cubes_share_a_face_and_a_wall_of_triangles_has_no_line_inside() {
+        let grid = QuantizedBox {
+            min: Point3::origin(),
+            step: Vector3::new(2.0, 1.0, 1.0) / LARGEST,
+        };
+        let mut faces = SharedFaces::default();
+        // The second cube's points are off by rounding.
+        faces.push_cell(&cube(0.0), &grid);
+        faces.push_cell(&cube(1.0 + 1e-15), &grid);
+        assert_eq!(faces.points.len(), 12);
+        assert_eq!(faces.owned, [7, 6]);
+        assert_eq!(
+            faces.neighbors.iter().filter(|&&later| later == 1).count(),
+            1
+        );
+        // One diagonal each, seen from both of its triangles.
+        assert_eq!(faces.smooth.iter().filter(|&&smooth| smooth).count(), 4);
+        let (ways, order) = faces.ways();
+        assert_eq!(ways.iter().filter(|&&way| way == 0).count(), 12);
+        assert_eq!(order.len(), 12);
+    }
+
+    #[test]
+    fn edges_shorter_than_a_step_vanish() {
+        let face = [(1, false), (1, true), (2, false), (3, true), (3, true)];
+        assert_eq!(
+            without_repetitions(&face),
+            [(1, true), (2, false), (3, true)]
+        );
+        let loop_of_one = [(4, false), (4, false)];
+        assert!(without_repetitions(&loop_of_one).is_empty());
+    }
+}
