@@ -244,7 +244,15 @@ fn the_program_describes_itself() {
     );
     let version = format!("chebloyd {}\n", env!("CARGO_PKG_VERSION"));
     assert_eq!(dir.stdout(&["--version"]), version);
-    for command in ["relax", "measure", "plot", "schema", "completions", "man"] {
+    for command in [
+        "relax",
+        "measure",
+        "plot",
+        "report",
+        "schema",
+        "completions",
+        "man",
+    ] {
         let help = dir.stdout(&[command, "--help"]);
         assert_all_in(&help, &["Usage: chebloyd", "--threads", "--quiet"]);
         assert!(dir.stdout(&[command, "--version"]).ends_with(&version[8..]));

@@ -503,18 +503,20 @@ fn a_browser_draws_curves_and_cells_without_complaint() {
     relax(&dir, "run", &random(60, 4));
     relax(&dir, "long", &random(20, 7));
     dir.stdout(&["report", "run", "long", "--quiet"]);
-    let page = dir.path("report.html");
     browser.resize(1200, 900);
-    browser.open(&page, "");
-    assert_eq!(
-        browser.evaluate("document.documentElement.dataset.state"),
-        "ready"
-    );
-    assert_eq!(
-        browser.evaluate("document.querySelectorAll('.plot .curve').length"),
-        4
-    );
-    // Values under the pointer, beside those of the logs.
+    browser.open(&dir.path("report.html"), "");
+    let state = browser.evaluate("document.documentElement.dataset.state");
+    assert_eq!(state, "ready");
+    assert_curves_show_the_logs(&mut browser, &dir);
+    assert_pointer_finds_cells(&mut browser, &dir);
+    assert_cells_are_cut_and_turned(&mut browser, &dir);
+    assert_eq!(browser.complaints(), Vec::<String>::new());
+}
+
+/// Reads values of the curves by pointer and by keys.
+fn assert_curves_show_the_logs(browser: &mut Browser, dir: &TestDir) {
+    let curves = browser.evaluate("document.querySelectorAll('.plot .curve').length");
+    assert_eq!(curves, 4);
     let middle = browser.middle_of(".plot");
     browser.mouse("mouseMoved", middle, false);
     browser.settle();
@@ -524,38 +526,42 @@ fn a_browser_draws_curves_and_cells_without_complaint() {
     for run in ["run", "long"] {
         let records = dir.records(run);
         let record = &records[iteration.min(records.len() - 1)];
-        let expected = record["energy_percent"].as_f64().expect("a number");
         let shown = number_after(&tip, &format!("{run}:"));
-        assert!((shown / expected - 1.0).abs() < 1e-6, "{tip}: {expected}");
+        assert_close(shown, &record["energy_percent"], 1e-6, &tip);
     }
     browser.evaluate("document.querySelectorAll('.plot')[1].focus()");
     browser.key("Home");
     browser.key("ArrowRight");
     let tip = browser.text(".plot-place:last-child .tip");
-    let expected = dir.records("long")[1]["movement_percent"]
-        .as_f64()
-        .expect("a number");
-    assert!(
-        (number_after(&tip, "long:") / expected - 1.0).abs() < 1e-6,
-        "{tip}"
-    );
-    // The cell in the middle of the picture: that of the wall's point on the way to the viewer.
-    let sites = sites::<3>(&dir, "run");
-    let toward = data(&fs::read_to_string(&page).expect("text"))["toward"].clone();
+    let expected = &dir.records("long")[1]["movement_percent"];
+    assert_close(number_after(&tip, "long:"), expected, 1e-6, &tip);
+}
+
+fn assert_close(value: f64, expected: &Value, tolerance: f64, text: &str) {
+    let expected = expected.as_f64().expect("a number");
+    let error = (value / expected - 1.0).abs();
+    assert!(error < tolerance, "{text}: {expected}");
+}
+
+/// What is said of the cell in the middle of the picture.
+fn tip_at_middle(browser: &mut Browser) -> String {
+    let middle = browser.middle_of(".stage");
+    browser.mouse("mouseMoved", middle, false);
+    browser.settle();
+    browser.settle();
+    browser.text(".stage .tip")
+}
+
+/// The cell in the middle of the picture is that of the wall's point on the way to the viewer.
+fn assert_pointer_finds_cells(browser: &mut Browser, dir: &TestDir) {
+    let page = String::from_utf8(dir.read("report.html")).expect("text");
+    let toward = &data(&page)["toward"];
     let toward = [0, 1, 2].map(|axis| toward[axis].as_f64().expect("a number"));
-    let way = toward
-        .iter()
-        .map(|part| 0.5 / part.abs())
-        .fold(f64::INFINITY, f64::min);
+    let ways = toward.iter().map(|part| 0.5 / part.abs());
+    let way = ways.fold(f64::INFINITY, f64::min);
+    let sites = sites::<3>(dir, "run");
     let front = nearest(&sites, toward.map(|part| 0.5 + way * part));
-    let point_at_middle = |browser: &mut Browser| {
-        let middle = browser.middle_of(".stage");
-        browser.mouse("mouseMoved", middle, false);
-        browser.settle();
-        browser.settle();
-        browser.text(".stage .tip")
-    };
-    let tip = point_at_middle(&mut browser);
+    let tip = tip_at_middle(browser);
     assert_all_in(&tip, &[&format!("site {front}:")]);
     let measured = dir.stdout(&[
         "measure",
@@ -565,42 +571,46 @@ fn a_browser_draws_curves_and_cells_without_complaint() {
         "--per-cell",
     ]);
     let measured: Value = serde_json::from_str(&measured).expect("JSON");
-    let [volume, energy] =
-        ["volume", "energy"].map(|key| measured["cells"][front][key].as_f64().expect("a number"));
-    let expected = 100.0 * energy / (0.375 * volume.powf(4.0 / 3.0));
-    assert!(
-        (number_after(&tip, "energy") / expected - 1.0).abs() < 1e-5,
-        "{tip}: {expected}"
-    );
+    let cell = &measured["cells"][front];
+    let volume = cell["volume"].as_f64().expect("a number");
+    let cube = 0.375 * volume.powf(4.0 / 3.0);
+    let energy = number_after(&tip, "energy") / 100.0 * cube;
+    assert_close(energy, &cell["energy"], 1e-5, &tip);
     let facts = browser.text(".facts");
-    assert!(
-        (number_after(&facts, "volume") / volume - 1.0).abs() < 1e-5,
-        "{facts}"
-    );
+    let shown = number_after(&facts, "volume");
+    assert_close(shown, &cell["volume"], 1e-5, &facts);
+    let center = &cell["center"];
+    let to_center =
+        (0..3).map(|axis| sites[front][axis] - center[axis].as_f64().expect("a number"));
+    let to_center = to_center.map(|length| length * length).sum::<f64>().sqrt();
+    let diagonal = volume.cbrt() * 3_f64.sqrt();
+    let shown = number_after(&facts, "way to center") / 100.0 * diagonal;
+    assert!((shown - to_center).abs() < 1e-5 * diagonal, "{facts}");
+}
+
+/// The cut, the other color and the turned cells are other pictures of the right cells.
+fn assert_cells_are_cut_and_turned(browser: &mut Browser, dir: &TestDir) {
+    let (page, sites) = (dir.path("report.html"), sites::<3>(dir, "run"));
     let whole = browser.picture_of(".stage");
     assert!(colors(&whole) > 12, "{} colors", colors(&whole));
-    // Cut through the middle, and turned.
     browser.open(&page, "cut=z&mode=through&color=volume");
-    let tip = point_at_middle(&mut browser);
     let inner = nearest(&sites, [0.5; 3]);
+    let tip = tip_at_middle(browser);
     assert_all_in(&tip, &[&format!("site {inner}: volume")]);
     let cut = browser.picture_of(".stage");
     assert_ne!(whole.data(), cut.data());
     let middle = browser.middle_of(".stage");
+    let end = [middle[0] + 60.0, middle[1] + 20.0];
     browser.mouse("mousePressed", middle, true);
-    browser.mouse("mouseMoved", [middle[0] + 60.0, middle[1] + 20.0], true);
-    browser.mouse("mouseReleased", [middle[0] + 60.0, middle[1] + 20.0], false);
-    browser.settle();
+    browser.mouse("mouseMoved", end, true);
+    browser.mouse("mouseReleased", end, false);
     browser.wait_for("location.hash.includes('view=')");
     assert_ne!(browser.picture_of(".stage").data(), cut.data());
     // Whole cells: those on one side of the plane by their sites.
     browser.open(&page, "cut=x&place=250&side=above");
     let hidden = sites.iter().filter(|site| site[0] < 0.25).count();
-    assert_all_in(
-        &browser.text(".caption"),
-        &[&format!("60 cells; {hidden} hidden")],
-    );
-    assert_eq!(browser.complaints(), Vec::<String>::new());
+    let caption = browser.text(".caption");
+    assert_all_in(&caption, &[&format!("60 cells; {hidden} hidden")]);
 }
 
 #[test]

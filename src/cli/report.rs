@@ -1,13 +1,15 @@
 //! `chebloyd report`: runs as one page for a browser, with curves, cells to turn and cut, and figures.
 
 use std::fs;
+use std::io;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use nalgebra::Point;
 use serde_json::{Value, json};
 
 use crate::cli::failure::{Failure, print, write_file};
-use crate::cli::options::{Common, space};
+use crate::cli::options::{Common, finite, space};
 use crate::cli::output::OutputRule;
 use crate::cli::report_cells::{AxisPlane, CellChoice, ShowCells, shown_cells};
 use crate::cli::run::RunDescription;
@@ -60,7 +62,7 @@ pub(crate) struct ReportOptions {
 /// `x`, `y=0.5`, …
 fn axis_plane(text: &str) -> Result<AxisPlane, String> {
     let (name, place) = match text.split_once('=') {
-        Some((name, place)) => (name, Some(crate::cli::options::finite(place)?)),
+        Some((name, place)) => (name, Some(finite(place)?)),
         None => (text, None),
     };
     let axis = ["x", "y", "z"].iter().position(|axis| *axis == name);
@@ -88,17 +90,21 @@ pub(crate) fn run(options: &ReportOptions, common: Common) -> Result<(), Failure
     };
     rule.check(std::slice::from_ref(&options.output))?;
     let names = names(&options.runs);
-    let mut reported = Vec::with_capacity(runs.len());
-    for (run, name) in runs.into_iter().zip(&names) {
-        reported.push(run.reported(name, options)?);
-    }
+    let reported = runs.into_iter().zip(&names);
+    let reported = reported.map(|(run, name)| run.reported(name, options));
+    let reported = reported.collect::<Result<Vec<_>, _>>()?;
     let title = options.title.clone().unwrap_or_else(|| names.join(", "));
     write_file(&options.output, |file| html::write(file, &title, &reported))
         .map_err(Failure::run)?;
+    tell(options, common, &reported)
+}
+
+/// Prints what the page shows, or its name.
+fn tell(options: &ReportOptions, common: Common, runs: &[ReportedRun]) -> Result<(), Failure> {
     if options.json {
-        return print(summary(&options.output, &reported)?);
+        return print(summary(&options.output, runs)?);
     }
-    for run in &reported {
+    for run in runs {
         for note in &run.notes {
             eprintln!("note: {}: {note}", run.name);
         }
@@ -150,22 +156,25 @@ fn names(paths: &[PathBuf]) -> Vec<String> {
     named.collect()
 }
 
+fn no_run(path: &Path, error: &io::Error) -> Failure {
+    let path = path.display();
+    Failure::input(format!(
+        "{path} holds no run ({path}/run.json: {error}); name a directory that `chebloyd relax --out {path}` \
+         left"
+    ))
+}
+
 impl RunOnDisk {
     fn read(path: &Path) -> Result<Self, Failure> {
         let place = path.join("run.json");
-        let bytes = fs::read(&place).map_err(|error| {
-            let path = path.display();
-            Failure::input(format!(
-                "{path} holds no run ({}: {error}); name a directory that `chebloyd relax --out {path}` left",
-                place.display()
-            ))
-        })?;
+        let bytes = fs::read(&place).map_err(|error| no_run(path, &error))?;
         let refuse =
             |error: serde_json::Error| Failure::input(format!("{}: {error}", place.display()));
         let log = path.join("log.jsonl");
-        let records = match log.exists() {
-            true => read_log(&log).map_err(Failure::input)?,
-            false => Vec::new(),
+        let records = if log.exists() {
+            read_log(&log).map_err(Failure::input)?
+        } else {
+            Vec::new()
         };
         Ok(Self {
             path: path.to_owned(),
@@ -187,19 +196,9 @@ impl RunOnDisk {
             notes.push("its log.jsonl holds no records: there are no curves".to_owned());
         }
         notes.extend(self.end_note());
-        let choice = CellChoice {
-            most: options.most_cells,
-            plane: options.plane,
-        };
-        let cells = match (options.no_cells, self.description.scene.dimension) {
-            (true, _) => None,
-            (false, 2) => {
-                let space = || plane(&self.description.scene).map_err(Failure::input);
-                self.cells::<2, _>(space, choice, &mut notes)?
-            }
-            (false, _) => {
-                self.cells::<3, _>(|| space(&self.description.scene), choice, &mut notes)?
-            }
+        let cells = match options.no_cells {
+            true => None,
+            false => self.shown(options, &mut notes)?,
         };
         Ok(ReportedRun {
             name: name.to_owned(),
@@ -208,6 +207,23 @@ impl RunOnDisk {
             notes,
             cells: cells.map(|cells| cells.pack()),
         })
+    }
+
+    /// The cells that are shown, if there are any.
+    fn shown(
+        &self,
+        options: &ReportOptions,
+        notes: &mut Vec<String>,
+    ) -> Result<Option<ShownCells>, Failure> {
+        let choice = CellChoice {
+            most: options.most_cells,
+            plane: options.plane,
+        };
+        let scene = &self.description.scene;
+        match scene.dimension {
+            2 => self.cells(|| plane(scene).map_err(Failure::input), choice, notes),
+            _ => self.cells(|| space(scene), choice, notes),
+        }
     }
 
     /// What is to be said about how the run ended.
@@ -227,30 +243,39 @@ impl RunOnDisk {
         }
     }
 
-    /// The cells of the sites that the run left or, where it has not ended, of its checkpoint.
+    /// The cells of the run's sites.
     fn cells<const D: usize, S: ShowCells<D>>(
         &self,
         space: impl FnOnce() -> Result<S, Failure>,
         choice: CellChoice,
         notes: &mut Vec<String>,
     ) -> Result<Option<ShownCells>, Failure> {
-        let sites = if self.description.ended.is_some() {
-            site_file::read::<D>(&self.path.join("sites.csv"))
-                .map_err(|error| self.without_cells(error))?
-        } else {
-            let saved = checkpoint::read::<D>(&self.path.join("checkpoint.bin"));
-            let saved = saved.ok().flatten();
-            let Some(saved) = saved.filter(|saved| saved.run == self.description.identity) else {
-                notes.push("it has no checkpoint yet: there are no cells".to_owned());
-                return Ok(None);
-            };
-            let iteration = saved.record.iteration;
-            notes.push(format!("the cells are those after iteration {iteration}"));
-            saved.sites
+        let Some(sites) = self.sites::<D>(notes)? else {
+            return Ok(None);
         };
         let space = space().map_err(|error| self.without_cells(error))?;
         let cells = shown_cells(&space, &self.description.scene, &sites, choice);
         cells.map(Some).map_err(|error| self.without_cells(error))
+    }
+
+    /// The sites that the run left or, where it has not ended, those of its checkpoint.
+    fn sites<const D: usize>(
+        &self,
+        notes: &mut Vec<String>,
+    ) -> Result<Option<Vec<Point<f64, D>>>, Failure> {
+        if self.description.ended.is_some() {
+            let sites = site_file::read::<D>(&self.path.join("sites.csv"));
+            return sites.map(Some).map_err(|error| self.without_cells(error));
+        }
+        let saved = checkpoint::read::<D>(&self.path.join("checkpoint.bin"));
+        let saved = saved.map_err(|error| self.without_cells(error))?;
+        let Some(saved) = saved.filter(|saved| saved.run == self.description.identity) else {
+            notes.push("it has no checkpoint yet: there are no cells".to_owned());
+            return Ok(None);
+        };
+        let iteration = saved.record.iteration;
+        notes.push(format!("the cells are those after iteration {iteration}"));
+        Ok(Some(saved.sites))
     }
 
     fn without_cells(&self, error: impl std::fmt::Display) -> Failure {

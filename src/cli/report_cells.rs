@@ -86,28 +86,37 @@ impl ShowCells<3> for Space {
         shown: &(impl Fn(&Shell) -> bool + Sync),
     ) -> Result<Vec<ShownCell>, String> {
         let mut cells = Vec::new();
-        let mut take = |site: usize, shell: Option<Shell>| {
+        let take = |site: usize, shell: Option<Shell>| {
             cells.extend(shell.map(|shell| ShownCell {
                 site: site as u32,
                 position: self.wrap(&sites[site]),
                 shell,
             }));
-            Ok::<(), DiagramError>(())
+            Ok(())
         };
-        let kept = |shell: Shell| shown(&shell).then_some(shell);
-        let diagram = Diagram::borrowed(self.domain(), sites).map_err(|error| error.to_string())?;
-        let streamed = match self.cells() {
-            Norm::Linf => diagram.stream_linf(|cell| kept(linf_shell(&cell)), &mut take),
-            Norm::L2 => diagram.stream(
-                |scratch: &mut PieceScratch, cell| {
-                    let [shell, _] = shells(self.domain(), &cell, scratch, |_| false);
-                    kept(shell)
-                },
-                &mut take,
-            ),
-        };
-        streamed.map_err(|error| error.to_string())?;
+        stream_shells(self, sites, shown, take).map_err(|error| error.to_string())?;
         Ok(cells)
+    }
+}
+
+/// Passes the surface of every cell, if it is shown, to `take` in site order.
+fn stream_shells(
+    space: &Space,
+    sites: &[Point3<f64>],
+    shown: &(impl Fn(&Shell) -> bool + Sync),
+    take: impl FnMut(usize, Option<Shell>) -> Result<(), DiagramError>,
+) -> Result<(), DiagramError> {
+    let kept = |shell: Shell| shown(&shell).then_some(shell);
+    let diagram = Diagram::borrowed(space.domain(), sites)?;
+    match space.cells() {
+        Norm::Linf => diagram.stream_linf(|cell| kept(linf_shell(&cell)), take),
+        Norm::L2 => diagram.stream(
+            |scratch: &mut PieceScratch, cell| {
+                let [shell, _] = shells(space.domain(), &cell, scratch, |_| false);
+                kept(shell)
+            },
+            take,
+        ),
     }
 }
 
@@ -124,25 +133,31 @@ pub(crate) fn shown_cells<const D: usize, S: ShowCells<D>>(
     let figures = space
         .cells(sites, energy_spec(scene))
         .map_err(|error| error.to_string())?;
-    let bounds = in_space(&space.bounds());
-    let mut selection = None;
-    let cells = if sites.len() <= choice.most {
-        space.surfaces(sites, &|_| true)?
-    } else {
-        let side = optimal_side::<D>(space.volume(), sites.len());
-        let (axis, place) = cut(&bounds, side, choice.plane);
-        let name = ["x", "y", "z"][axis];
-        selection = Some(format!("those that touch {name} = {place}"));
-        space.surfaces(sites, &|shell| touches(shell, axis, place))?
-    };
+    let (cells, selection) = selected(space, sites, choice)?;
     Ok(ShownCells {
         dimension: D,
-        bounds,
+        bounds: in_space(&space.bounds()),
         total: sites.len(),
         selection,
         columns: columns(space, sites, &cells, &figures),
         cells,
     })
+}
+
+/// The cells that are shown and, if these are not all, which they are.
+fn selected<const D: usize, S: ShowCells<D>>(
+    space: &S,
+    sites: &[Point<f64, D>],
+    choice: CellChoice,
+) -> Result<(Vec<ShownCell>, Option<String>), String> {
+    if sites.len() <= choice.most {
+        return Ok((space.surfaces(sites, &|_| true)?, None));
+    }
+    let side = optimal_side::<D>(space.volume(), sites.len());
+    let (axis, place) = cut(&in_space(&space.bounds()), side, choice.plane);
+    let cells = space.surfaces(sites, &|shell| touches(shell, axis, place))?;
+    let name = ["x", "y", "z"][axis];
+    Ok((cells, Some(format!("those that touch {name} = {place}"))))
 }
 
 /// The box of a domain in space: one of the plane lies at z = 0.
@@ -242,6 +257,9 @@ const IN_PLANE: [ValueName; 8] = [
     ("sides", "sides above 5 % of √area", BrightEnd::Low),
 ];
 
+/// The last one, in space and in the plane.
+const SITE: ValueName = ("site", "number of the site", BrightEnd::Low);
+
 /// The places of values that are whole numbers, and of those that domains without density do without.
 const FACETS: usize = 7;
 const DENSITY: usize = 6;
@@ -269,33 +287,27 @@ fn columns<const D: usize, S: ShowCells<D>>(
 ) -> Vec<ValueColumn> {
     let names = if D == 2 { IN_PLANE } else { IN_SPACE };
     let has_density = space.varying_density().is_some();
-    let numbers: Vec<usize> = shown.iter().map(|cell| cell.site as usize).collect();
-    let of_cell = |&site: &usize, place: usize| {
-        let cell = &figures[site];
-        let way = space.displacement(&sites[site], &cell.center).norm();
-        value(cell, way, place)
+    let of_cell = |cell: &ShownCell, place: usize| {
+        let figures = &figures[cell.site as usize];
+        let way = space.displacement(&sites[cell.site as usize], &figures.center);
+        value(figures, way.norm(), place)
     };
-    let column = |(name, label, bright): ValueName, is_whole, values| ValueColumn {
+    let wanted = (0..).zip(names);
+    let wanted = wanted.filter(|&(place, _)| has_density || place != DENSITY);
+    let of_cells = wanted.map(|(place, name)| {
+        let values = shown.iter().map(|cell| of_cell(cell, place)).collect();
+        column(name, place == FACETS, values)
+    });
+    let sites = shown.iter().map(|cell| f64::from(cell.site)).collect();
+    of_cells.chain([column(SITE, true, sites)]).collect()
+}
+
+fn column((name, label, bright): ValueName, is_whole: bool, values: Vec<f64>) -> ValueColumn {
+    ValueColumn {
         name,
         label,
         bright,
         is_whole,
         values,
-    };
-    let wanted = (0..)
-        .zip(names)
-        .filter(|&(place, _)| has_density || place != DENSITY);
-    let mut all: Vec<ValueColumn> = wanted
-        .map(|(place, name)| {
-            let values = numbers.iter().map(|site| of_cell(site, place)).collect();
-            column(name, place == FACETS, values)
-        })
-        .collect();
-    let sites = numbers.iter().map(|&site| site as f64).collect();
-    all.push(column(
-        ("site", "number of the site", BrightEnd::Low),
-        true,
-        sites,
-    ));
-    all
+    }
 }

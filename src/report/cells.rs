@@ -94,20 +94,22 @@ impl ShownCells {
         }
         let mut packer = NumberPacker::default();
         faces.pack(&mut packer);
-        let sites: Vec<[u32; 3]> = order
-            .iter()
-            .map(|&cell| grid.place(&self.cells[cell].position))
-            .collect();
-        push_places(&mut packer, &sites);
-        let numbers: Vec<u32> = order.iter().map(|&cell| self.cells[cell].site).collect();
-        packer.push(&numbers);
-        for column in &self.columns {
-            let values: Vec<f64> = order.iter().map(|&cell| column.values[cell]).collect();
-            packer.push_reals(&values);
-        }
+        self.pack_values(&order, &grid, &mut packer);
         PackedCells {
             header: self.header(&faces, &grid, packer.len()),
             numbers: packer.finish(),
+        }
+    }
+
+    /// Adds the sites' places and numbers and the values of the cells, in this order.
+    fn pack_values(&self, order: &[usize], grid: &QuantizedBox, packer: &mut NumberPacker) {
+        let cells = || order.iter().map(|&cell| &self.cells[cell]);
+        let sites: Vec<[u32; 3]> = cells().map(|cell| grid.place(&cell.position)).collect();
+        push_places(packer, &sites);
+        packer.push(&cells().map(|cell| cell.site).collect::<Vec<_>>());
+        for column in &self.columns {
+            let values = order.iter().map(|&cell| column.values[cell]);
+            packer.push_reals(&values.collect::<Vec<_>>());
         }
     }
 
@@ -281,9 +283,21 @@ impl SharedFaces {
         self.neighbors.push(0);
     }
 
-    /// Points in the order in which faces first name them; a corner is how many numbers before the next
-    /// new one it lies, 0 for that itself.
+    /// Adds all faces and points.
     fn pack(&self, packer: &mut NumberPacker) {
+        let (ways, points) = self.ways();
+        let points: Vec<[u32; 3]> = points.iter().map(|&k| self.points[k as usize]).collect();
+        push_places(packer, &points);
+        packer.push(&self.owned);
+        packer.push(&self.sizes);
+        packer.push(&self.neighbors);
+        packer.push(&ways);
+        packer.push_flags(&self.smooth);
+    }
+
+    /// The corners, each by how many numbers before the next new one it lies, 0 for that itself, and the
+    /// points in the order in which faces first name them. Those of facets too small to be there come last.
+    fn ways(&self) -> (Vec<u32>, Vec<u32>) {
         let (mut renumbered, mut order) = (vec![u32::MAX; self.points.len()], Vec::new());
         let ways = self.corners.iter().map(|&corner| {
             let next = order.len() as u32;
@@ -291,22 +305,15 @@ impl SharedFaces {
             if *number == u32::MAX {
                 *number = next;
                 order.push(corner);
-                return 0;
             }
             next - *number
         });
-        let ways: Vec<u32> = ways.collect();
-        // Points of facets that are too small to be there come last.
-        let is_left = |number: &u32| renumbered[*number as usize] == u32::MAX;
-        let left: Vec<u32> = (0..self.points.len() as u32).filter(is_left).collect();
-        let points = order.iter().chain(&left);
-        let points: Vec<[u32; 3]> = points.map(|&point| self.points[point as usize]).collect();
-        push_places(packer, &points);
-        packer.push(&self.owned);
-        packer.push(&self.sizes);
-        packer.push(&self.neighbors);
-        packer.push(&ways);
-        packer.push_flags(&self.smooth);
+        let ways = ways.collect();
+        let left = (0..)
+            .zip(&renumbered)
+            .filter(|(_, number)| **number == u32::MAX);
+        order.extend(left.map(|(point, _)| point));
+        (ways, order)
     }
 }
 
@@ -358,4 +365,67 @@ fn unit_normal(shell: &Shell, facet: &[u32]) -> Vector3<f64> {
     });
     let area: Vector3<f64> = arms.sum();
     area.try_normalize(0.0).unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A unit cube at `x`, its top cut in two along a diagonal.
+    fn cube(x: f64) -> Shell {
+        let corners: Vec<Point3<f64>> = (0..8)
+            .map(|k: u32| {
+                Point3::new(
+                    x + f64::from(k & 1),
+                    f64::from(k >> 1 & 1),
+                    f64::from(k >> 2),
+                )
+            })
+            .collect();
+        let facets: [&[u32]; 7] = [
+            &[0, 2, 3, 1],
+            &[4, 5, 7],
+            &[4, 7, 6],
+            &[0, 1, 5, 4],
+            &[1, 3, 7, 5],
+            &[3, 2, 6, 7],
+            &[2, 0, 4, 6],
+        ];
+        let facets = facets.map(|facet| facet.iter().copied());
+        Shell::new(&corners, facets).expect("corners are there")
+    }
+
+    #[test]
+    fn two_cubes_share_a_face_and_a_wall_of_triangles_has_no_line_inside() {
+        let grid = QuantizedBox {
+            min: Point3::origin(),
+            step: Vector3::new(2.0, 1.0, 1.0) / LARGEST,
+        };
+        let mut faces = SharedFaces::default();
+        // The second cube's points are off by rounding.
+        faces.push_cell(&cube(0.0), &grid);
+        faces.push_cell(&cube(1.0 + 1e-15), &grid);
+        assert_eq!(faces.points.len(), 12);
+        assert_eq!(faces.owned, [7, 6]);
+        assert_eq!(
+            faces.neighbors.iter().filter(|&&later| later == 1).count(),
+            1
+        );
+        // One diagonal each, seen from both of its triangles.
+        assert_eq!(faces.smooth.iter().filter(|&&smooth| smooth).count(), 4);
+        let (ways, order) = faces.ways();
+        assert_eq!(ways.iter().filter(|&&way| way == 0).count(), 12);
+        assert_eq!(order.len(), 12);
+    }
+
+    #[test]
+    fn edges_shorter_than_a_step_vanish() {
+        let face = [(1, false), (1, true), (2, false), (3, true), (3, true)];
+        assert_eq!(
+            without_repetitions(&face),
+            [(1, true), (2, false), (3, true)]
+        );
+        let loop_of_one = [(4, false), (4, false)];
+        assert!(without_repetitions(&loop_of_one).is_empty());
+    }
 }

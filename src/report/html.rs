@@ -2,7 +2,7 @@
 
 use std::io::{self, Write};
 
-use serde_json::json;
+use serde_json::{Value, json};
 
 use crate::plot::camera::TOWARD;
 use crate::plot::color::{Color, TOO_DARK, viridis};
@@ -58,8 +58,26 @@ pub(crate) fn write(file: &mut impl Write, title: &str, runs: &[ReportedRun]) ->
 
 /// The data as JSON, and the numbers of cells.
 fn write_data(file: &mut impl Write, title: &str, runs: &[ReportedRun]) -> io::Result<()> {
+    // No text in the data can end the element.
+    let data = data(title, runs).to_string().replace('<', "\\u003c");
+    writeln!(
+        file,
+        "<script type=\"application/json\" id=\"data\">{data}</script>"
+    )?;
+    let cells = runs.iter().map(|run| run.cells.as_ref()).enumerate();
+    for (number, cells) in cells.filter_map(|(number, cells)| Some((number, cells?))) {
+        let numbers = &cells.numbers;
+        writeln!(
+            file,
+            "<script type=\"text/plain\" id=\"cells-{number}\">{numbers}</script>"
+        )?;
+    }
+    Ok(())
+}
+
+fn data(title: &str, runs: &[ReportedRun]) -> Value {
     let stops = (0..STOPS).map(|stop| viridis(f64::from(stop) / f64::from(STOPS - 1)));
-    let data = json!({
+    json!({
         "program": env!("CARGO_PKG_NAME"),
         "version": env!("CARGO_PKG_VERSION"),
         "title": title,
@@ -67,23 +85,7 @@ fn write_data(file: &mut impl Write, title: &str, runs: &[ReportedRun]) -> io::R
         "curves": COLORS.map(web),
         "toward": TOWARD.as_slice(),
         "runs": runs.iter().map(ReportedRun::to_json).collect::<Vec<_>>(),
-    });
-    // No text in the data can end the element.
-    let data = data.to_string().replace('<', "\\u003c");
-    writeln!(
-        file,
-        "<script type=\"application/json\" id=\"data\">{data}</script>"
-    )?;
-    for (number, run) in runs.iter().enumerate() {
-        if let Some(cells) = &run.cells {
-            let numbers = &cells.numbers;
-            writeln!(
-                file,
-                "<script type=\"text/plain\" id=\"cells-{number}\">{numbers}</script>"
-            )?;
-        }
-    }
-    Ok(())
+    })
 }
 
 fn web(color: Color) -> String {

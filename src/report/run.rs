@@ -81,3 +81,41 @@ fn columns(records: &[&Record]) -> Value {
         "seconds": column(|record| record.seconds),
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::relax::optimum::EnergyOptimum;
+    use crate::relax::record::{Movement, Totals};
+
+    #[test]
+    fn a_long_log_keeps_its_ends_and_its_extremes() {
+        let optimum = EnergyOptimum::of_equal_cubes(1.0);
+        let energies = (0..50_000_u64).map(|k| match k {
+            12_345 => 9.0,
+            31_007 => 0.1,
+            _ => 2.0 + (k % 97) as f64 * 1e-3,
+        });
+        let records: Vec<Record> = (0..)
+            .zip(energies)
+            .map(|(iteration, chebyshev)| {
+                let totals = Totals {
+                    count: 1,
+                    chebyshev,
+                    ..Totals::default()
+                };
+                Record::new::<3>(iteration, (1.0, &optimum), &totals, Movement::default())
+            })
+            .collect();
+        let kept: Vec<u64> = thinned(&records)
+            .iter()
+            .map(|record| record.iteration)
+            .collect();
+        assert!(kept.len() <= MOST_RECORDS && kept.len() > MOST_RECORDS / 2);
+        assert!(kept.is_sorted_by(|a, b| a < b));
+        for iteration in [0, 12_345, 31_007, 49_999] {
+            assert!(kept.contains(&iteration), "{iteration}");
+        }
+        assert_eq!(thinned(&records[..MOST_RECORDS]).len(), MOST_RECORDS);
+    }
+}

@@ -1,11 +1,12 @@
 // Ticks of axes, and the color bar with its numbers.
 
-/// Round numbers from `low` to `high`, about `count` of them.
-function ticks(low, high, count) {
+/// Round numbers from `low` to `high`, about `count` of them, at least `least` apart.
+function ticks(low, high, count, least = 0) {
   const length = high - low;
   if (!(length > 0)) return [low];
   const power = 10 ** Math.floor(Math.log10(length / count));
-  const step = [1, 2, 5, 10].map((factor) => factor * power).find((size) => length / size <= count * 1.2) ?? power;
+  const round = [1, 2, 5, 10].map((factor) => factor * power).find((size) => length / size <= count * 1.2) ?? power;
+  const step = Math.max(round, least);
   const first = Math.ceil(low / step - 1e-9);
   const last = Math.floor(high / step + 1e-9);
   return Array.from({ length: last - first + 1 }, (_, k) => Number(((first + k) * step).toPrecision(12)));
@@ -47,7 +48,7 @@ function colorBar(scale) {
     const half = 0.5 * length(numberText(value, 4)) + LETTER;
     return across(value) - half > first && across(value) + half < last;
   };
-  const named = [low, ...ticks(low, high, 4).filter(isFree), ...(high > low ? [high] : [])];
+  const named = [low, ...ticks(low, high, 4, column.whole ? 1 : 0).filter(isFree), ...(high > low ? [high] : [])];
   const labels = named.flatMap((value) => {
     const anchor = value === low ? "start" : value === high ? "end" : "middle";
     const x = across(value) + (value === low ? -BAR_SIDE : value === high ? BAR_SIDE : 0);

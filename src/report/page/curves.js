@@ -178,7 +178,7 @@ class CurvePlot {
 
   grid(width, height) {
     const { left, right, top, bottom } = this.frame;
-    const across = ticks(...this.xs, Math.max(2, (right - left) / 80)).flatMap((value) => [
+    const across = ticks(...this.xs, Math.max(2, (right - left) / 80), this.curves.across === "iteration" ? 1 : 0).flatMap((value) => [
       drawing("line", { class: "grid", x1: this.x(value), x2: this.x(value), y1: top, y2: bottom }),
       drawing("text", { x: this.x(value), y: bottom + 16, "text-anchor": "middle" }, numberText(value)),
     ]);

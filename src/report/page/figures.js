@@ -24,8 +24,7 @@ function dimensionOf({ run }) {
 function figuresTable(runs) {
   const dimensions = new Set(runs.map(dimensionOf));
   const words = ([, inSpace, inPlane]) => {
-    if (dimensions.size === 1) return dimensions.has(2) ? inPlane : inSpace;
-    return inSpace === inPlane ? inSpace : `${inSpace}, in the plane ${inPlane}`;
+    return dimensions.size === 1 && dimensions.has(2) ? inPlane : inSpace;
   };
   const value = (part, key, factor) => (part && part[key] !== undefined ? numberText(part[key] * factor) : "–");
   const rows = FIGURES.filter(([key]) => runs.some(({ run }) => [run.initial, run.final].some((part) => part?.[key] !== undefined)))
@@ -45,9 +44,11 @@ function figuresTable(runs) {
     ...runs.map((run) => element("td", { colspan: 2, class: "both" }, text(run)))));
   const heads = runs.map((run) => element("th", { colspan: 2, scope: "colgroup", class: "group" }, swatch(run), run.name));
   const parts = runs.flatMap(() => ["initial", "final"]).map((name) => element("th", { scope: "col" }, name));
-  return element("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": "figures" },
+  const remark = dimensions.size === 1 ? null
+    : element("p", { class: "hint" }, "Of runs in the plane read area for volume, L² for L³, square for cube, side for facet, four for six.");
+  return element("div", {}, remark, element("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": "figures" },
     element("table", {}, element("thead", {}, element("tr", {}, element("td", {}), ...heads), element("tr", {}, element("td", {}), ...parts)),
-      element("tbody", {}, ...rows, ...plain)));
+      element("tbody", {}, ...rows, ...plain))));
 }
 
 function histogramText(histogram) {

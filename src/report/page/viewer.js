@@ -122,7 +122,10 @@ class CellViewer {
     if (axis < 0 || this.cells.dimension === 2) return null;
     const [min, max] = this.cells.bounds.map((corner) => corner[axis]);
     const at = min + (this.state.place / CUT_STEPS) * (max - min);
-    return { axis, at, place: at - this.cells.origin[axis], keepsBelow: this.state.keepsBelow };
+    // As many decimals as the slider's steps ask for.
+    const decimals = clamp(Math.ceil(-Math.log10((max - min) / CUT_STEPS)), 0, 100);
+    const text = Math.abs(at) < 1e15 ? String(Number(at.toFixed(decimals))).replace("-", "−") : numberText(at);
+    return { axis, text, place: at - this.cells.origin[axis], keepsBelow: this.state.keepsBelow };
   }
 
   buildPanel() {
@@ -251,7 +254,7 @@ class CellViewer {
   showCut(cut) {
     if (!this.cutText) return;
     this.slider.disabled = !cut;
-    this.cutText.textContent = cut ? `${AXES[cut.axis]} = ${numberText(cut.at, 4)}` : "";
+    this.cutText.textContent = cut ? `${AXES[cut.axis]} = ${cut.text}` : "";
   }
 
   rememberView() {
