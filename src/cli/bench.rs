@@ -13,6 +13,7 @@ use crate::cli::output::OutputRule;
 use crate::cli::stopwatch::{Stopwatch, peak_memory, reset_peak_memory};
 use crate::domain::domain::Domain;
 use crate::relax::evaluate_cell::CellMemory;
+use crate::relax::linf::LinfCells;
 use crate::relax::relaxation_space::RelaxationSpace;
 use crate::relax::space::Space;
 use crate::voronoi::diagram::Diagram;
@@ -32,15 +33,18 @@ enum BenchStage {
     Iteration,
     /// The global objective with its gradient
     Global,
+    /// The global objective of L∞ cells with its gradient
+    Linf,
 }
 
-const STAGES: [BenchStage; 6] = [
+const STAGES: [BenchStage; 7] = [
     BenchStage::Index,
     BenchStage::Cells,
     BenchStage::Prepare,
     BenchStage::Energy,
     BenchStage::Iteration,
     BenchStage::Global,
+    BenchStage::Linf,
 ];
 
 /// Time the stages of an iteration on this machine, per site
@@ -48,7 +52,7 @@ const STAGES: [BenchStage; 6] = [
 /// Each stage includes the ones to its left: building the index, building the cells, preparing
 /// them for integrals, one energy with gradient and Hessian, and the whole iteration with the
 /// minimizer. "global" is the objective of all sites together with its gradient, what a step of
-/// quasi-newton takes. "evaluations" counts those of an iteration, per site. "MB" is the most memory
+/// quasi-newton takes; "linf" is the same with L∞ cells. "evaluations" counts those of an iteration, per site. "MB" is the most memory
 /// that was resident meanwhile, sites included, where the system counts it (Linux).
 #[derive(Debug, Args)]
 pub(crate) struct BenchOptions {
@@ -201,6 +205,7 @@ fn run_stage(stage: BenchStage, space: &Space, sites: &[Point3<f64>]) -> Result<
             return Ok(cells.iter().map(|cell| u64::from(cell.evaluations)).sum());
         }
         BenchStage::Global => drop(space.objective(sites, ENERGY.order)?),
+        BenchStage::Linf => drop(LinfCells { domain, sites }.objective(ENERGY.order)?),
         _ => run_part(stage, domain, &Diagram::borrowed(domain, sites)?)?,
     }
     Ok(0)

@@ -1,12 +1,14 @@
 //! L∞ Voronoi cells: { y : d∞(x_i, y) ≤ d∞(x_j, y) for all j }, clipped to a domain.
 //!
 //! Such a cell is star-shaped about its site but not convex. Each of its six [`cone`]s, the points whose
-//! largest coordinate difference from the site is ±k, is described over the square of directions
-//! (u, v) ∈ \[−1, 1\]² by the gauge g = 1/h, h the distance to the cell's boundary: every site demands
-//! g ≥ the least of at most three linear functions, every wall g ≥ one of them. [`envelope`] is the
-//! upper envelope of these demands, convex polygons ([`ring`]) with one linear function each; [`search`]
-//! walks outward in L∞ order up to the security distance 2 / min g. [`cell`] builds a cell, [`diagram`]
-//! all of them, `outline` merges a cell's polygons to facets for files and pictures.
+//! largest coordinate difference from the site is ±k, is swept from the site outward ([`sweep`]). At the
+//! height h its section is a square, of which a neighbor takes a quadrant of one corner that moves with
+//! speed 1 along both axes: what is left is a few rectangles whose sides move evenly between events that
+//! are coordinates, halves and sums of two. Between two events a rectangle is a convex [`block`], over which
+//! any power of h has a closed integral; [`strips`] are the polygons of the boundary, and `oblique` clips
+//! both by walls that are not along the axes. [`search`] walks outward in L∞ order up to the security
+//! distance, twice that of the cell's farthest point. [`cell`] builds a cell, [`diagram`] all of them,
+//! `outline` merges a cell's polygons to facets for files and pictures.
 //!
 //! # Ties
 //!
