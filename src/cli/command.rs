@@ -7,7 +7,9 @@ use clap::{CommandFactory, Parser, Subcommand};
 
 use crate::cli::failure::Failure;
 use crate::cli::options::Common;
-use crate::cli::{bench, cpu_features, describe, fragments, mass, measure, mesh, plot, relax};
+use crate::cli::{
+    bench, cpu_features, describe, fragments, integrate, mass, measure, mesh, plot, relax,
+};
 
 /// Relaxes point sets under the Chebyshev norm until their Voronoi cells are near-cubic.
 ///
@@ -26,6 +28,7 @@ enum Command {
     Relax(relax::RelaxOptions),
     Measure(measure::MeasureOptions),
     Mass(mass::MassOptions),
+    Integrate(integrate::IntegrateOptions),
     Mesh(mesh::MeshOptions),
     Plot(plot::PlotOptions),
     Fragments(fragments::FragmentsOptions),
@@ -60,6 +63,7 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
         Command::Relax(options) => relax::run(options, common),
         Command::Measure(options) => measure::run(options),
         Command::Mass(options) => mass::run(options),
+        Command::Integrate(options) => integrate::run(options),
         Command::Mesh(options) => mesh::run(options, common),
         Command::Plot(options) => plot::run(options, common),
         Command::Fragments(options) => fragments::run(options, common),

@@ -9,6 +9,8 @@ pub(crate) mod describe;
 pub(crate) mod failure;
 pub(crate) mod fragments;
 pub(crate) mod identity;
+pub(crate) mod integrate;
+pub(crate) mod integrate_report;
 pub(crate) mod interrupt;
 pub(crate) mod mass;
 pub(crate) mod mass_gcode;

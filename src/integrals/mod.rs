@@ -12,6 +12,7 @@
 //!        │      polynomial ← formula (double_double) ← polynomial_text
 //!        │          │             └ bernstein  bounds in a box
 //!     mesh_moments  ┘          the ten moments of a surface, of tetrahedra, of a piece
+//!        └ monomials           all integrals up to a degree over a surface, over a solid
 //!        │
 //!      lanes                   four simplices at a time
 //!     pairwise                 sums by halves, in a fixed order
@@ -28,6 +29,7 @@ mod double_double;
 mod formula;
 pub mod lanes;
 pub mod mesh_moments;
+pub(crate) mod monomials;
 pub mod pairwise;
 pub mod polynomial;
 pub mod polynomial_text;

@@ -129,6 +129,13 @@ impl Solid {
 ///
 /// What keeps the surface from bounding a solid, and what to do about it.
 pub fn validate_surface(mesh: &SurfaceMesh) -> Result<(ValidSurface, SurfaceReport), Refusal> {
+    number_surface(mesh).map(|(surface, report, _)| (surface, report))
+}
+
+/// As [`validate_surface`], with the numbers as read of the triangles that are left.
+pub(crate) fn number_surface(
+    mesh: &SurfaceMesh,
+) -> Result<(ValidSurface, SurfaceReport, Vec<u32>), Refusal> {
     check_elements(&mesh.vertices, &mesh.triangles, "triangles")?;
     let mut report = SurfaceReport::default();
     let closed = closed_surface(mesh, &mut report)?;
@@ -157,7 +164,7 @@ pub fn validate_surface(mesh: &SurfaceMesh) -> Result<(ValidSurface, SurfaceRepo
     let found = overlaps(&surface, &edges);
     report.repeated = as_read(found.repeated, &triangles.numbers);
     report.negative = as_read(found.negative, &triangles.numbers);
-    Ok((Valid { mesh: surface }, report))
+    Ok((Valid { mesh: surface }, report, triangles.numbers))
 }
 
 /// Refuses elements that reach so far that their volumes overflow.
@@ -176,7 +183,7 @@ fn check_reach<const N: usize>(
 }
 
 /// Refuses elements without meaning: none, out of range, not finite.
-fn check_elements<const N: usize>(
+pub(crate) fn check_elements<const N: usize>(
     vertices: &[Point3<f64>],
     elements: &[[u32; N]],
     what: &'static str,
@@ -352,6 +359,11 @@ fn as_read(overlap: Option<Overlap>, numbers: &[u32]) -> Option<Overlap> {
 ///
 /// What keeps the mesh from filling a solid, and what to do about it.
 pub fn validate_tets(mesh: &TetMesh) -> Result<(ValidTetMesh, TetReport), Refusal> {
+    number_tets(mesh).map(|(tets, report, _)| (tets, report))
+}
+
+/// As [`validate_tets`], with the numbers as read of the tetrahedra that are left.
+pub(crate) fn number_tets(mesh: &TetMesh) -> Result<(ValidTetMesh, TetReport, Vec<u32>), Refusal> {
     check_elements(&mesh.vertices, &mesh.tets, "tetrahedra")?;
     check_data(mesh)?;
     let mut mesh = mesh.clone();
@@ -363,7 +375,7 @@ pub fn validate_tets(mesh: &TetMesh) -> Result<(ValidTetMesh, TetReport), Refusa
     check_facets(&mesh, &numbers)?;
     report.repeated = repeated(&mesh, &numbers);
     report.isolated = drop_unused(&mut mesh);
-    Ok((Valid { mesh }, report))
+    Ok((Valid { mesh }, report, numbers))
 }
 
 /// Refuses data of the wrong length, and values of the tetrahedra's vertices that are not finite

@@ -2,6 +2,7 @@
 
 use nalgebra::Point3;
 
+use crate::mesh::elements::Elements;
 use crate::mesh::formats::error::{ErrorKind, ParseError};
 use crate::mesh::formats::point_data::{PointData, vertex_data};
 use crate::mesh::surface::SurfaceMesh;
@@ -14,6 +15,20 @@ pub enum Mesh {
     Surface(SurfaceMesh),
     /// Tetrahedra.
     Tets(TetMesh),
+}
+
+/// A mesh, and what its file says about the elements.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct MeshFile {
+    pub(crate) mesh: Mesh,
+    pub(crate) elements: Elements,
+}
+
+impl From<Mesh> for MeshFile {
+    fn from(mesh: Mesh) -> Self {
+        let elements = Elements::default();
+        Self { mesh, elements }
+    }
 }
 
 /// The parts of a file of a format for both kinds.

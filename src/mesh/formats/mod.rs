@@ -12,9 +12,12 @@ pub mod off;
 pub(crate) mod open_foam;
 pub mod ply;
 pub(crate) mod point_data;
+#[cfg(feature = "scene")]
+pub(crate) mod polygons;
 pub mod read;
 pub mod stl;
 pub mod tetgen;
+pub(crate) mod volint;
 pub mod vtk;
 pub mod vtu;
 pub(crate) mod words;

@@ -9,14 +9,17 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
+use crate::mesh::elements::Elements;
 use crate::mesh::formats::error::{ErrorKind, ParseError, ReadError};
-use crate::mesh::formats::mesh::Mesh;
+use crate::mesh::formats::mesh::{Mesh, MeshFile};
+#[cfg(feature = "scene")]
+use crate::mesh::formats::polygons;
 use crate::mesh::formats::words::Words;
-use crate::mesh::formats::{gmsh, medit, obj, off, ply, stl, tetgen, vtk, vtu};
+use crate::mesh::formats::{gmsh, medit, obj, off, ply, stl, tetgen, volint, vtk, vtu};
 use crate::mesh::report::Refusal;
 use crate::mesh::surface::SurfaceMesh;
 use crate::mesh::tets::TetMesh;
-use crate::mesh::validate::{Solid, validate_surface, validate_tets};
+use crate::mesh::validate::{Solid, number_surface, number_tets};
 
 /// The formats, as messages name them.
 const KNOWN: &str = "export it as .off, .obj, .stl, .ply, .mesh, .msh, .node/.ele, .vtk or .vtu";
@@ -27,6 +30,11 @@ const KNOWN: &str = "export it as .off, .obj, .stl, .ply, .mesh, .msh, .node/.el
 ///
 /// The file, the line or byte, what is wrong there and what to do.
 pub fn read(path: &Path) -> Result<Mesh, ReadError> {
+    read_file(path).map(|file| file.mesh)
+}
+
+/// As [`read`], with what the file says about the elements.
+pub(crate) fn read_file(path: &Path) -> Result<MeshFile, ReadError> {
     let bytes = read_bytes(path)?;
     let extension = path
         .extension()
@@ -34,7 +42,7 @@ pub fn read(path: &Path) -> Result<Mesh, ReadError> {
         .to_string_lossy()
         .to_ascii_lowercase();
     match Format::of(&bytes, &extension) {
-        Some(Format::TetGen) => read_pair(path).map(Mesh::Tets),
+        Some(Format::TetGen) => read_pair(path).map(|tets| Mesh::Tets(tets).into()),
         Some(format) => format.parse(&bytes).map_err(|error| in_file(path, error)),
         None => {
             let what = "a mesh format told neither by the first bytes nor the extension";
@@ -93,13 +101,40 @@ pub enum LoadError {
 ///
 /// The file and what is wrong with it, with the mend.
 pub fn load(path: &Path) -> Result<Solid, LoadError> {
-    let solid = match read(path)? {
-        Mesh::Surface(mesh) => {
-            validate_surface(&mesh).map(|(surface, report)| Solid::Surface(surface, report))
-        }
-        Mesh::Tets(mesh) => validate_tets(&mesh).map(|(tets, report)| Solid::Tets(tets, report)),
-    };
-    solid.map_err(|refusal| {
+    load_labeled(path).map(|labeled| labeled.solid)
+}
+
+/// A solid, and what its file says about the elements that are left.
+#[derive(Clone, Debug)]
+pub(crate) struct LabeledSolid {
+    pub(crate) solid: Solid,
+    pub(crate) elements: Elements,
+}
+
+impl LabeledSolid {
+    /// Checks a mesh that was read.
+    ///
+    /// # Errors
+    /// Why it bounds or fills no solid.
+    pub(crate) fn of(file: &MeshFile) -> Result<Self, Refusal> {
+        let (solid, numbers) = match &file.mesh {
+            Mesh::Surface(mesh) => {
+                let (surface, report, numbers) = number_surface(mesh)?;
+                (Solid::Surface(surface, report), numbers)
+            }
+            Mesh::Tets(mesh) => {
+                let (tets, report, numbers) = number_tets(mesh)?;
+                (Solid::Tets(tets, report), numbers)
+            }
+        };
+        let elements = file.elements.of_kept(&numbers);
+        Ok(Self { solid, elements })
+    }
+}
+
+/// As [`load`], with what the file says about the elements.
+pub(crate) fn load_labeled(path: &Path) -> Result<LabeledSolid, LoadError> {
+    LabeledSolid::of(&read_file(path)?).map_err(|refusal| {
         let file = path.to_path_buf();
         LoadError::Refused { file, refusal }
     })
@@ -113,8 +148,11 @@ enum Format {
     Obj,
     Off,
     Ply,
+    #[cfg(feature = "scene")]
+    Polygons,
     Stl,
     TetGen,
+    VolInt,
     Vtk,
     Vtu,
 }
@@ -155,6 +193,9 @@ impl Format {
             "mesh" => Self::Medit,
             "msh" => Self::Gmsh,
             "node" | "ele" => Self::TetGen,
+            #[cfg(feature = "scene")]
+            "json" => Self::Polygons,
+            "volint" => Self::VolInt,
             "vtk" => Self::Vtk,
             "vtu" => Self::Vtu,
             _ => return None,
@@ -167,21 +208,27 @@ impl Format {
         if stl::is_binary(bytes) || stl::is_text(bytes) {
             return Some(Self::Stl);
         }
+        if volint::is_likely(bytes) {
+            return Some(Self::VolInt);
+        }
         words
             .any(|word| word.eq_ignore_ascii_case(b"v"))
             .then_some(Self::Obj)
     }
 
-    fn parse(self, bytes: &[u8]) -> Result<Mesh, ParseError> {
+    fn parse(self, bytes: &[u8]) -> Result<MeshFile, ParseError> {
         match self {
-            Self::Gmsh => gmsh::parse(bytes),
-            Self::Medit => medit::parse(bytes),
-            Self::Obj => obj::parse(bytes).map(Mesh::Surface),
-            Self::Off => off::parse(bytes).map(Mesh::Surface),
-            Self::Ply => ply::parse(bytes).map(Mesh::Surface),
-            Self::Stl => stl::parse(bytes).map(Mesh::Surface),
-            Self::Vtk => vtk::parse(bytes),
-            Self::Vtu => vtu::parse(bytes),
+            Self::Gmsh => gmsh::parse(bytes).map(MeshFile::from),
+            Self::Medit => medit::parse(bytes).map(MeshFile::from),
+            Self::Obj => obj::parse_file(bytes),
+            Self::Off => off::parse_file(bytes),
+            Self::Ply => ply::parse(bytes).map(|mesh| Mesh::Surface(mesh).into()),
+            #[cfg(feature = "scene")]
+            Self::Polygons => polygons::parse(bytes),
+            Self::Stl => stl::parse(bytes).map(|mesh| Mesh::Surface(mesh).into()),
+            Self::VolInt => volint::parse(bytes),
+            Self::Vtk => vtk::parse(bytes).map(MeshFile::from),
+            Self::Vtu => vtu::parse(bytes).map(MeshFile::from),
             Self::TetGen => {
                 let what = "one of TetGen's two files alone";
                 let kind = ErrorKind::unsupported(what, "name the .ele file");
