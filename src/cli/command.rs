@@ -8,7 +8,7 @@ use clap::{CommandFactory, Parser, Subcommand};
 use crate::cli::failure::Failure;
 use crate::cli::options::Common;
 use crate::cli::{
-    bench, cpu_features, describe, fragments, integrate, mass, measure, mesh, plot, relax,
+    bench, cpu_features, describe, fragments, integrate, mass, measure, mesh, octree, plot, relax,
 };
 
 /// Relaxes point sets under the Chebyshev norm until their Voronoi cells are near-cubic.
@@ -30,6 +30,7 @@ enum Command {
     Mass(mass::MassOptions),
     Integrate(integrate::IntegrateOptions),
     Mesh(mesh::MeshOptions),
+    Octree(octree::OctreeOptions),
     Plot(plot::PlotOptions),
     Fragments(fragments::FragmentsOptions),
     Bench(bench::BenchOptions),
@@ -65,6 +66,7 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
         Command::Mass(options) => mass::run(options),
         Command::Integrate(options) => integrate::run(options),
         Command::Mesh(options) => mesh::run(options, common),
+        Command::Octree(options) => octree::run(options),
         Command::Plot(options) => plot::run(options, common),
         Command::Fragments(options) => fragments::run(options, common),
         Command::Bench(options) => bench::run(options, common.threads),

@@ -19,6 +19,8 @@ pub(crate) mod mass_report;
 pub(crate) mod measure;
 pub(crate) mod mesh;
 pub(crate) mod mesh_report;
+pub(crate) mod octree;
+pub(crate) mod octree_report;
 pub(crate) mod options;
 pub(crate) mod output;
 pub(crate) mod plot;

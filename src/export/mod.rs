@@ -2,6 +2,8 @@
 
 pub mod atomic_write;
 pub(crate) mod mesh_vtu;
+#[cfg(feature = "cli")]
+pub(crate) mod octree_vtu;
 pub(crate) mod poly_mesh;
 #[cfg(feature = "scene")]
 pub mod run;

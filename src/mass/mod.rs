@@ -27,6 +27,7 @@
 pub mod body;
 pub mod cut;
 pub mod density;
+pub(crate) mod octree_error;
 pub mod principal;
 pub mod profile;
 pub(crate) mod sign;

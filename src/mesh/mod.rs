@@ -15,6 +15,7 @@ pub(crate) mod elements;
 pub mod formats;
 pub(crate) mod holes;
 pub(crate) mod nesting;
+pub(crate) mod octree;
 pub(crate) mod orient;
 pub(crate) mod overlap;
 #[cfg(feature = "cli")]

@@ -12,6 +12,7 @@ pub(crate) mod cutaway;
 pub(crate) mod exploded;
 pub(crate) mod figure;
 pub(crate) mod font;
+pub(crate) mod octrees;
 pub(crate) mod panel;
 pub(crate) mod patches;
 pub(crate) mod png;
