@@ -117,7 +117,7 @@ impl IntegrationBody {
             let path = path.display();
             Failure::input(format!("{path} {refusal}"))
         };
-        match LabeledSolid::of(&file) {
+        match LabeledSolid::of(&file, 0.0) {
             Ok(solid) => Ok(Self::of_solid(solid)),
             Err(refusal) => Self::open(file, &refusal).ok_or_else(|| refused(refusal)),
         }

@@ -30,4 +30,5 @@ pub mod surface;
 pub mod tets;
 pub(crate) mod triangle_tree;
 pub mod validate;
+pub(crate) mod weld_tets;
 pub(crate) mod winding;

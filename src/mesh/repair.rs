@@ -172,7 +172,10 @@ pub(crate) fn weld(
 
 /// The points without those within `distance` of an earlier one, the new number of each, and the
 /// greatest distance between two merged. A grid of cells four distances wide holds the kept ones.
-fn merge_near(points: &[Point3<f64>], distance: f64) -> (Vec<Point3<f64>>, Vec<u32>, f64) {
+pub(crate) fn merge_near(
+    points: &[Point3<f64>],
+    distance: f64,
+) -> (Vec<Point3<f64>>, Vec<u32>, f64) {
     let cell = |x: f64| (x / (4.0 * distance)).floor() as i64;
     let mut grid: HashMap<[i64; 3], Vec<u32>> = HashMap::new();
     let (mut kept, mut farthest) = (Vec::<Point3<f64>>::new(), 0.0_f64);

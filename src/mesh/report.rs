@@ -63,6 +63,8 @@ impl fmt::Display for EdgePlace {
 /// zero-based and those of the mesh as read.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SurfaceReport {
+    /// What the file's reader has to say: units, elements read in part.
+    pub file: Vec<String>,
     /// Connected components (across edges).
     pub components: usize,
     /// Components that bound a cavity.
@@ -149,17 +151,13 @@ impl SurfaceReport {
             repeated_note(self.repeated),
             self.negative_note(),
         ];
-        notes.into_iter().flatten().collect()
+        let file = self.file.iter().cloned();
+        file.chain(notes.into_iter().flatten()).collect()
     }
 
     fn welded_note(&self) -> Option<String> {
-        let count = self.welded;
-        let what = if self.welded_apart > 0.0 {
-            format!("vertices up to {} apart", brief(self.welded_apart))
-        } else {
-            "coincident vertices".to_owned()
-        };
-        (count > 0).then(|| format!("{count} {what} were merged to close the surface"))
+        let merged = merged_note(self.welded, self.welded_apart)?;
+        Some(format!("{merged} to close the surface"))
     }
 
     fn touching_note(&self) -> Option<String> {
@@ -192,6 +190,12 @@ impl SurfaceReport {
 /// and those of the mesh as read.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TetReport {
+    /// What the file's reader has to say: elements read in part.
+    pub file: Vec<String>,
+    /// Coincident vertices of different elements that were merged.
+    pub welded: usize,
+    /// The greatest distance between merged vertices (L); 0 where all were equal.
+    pub welded_apart: f64,
     /// Tetrahedra of negative volume, turned.
     pub inverted: Tally<u32>,
     /// Tetrahedra without volume, dropped.
@@ -208,15 +212,27 @@ impl TetReport {
     /// One sentence for each thing that a user should know; none for a flawless mesh.
     #[must_use]
     pub fn notes(&self) -> Vec<String> {
+        let welded = merged_note(self.welded, self.welded_apart);
         let notes = [
+            welded.map(|merged| format!("{merged}: the elements at them are neighbors")),
             note(self.inverted, "inverted tetrahedra were turned"),
             note(self.flat, "tetrahedra without volume were dropped"),
             note(self.duplicates, "duplicate tetrahedra were dropped"),
             unused_note(self.isolated),
             repeated_note(self.repeated),
         ];
-        notes.into_iter().flatten().collect()
+        let file = self.file.iter().cloned();
+        file.chain(notes.into_iter().flatten()).collect()
     }
+}
+
+fn merged_note(count: usize, apart: f64) -> Option<String> {
+    let what = if apart > 0.0 {
+        format!("vertices up to {} apart", brief(apart))
+    } else {
+        "coincident vertices".to_owned()
+    };
+    (count > 0).then(|| format!("{count} {what} were merged"))
 }
 
 fn repeated_note(repeated: Option<Overlap>) -> Option<String> {
@@ -272,7 +288,7 @@ pub enum Refusal {
     },
     /// Edges with one triangle.
     #[error(
-        "is not closed: {count} boundary edges, the first {first}; close it with a mesh repair tool such as MeshLab's 'Close Holes' or PyMeshFix"
+        "is not closed: {count} boundary edges, the first {first}; close it, small gaps by --weld L, holes by a mesh repair tool such as MeshLab's 'Close Holes' or PyMeshFix"
     )]
     Open {
         /// The number of boundary edges.
@@ -297,6 +313,14 @@ pub enum Refusal {
     OneSided {
         /// An edge at which the orientations contradict each other.
         first: EdgePlace,
+    },
+    /// A sheet in a plane, open.
+    #[error(
+        "is a flat sheet, not a solid: all vertices lie in one plane and {count} edges are open; give it thickness (extrude it), or, for a run in the plane, write a scene with \"dimension\": 2 and the outline as \"polygon\""
+    )]
+    Sheet {
+        /// The number of boundary edges.
+        count: usize,
     },
     /// No inside.
     #[error("encloses no volume; give it thickness")]

@@ -13,7 +13,7 @@
 //!
 //! What an accepted surface encloses more than once or negatively is reported (`overlap`).
 //!
-//! Of tetrahedra, inverted ones are turned, flat and duplicate ones dropped, unused vertices
+//! Of tetrahedra, vertices of boundary facets that nearly coincide are merged (`weld_tets`), inverted ones are turned, flat and duplicate ones dropped, unused vertices
 //! removed with their data, each counted in the report. A facet of more than two tetrahedra, or of
 //! two on one side, is refused. What they fill more than once is reported.
 
@@ -31,6 +31,7 @@ use crate::mesh::report::{Overlap, Refusal, SurfaceReport, Tally, TetReport};
 use crate::mesh::similarity::Similarity;
 use crate::mesh::surface::{SurfaceMesh, triangle_area};
 use crate::mesh::tets::{FACETS, TetMesh, compact, tet_volume, used_vertices};
+use crate::mesh::weld_tets::welded_tets;
 
 /// Coordinates beyond this (L) are refused: the product of three of them, 2³² times, still is a number.
 const FARTHEST: f64 = 1e98;
@@ -49,6 +50,9 @@ const WELD_ROUNDINGS: f64 = 32.0;
 
 /// The same for a surface whose coordinates are all single-precision numbers.
 const WELD_ROUNDINGS_SINGLE: f64 = 4.0;
+
+/// Vertices of an open mesh are merged if they are nearer than this share of its box.
+const WELD_BOX: f64 = 1e-12;
 
 /// A mesh that was checked. Only [`validate_surface`] and [`validate_tets`] make one.
 #[derive(Clone, Debug, PartialEq)]
@@ -97,6 +101,14 @@ impl Solid {
         }
     }
 
+    /// Notes of the file's reader, which come first.
+    pub(crate) fn set_file_notes(&mut self, notes: Vec<String>) {
+        match self {
+            Self::Surface(_, report) => report.file = notes,
+            Self::Tets(_, report) => report.file = notes,
+        }
+    }
+
     /// What is enclosed or filled more than once.
     pub(crate) fn repeated(&self) -> Option<&Overlap> {
         match self {
@@ -129,16 +141,18 @@ impl Solid {
 ///
 /// What keeps the surface from bounding a solid, and what to do about it.
 pub fn validate_surface(mesh: &SurfaceMesh) -> Result<(ValidSurface, SurfaceReport), Refusal> {
-    number_surface(mesh).map(|(surface, report, _)| (surface, report))
+    number_surface(mesh, 0.0).map(|(surface, report, _)| (surface, report))
 }
 
-/// As [`validate_surface`], with the numbers as read of the triangles that are left.
+/// As [`validate_surface`]; where the surface is open, vertices up to `weld` apart (L) are merged too.
+/// Also the numbers as read of the triangles that are left.
 pub(crate) fn number_surface(
     mesh: &SurfaceMesh,
+    weld: f64,
 ) -> Result<(ValidSurface, SurfaceReport, Vec<u32>), Refusal> {
     check_elements(&mesh.vertices, &mesh.triangles, "triangles")?;
     let mut report = SurfaceReport::default();
-    let closed = closed_surface(mesh, &mut report)?;
+    let closed = closed_surface(mesh, weld, &mut report)?;
     let (mut triangles, edges) = (closed.triangles, closed.edges);
     if triangles.corners.is_empty() {
         return Err(Refusal::Flat);
@@ -225,6 +239,7 @@ struct ClosedSurface {
 /// it is open without: equal ones, then those that differ by rounding.
 fn closed_surface(
     mesh: &SurfaceMesh,
+    weld_within: f64,
     report: &mut SurfaceReport,
 ) -> Result<ClosedSurface, Refusal> {
     let as_read = (mesh.vertices.clone(), Triangles::of(&mesh.triangles));
@@ -232,7 +247,7 @@ fn closed_surface(
     let Some(mut refusal) = open(&closed, mesh) else {
         return Ok(closed);
     };
-    for distance in weld_distances(mesh) {
+    for distance in weld_distances(mesh, weld_within) {
         let mut welded = (mesh.vertices.clone(), Triangles::of(&mesh.triangles));
         let (merged, apart) = weld(&mut welded.0, &mut welded.1, distance);
         if merged == report.welded {
@@ -244,7 +259,9 @@ fn closed_surface(
             ..SurfaceReport::default()
         };
         let closed = cleaned(welded, &mut attempt);
-        let is_guess = distance > 0.0 && attempt.collapsed.count > report.collapsed.count;
+        let is_asked = distance <= weld_within;
+        let is_guess =
+            distance > 0.0 && !is_asked && attempt.collapsed.count > report.collapsed.count;
         match open(&closed, mesh) {
             None if !is_guess => {
                 *report = attempt;
@@ -254,19 +271,54 @@ fn closed_surface(
             _ => {}
         }
     }
-    Err(refusal)
+    Err(as_sheet(refusal, mesh))
+}
+
+/// The refusal of an open surface, which for one in a plane says so.
+fn as_sheet(refusal: Refusal, mesh: &SurfaceMesh) -> Refusal {
+    match refusal {
+        Refusal::Open { count, .. } if is_in_plane(mesh) => Refusal::Sheet { count },
+        other => other,
+    }
+}
+
+/// Whether all corners lie in the plane of the greatest triangle, but for rounding.
+fn is_in_plane(mesh: &SurfaceMesh) -> bool {
+    let normal = |[a, b, c]: [Point3<f64>; 3]| (b - a).cross(&(c - a));
+    let greatest = mesh.all_corners().max_by(|one, other| {
+        let [one, other] = [*one, *other].map(|corners| normal(corners).norm());
+        one.total_cmp(&other)
+    });
+    let Some(corners) = greatest else {
+        return false;
+    };
+    let Some(unit) = normal(corners).try_normalize(0.0) else {
+        return false;
+    };
+    let size = mesh.bounds().extent().norm();
+    mesh.all_corners()
+        .flatten()
+        .all(|corner| (corner - corners[0]).dot(&unit).abs() <= WELD_BOX * size)
 }
 
 /// Within which distances (L) vertices are merged, one after the other: equal ones, those that differ
-/// by the rounding of coordinates of this size, and the same for single precision if all of them are.
-fn weld_distances(mesh: &SurfaceMesh) -> Vec<f64> {
-    let Bounds { min, max } = mesh.bounds();
+/// by the rounding of coordinates of this size, the same for single precision if all of them are, a
+/// share of the box, and what the caller allows.
+fn weld_distances(mesh: &SurfaceMesh, asked: f64) -> Vec<f64> {
+    let bounds = mesh.bounds();
+    let Bounds { min, max } = bounds;
     let size = min.coords.amax().max(max.coords.amax());
     let single = |x: &f64| f64::from(*x as f32).to_bits() == x.to_bits();
-    let mut distances = vec![0.0, WELD_ROUNDINGS * f64::EPSILON * size];
+    let mut distances = vec![
+        0.0,
+        WELD_ROUNDINGS * f64::EPSILON * size,
+        WELD_BOX * bounds.extent().amax(),
+    ];
+    distances.extend((asked > 0.0).then_some(asked));
     if mesh.vertices.iter().all(|vertex| vertex.iter().all(single)) {
         distances.push(WELD_ROUNDINGS_SINGLE * f64::from(f32::EPSILON) * size);
     }
+    distances.sort_by(f64::total_cmp);
     distances
 }
 
@@ -359,15 +411,34 @@ fn as_read(overlap: Option<Overlap>, numbers: &[u32]) -> Option<Overlap> {
 ///
 /// What keeps the mesh from filling a solid, and what to do about it.
 pub fn validate_tets(mesh: &TetMesh) -> Result<(ValidTetMesh, TetReport), Refusal> {
-    number_tets(mesh).map(|(tets, report, _)| (tets, report))
+    number_tets(mesh, 0.0).map(|(tets, report, _)| (tets, report))
 }
 
-/// As [`validate_tets`], with the numbers as read of the tetrahedra that are left.
-pub(crate) fn number_tets(mesh: &TetMesh) -> Result<(ValidTetMesh, TetReport, Vec<u32>), Refusal> {
+/// As [`validate_tets`]; vertices up to `weld` apart (L) are merged too. Also the numbers as read of the
+/// tetrahedra that are left.
+pub(crate) fn number_tets(
+    mesh: &TetMesh,
+    weld: f64,
+) -> Result<(ValidTetMesh, TetReport, Vec<u32>), Refusal> {
     check_elements(&mesh.vertices, &mesh.tets, "tetrahedra")?;
     check_data(mesh)?;
-    let mut mesh = mesh.clone();
     let mut report = TetReport::default();
+    let distance = weld.max(WELD_BOX * mesh.bounds().extent().amax());
+    if let Some((welded, merged, apart)) = welded_tets(mesh, distance, weld > 0.0) {
+        (report.welded, report.welded_apart) = (merged, apart);
+        if let Ok(checked) = checked_tets(welded, report) {
+            return Ok(checked);
+        }
+        report = TetReport::default();
+    }
+    checked_tets(mesh.clone(), report)
+}
+
+/// Checks a mesh whose vertices are merged as far as they are to be.
+fn checked_tets(
+    mut mesh: TetMesh,
+    mut report: TetReport,
+) -> Result<(ValidTetMesh, TetReport, Vec<u32>), Refusal> {
     let numbers = keep_positive(&mut mesh, &mut report);
     if mesh.tets.is_empty() {
         return Err(Refusal::Flat);

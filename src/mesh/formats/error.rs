@@ -138,6 +138,20 @@ pub enum ErrorKind {
         /// How to export the mesh instead.
         mend: &'static str,
     },
+    /// A second-order element whose edges are not straight.
+    #[error(
+        "a second-order element is curved: its middle node at ({}, {}, {}) lies {share:.1e} of its edge's length off the edge; export first-order elements of a finer mesh",
+        place[0], place[1], place[2]
+    )]
+    Curved {
+        /// The middle node (L).
+        place: [f64; 3],
+        /// Its distance from the edge, in lengths of the edge.
+        share: f64,
+    },
+    /// Compressed data that do not unpack.
+    #[error("the compressed data are damaged ({0}); copy or pack the file again")]
+    Damaged(String),
     /// The file holds no elements of the wanted kind.
     #[error("the file holds no {what}; {mend}")]
     Missing {

@@ -1,15 +1,18 @@
-//! Gmsh `.msh` in text, versions 2.2 and 4.1: first-order tetrahedra, triangles, quadrangles.
+//! Gmsh `.msh`, text or binary of either byte order, versions 1, 2, 4.0 and 4.1: tetrahedra, triangles
+//! and quadrangles of first order, or of second order with straight edges (`second_order`).
 //!
 //! Scalar `$NodeData` become vertex data. Sections of one name and time step (one per partition) are
 //! one field, a later step of a field replaces the earlier; a field that leaves out a node of a
 //! tetrahedron, or gives it two values, is refused where it is used. Points and lines are passed over; other volume elements are
 //! refused, because leaving them out would leave holes. Format: Gmsh reference manual, section
-//! "MSH file format" (4.1) and its legacy section (2.2).
+//! "MSH file format" (4.1) and its legacy sections (1, 2, 4.0).
 
 use std::collections::HashMap;
 
+use crate::mesh::formats::binary::Scalar;
 use crate::mesh::formats::error::{ErrorKind, ParseError};
-use crate::mesh::formats::mesh::{Mesh, MeshParts, no_tetrahedron};
+use crate::mesh::formats::gmsh_input::{GmshBinary, GmshInput};
+use crate::mesh::formats::mesh::{Mesh, MeshFile, MeshParts, no_tetrahedron};
 use crate::mesh::formats::point_data::PointData;
 use crate::mesh::formats::words::{Words, shown};
 use crate::mesh::polygon::triangulate;
@@ -18,191 +21,348 @@ use crate::mesh::polygon::triangulate;
 ///
 /// # Errors
 ///
-/// The line and what is wrong there.
+/// The line or byte and what is wrong there.
 pub fn parse(bytes: &[u8]) -> Result<Mesh, ParseError> {
-    let mut file = GmshFile {
-        words: Words::new(bytes, None),
-        version: Version::Four,
-        tags: HashMap::new(),
-        mesh: MeshParts::default(),
-        steps: Vec::new(),
-    };
-    while let Some(section) = file.words.word() {
+    Ok(read(bytes)?.mesh)
+}
+
+/// As [`parse`], with what there is to say about the file.
+pub(crate) fn read(bytes: &[u8]) -> Result<MeshFile, ParseError> {
+    let mut file = GmshFile::new(bytes);
+    while let Some(section) = file.input.words.word() {
         let section = section.to_ascii_lowercase();
         match section.as_slice() {
             b"$meshformat" => file.read_format()?,
-            b"$nodes" | b"$parametricnodes" => file.read_nodes()?,
+            b"$nod" => file.read_old(GmshFile::read_nodes)?,
+            b"$elm" => file.read_old(GmshFile::read_elements)?,
+            b"$nodes" => file.read_nodes()?,
+            b"$parametricnodes" => file.read_parametric_nodes()?,
             b"$elements" => file.read_elements()?,
             b"$nodedata" => file.read_node_data()?,
             _ if section.starts_with(b"$") => {}
-            _ => return Err(file.words.unexpected("a section such as $Nodes", &section)),
+            _ => {
+                let expected = ErrorKind::expected("a section such as $Nodes", shown(&section));
+                return Err(file.input.error(expected));
+            }
         }
         file.skip_to_end(&section)?;
     }
-    let mut names: Vec<usize> = vec![0; file.mesh.vertices.len()];
-    for (&tag, &vertex) in &file.tags {
-        if let Some(name) = names.get_mut(vertex as usize) {
-            *name = tag;
-        }
-    }
-    let node = |vertex: usize| format!("node {}", names[vertex]);
-    file.mesh.into_mesh(node)
+    file.into_mesh()
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Version {
+    One,
     Two,
+    FourZero,
     Four,
 }
 
 struct GmshFile<'a> {
-    words: Words<'a>,
+    input: GmshInput<'a>,
     version: Version,
     /// Node tag → vertex.
     tags: HashMap<usize, u32>,
     mesh: MeshParts,
     /// The time step of every field of the mesh's point data.
     steps: Vec<usize>,
+    /// Whether triangles or quadrangles of order above two were passed over.
+    has_high_order: bool,
 }
 
-impl GmshFile<'_> {
+impl<'a> GmshFile<'a> {
+    fn new(bytes: &'a [u8]) -> Self {
+        let words = Words::new(bytes, None);
+        Self {
+            input: GmshInput {
+                words,
+                binary: None,
+            },
+            version: Version::Four,
+            tags: HashMap::new(),
+            mesh: MeshParts::default(),
+            steps: Vec::new(),
+            has_high_order: false,
+        }
+    }
+
+    fn into_mesh(self) -> Result<MeshFile, ParseError> {
+        if self.has_high_order && self.mesh.tets.is_empty() {
+            let what = "a surface of elements of order above two";
+            let mend = "export first-order elements (Mesh.ElementOrder = 1)";
+            return Err(ParseError::whole(ErrorKind::unsupported(what, mend)));
+        }
+        let mut names: Vec<usize> = vec![0; self.mesh.vertices.len()];
+        for (&tag, &vertex) in &self.tags {
+            if let Some(name) = names.get_mut(vertex as usize) {
+                *name = tag;
+            }
+        }
+        self.mesh
+            .into_mesh(|vertex| format!("node {}", names[vertex]))
+    }
+
     fn read_format(&mut self) -> Result<(), ParseError> {
-        let version = self.words.some_word("a version")?;
+        let words = &mut self.input.words;
+        let version = words.some_word("a version")?;
         self.version = match version {
+            b"1" | b"1.0" => Version::One,
             b"2" | b"2.0" | b"2.1" | b"2.2" => Version::Two,
+            b"4" | b"4.0" => Version::FourZero,
             b"4.1" => Version::Four,
             _ => {
                 let what = format!("Gmsh's format {}", shown(version));
                 let mend = "export version 4.1 or 2.2 (gmsh -save -format msh41)";
-                return Err(self.words.unsupported(what, mend));
+                return Err(words.unsupported(what, mend));
             }
         };
-        if self.words.count("0 for a text file")? == 0 {
+        if words.count("0 for text or 1 for binary")? == 0 {
             return Ok(());
         }
-        let mend = "export it as text (Mesh.Binary = 0)";
-        Err(self.words.unsupported("a binary .msh file", mend))
+        let size = match words.count("the width of sizes in bytes")? {
+            4 => Scalar::UInt32,
+            8 => Scalar::UInt64,
+            other => {
+                let expected = "a width of 4 or 8 bytes";
+                return Err(words.unexpected(expected, other.to_string().as_bytes()));
+            }
+        };
+        words.next_line();
+        self.read_byte_order(size)
+    }
+
+    /// Reads the 1 that tells a binary file's byte order.
+    fn read_byte_order(&mut self, size: Scalar) -> Result<(), ParseError> {
+        let big_endian = match self.input.words.take(4) {
+            Some([1, 0, 0, 0]) => false,
+            Some([0, 0, 0, 1]) => true,
+            Some(bytes) => {
+                let kind = ErrorKind::expected("the number 1 in four bytes", shown(bytes));
+                return Err(ParseError::at_byte(self.input.words.position() - 4, kind));
+            }
+            None => return Err(self.input.words.truncated("the byte order")),
+        };
+        self.input.binary = Some(GmshBinary { big_endian, size });
+        Ok(())
+    }
+
+    /// Reads a section of version 1, which has no `$MeshFormat`.
+    fn read_old(
+        &mut self,
+        read: impl Fn(&mut Self) -> Result<(), ParseError>,
+    ) -> Result<(), ParseError> {
+        self.version = Version::One;
+        read(self)
+    }
+
+    /// Nodes of version 2, each with the entity it lies on and its parameters there; in text these
+    /// stand behind the coordinates.
+    fn read_parametric_nodes(&mut self) -> Result<(), ParseError> {
+        if self.input.binary.is_none() {
+            return self.read_nodes();
+        }
+        let count = self.input.words.count("the number of nodes")?;
+        self.input.start_data();
+        for _ in 0..count {
+            let tag = self.input.count("a node's number")?;
+            self.add_tag(tag)?;
+            self.mesh.vertices.push(self.input.point(0)?);
+            let dimension = self.input.count("an entity's dimension")?;
+            self.input.integer("an entity's number")?;
+            // Vertices and volumes have no parameters.
+            for _ in 0..dimension % 3 {
+                self.input.value()?;
+            }
+        }
+        Ok(())
     }
 
     fn read_nodes(&mut self) -> Result<(), ParseError> {
-        if self.version == Version::Two {
-            let count = self.words.count("the number of nodes")?;
+        if matches!(self.version, Version::One | Version::Two) {
+            let count = self.input.words.count("the number of nodes")?;
+            self.input.start_data();
             for _ in 0..count {
-                let tag = self.words.count("a node's number")?;
+                let tag = self.input.count("a node's number")?;
                 self.add_tag(tag)?;
-                self.add_vertex()?;
+                self.mesh.vertices.push(self.input.point(0)?);
             }
             return Ok(());
         }
-        let blocks = self.words.count("the number of node blocks")?;
-        let announced = self.words.count("the number of nodes")?;
-        self.words.next_line();
+        let (blocks, announced) = self.read_section_head("the number of node blocks")?;
         for _ in 0..blocks {
-            self.read_node_block()?;
+            match self.version {
+                Version::Four => self.read_node_block()?,
+                _ => self.read_old_node_block()?,
+            }
         }
         let found = self.mesh.vertices.len();
-        self.words.check_count("nodes", announced, found)
+        ErrorKind::check_count("nodes", announced, found).map_err(|kind| self.input.error(kind))
+    }
+
+    /// The numbers of blocks and of all that is in them.
+    fn read_section_head(&mut self, what: &'static str) -> Result<(usize, usize), ParseError> {
+        self.input.start_data();
+        let blocks = self.input.size(what)?;
+        let announced = self.input.size("the number of all")?;
+        if self.version == Version::Four && self.input.binary.is_some() {
+            self.input.size("the smallest number")?;
+            self.input.size("the greatest number")?;
+        }
+        self.input.end_line();
+        Ok((blocks, announced))
     }
 
     fn read_node_block(&mut self) -> Result<(), ParseError> {
-        self.words.count("an entity's dimension")?;
-        self.words.integer("an entity's number")?;
-        self.words.count("0 or 1 for parametric")?;
-        let count = self.words.count("the number of nodes in the block")?;
+        let dimension = self.input.count("an entity's dimension")?;
+        self.input.integer("an entity's number")?;
+        let parametric = self.input.count("0 or 1 for parametric")?;
+        let count = self.input.size("the number of nodes in the block")?;
         for _ in 0..count {
-            let tag = self.words.count("a node's number")?;
+            let tag = self.input.size("a node's number")?;
             self.add_tag(tag)?;
         }
+        let parameters = if parametric == 0 { 0 } else { dimension };
         for _ in 0..count {
-            self.add_vertex()?;
+            self.mesh.vertices.push(self.input.point(parameters)?);
+        }
+        Ok(())
+    }
+
+    /// A block of version 4.0, where every node has its number before its coordinates.
+    fn read_old_node_block(&mut self) -> Result<(), ParseError> {
+        self.input.integer("an entity's number")?;
+        let dimension = self.input.count("an entity's dimension")?;
+        let parametric = self.input.count("0 or 1 for parametric")?;
+        let count = self.input.size("the number of nodes in the block")?;
+        let parameters = if parametric == 0 { 0 } else { dimension };
+        for _ in 0..count {
+            let tag = self.input.count("a node's number")?;
+            self.add_tag(tag)?;
+            self.mesh.vertices.push(self.input.point(parameters)?);
         }
         Ok(())
     }
 
     /// Numbers the next vertex `tag`.
     fn add_tag(&mut self, tag: usize) -> Result<(), ParseError> {
-        let vertex = self.words.check_limit("nodes", self.tags.len())?;
+        let vertex = ErrorKind::check_limit("nodes", self.tags.len());
+        let vertex = vertex.map_err(|kind| self.input.error(kind))?;
         if self.tags.insert(tag, vertex as u32).is_none() {
             return Ok(());
         }
         let expected = "a node number not used before";
-        Err(self.words.unexpected(expected, tag.to_string().as_bytes()))
-    }
-
-    /// Reads the coordinates of a vertex; parameters after them on the line are passed over.
-    fn add_vertex(&mut self) -> Result<(), ParseError> {
-        self.mesh.vertices.push(self.words.point_on_line()?);
-        self.words.next_line();
-        Ok(())
+        Err(self
+            .input
+            .error(ErrorKind::expected(expected, tag.to_string())))
     }
 
     fn read_elements(&mut self) -> Result<(), ParseError> {
-        if self.version == Version::Two {
-            let count = self.words.count("the number of elements")?;
-            for _ in 0..count {
-                self.words.count("an element's number")?;
-                let kind = self.words.count("an element's type")?;
-                for _ in 0..self.words.count("the number of tags")? {
-                    self.words.integer("a tag")?;
+        match (self.version, self.input.binary) {
+            (Version::One | Version::Two, None) => self.read_element_lines(),
+            (Version::One | Version::Two, Some(_)) => self.read_element_runs(),
+            _ => {
+                let (blocks, announced) = self.read_section_head("the number of element blocks")?;
+                let mut found = 0_usize;
+                for _ in 0..blocks {
+                    found = found.saturating_add(self.read_element_block()?);
                 }
-                self.read_element(kind)?;
+                ErrorKind::check_count("elements", announced, found)
+                    .map_err(|kind| self.input.error(kind))
             }
-            return Ok(());
         }
-        let blocks = self.words.count("the number of element blocks")?;
-        let announced = self.words.count("the number of elements")?;
-        self.words.next_line();
-        let mut found = 0;
-        for _ in 0..blocks {
-            found += self.read_element_block()?;
+    }
+
+    /// Elements of versions 1 and 2 in text, each on its line.
+    fn read_element_lines(&mut self) -> Result<(), ParseError> {
+        let count = self.input.words.count("the number of elements")?;
+        for _ in 0..count {
+            self.input.count("an element's number")?;
+            let kind = self.input.count("an element's type")?;
+            // Version 1 has two regions and the number of nodes, version 2 counts its tags.
+            let tags = match self.version {
+                Version::One => 3,
+                _ => self.input.count("the number of tags")?,
+            };
+            for _ in 0..tags {
+                self.input.integer("a tag")?;
+            }
+            self.read_element(kind, false)?;
         }
-        self.words.check_count("elements", announced, found)
+        Ok(())
+    }
+
+    /// Elements of version 2 in binary: runs of one type with one number of tags.
+    fn read_element_runs(&mut self) -> Result<(), ParseError> {
+        let count = self.input.words.count("the number of elements")?;
+        self.input.start_data();
+        let mut found = 0_usize;
+        while found < count {
+            let kind = self.input.count("an element's type")?;
+            let run = self.input.count("the number of elements of this type")?;
+            let tags = self.input.count("the number of tags")?;
+            for _ in 0..run {
+                for _ in 0..=tags {
+                    self.input.integer("an element's number or a tag")?;
+                }
+                self.read_element(kind, false)?;
+            }
+            // A run of none must not go on forever.
+            found = found.saturating_add(run.max(1));
+        }
+        Ok(())
     }
 
     /// Reads a block of elements of one type; returns their number.
     fn read_element_block(&mut self) -> Result<usize, ParseError> {
-        self.words.count("an entity's dimension")?;
-        self.words.integer("an entity's number")?;
-        let kind = self.words.count("an element's type")?;
-        let count = self.words.count("the number of elements in the block")?;
+        self.input.integer("an entity's dimension or number")?;
+        self.input.integer("an entity's number or dimension")?;
+        let kind = self.input.count("an element's type")?;
+        let count = self.input.size("the number of elements in the block")?;
+        let is_wide = self.version == Version::Four;
         for _ in 0..count {
-            self.words.count("an element's number")?;
-            self.read_element(kind)?;
+            match is_wide {
+                true => self.input.size("an element's number")?,
+                false => self.input.count("an element's number")?,
+            };
+            self.read_element(kind, is_wide)?;
         }
         Ok(count)
     }
 
-    /// Reads an element's nodes: type 2 is a triangle, 3 a quadrangle, 4 a tetrahedron.
-    fn read_element(&mut self, kind: usize) -> Result<(), ParseError> {
-        match kind {
-            2 => {
-                let triangle = self.read_corners()?;
-                self.mesh.triangles.push(triangle);
+    /// Reads an element's nodes; `is_wide` where their numbers are sizes.
+    fn read_element(&mut self, kind: usize, is_wide: bool) -> Result<(), ParseError> {
+        let Some(count) = node_count(kind) else {
+            return Err(self.input.error(no_tetrahedron(kind)));
+        };
+        if is_passed_over(kind) {
+            self.has_high_order |= (20..=25).contains(&kind);
+            for _ in 0..count * usize::from(self.input.binary.is_some()) {
+                self.input.corner(is_wide)?;
             }
-            3 => {
-                let quad: [u32; 4] = self.read_corners()?;
-                triangulate(&self.mesh.vertices, &quad, &mut self.mesh.triangles);
-            }
-            4 => {
-                let tet = self.read_corners()?;
-                self.mesh.tets.push(tet);
-            }
-            // Points, lines of any order, and curved triangles and quadrangles: these bound curved
-            // volumes, which are refused.
-            1 | 8 | 9 | 10 | 15 | 16 | 20..=28 => {}
-            _ => return Err(self.words.error(no_tetrahedron(kind))),
+            self.input.end_line();
+            return Ok(());
         }
-        self.words.next_line();
+        let mut nodes = [0; 10];
+        let nodes = &mut nodes[..count];
+        for node in nodes.iter_mut() {
+            let tag = self.input.corner(is_wide)?;
+            *node = self.vertex(tag)?;
+        }
+        let added = match (kind, &*nodes) {
+            (2, &[a, b, c]) => {
+                self.mesh.triangles.push([a, b, c]);
+                Ok(())
+            }
+            (3, quad) => {
+                triangulate(&self.mesh.vertices, quad, &mut self.mesh.triangles);
+                Ok(())
+            }
+            (4 | 11, tet) => self.mesh.add_tet(tet),
+            (_, face) => self.mesh.add_second_order_face(face),
+        };
+        added.map_err(|kind| self.input.error(kind))?;
+        self.input.end_line();
         Ok(())
-    }
-
-    fn read_corners<const N: usize>(&mut self) -> Result<[u32; N], ParseError> {
-        let mut corners = [0; N];
-        for corner in &mut corners {
-            let tag = self.words.count_on_line("a node's number")?;
-            *corner = self.vertex(tag)?;
-        }
-        Ok(corners)
     }
 
     fn vertex(&self, tag: usize) -> Result<u32, ParseError> {
@@ -215,19 +375,19 @@ impl GmshFile<'_> {
         };
         vertex
             .filter(|&vertex| (vertex as usize) < vertices)
-            .ok_or_else(|| self.words.error(out_of_range))
+            .ok_or_else(|| self.input.error(out_of_range))
     }
 
     /// Reads a scalar field; vectors and tensors are passed over.
     fn read_node_data(&mut self) -> Result<(), ParseError> {
         let name = self.read_name()?;
-        for _ in 0..self.words.count("the number of real tags")? {
-            self.words.value()?;
+        for _ in 0..self.input.words.count("the number of real tags")? {
+            self.input.words.value()?;
         }
-        let integers = self.words.count("the number of integer tags")?;
+        let integers = self.input.words.count("the number of integer tags")?;
         let mut layout = [0; 3];
         for at in 0..integers {
-            let value = self.words.count("an integer tag")?;
+            let value = self.input.words.count("an integer tag")?;
             if let Some(slot) = layout.get_mut(at) {
                 *slot = value;
             }
@@ -236,6 +396,7 @@ impl GmshFile<'_> {
         if components != 1 {
             return Ok(());
         }
+        self.input.start_data();
         let field = self.field_of(name, step);
         self.read_values(field, count)
     }
@@ -262,13 +423,13 @@ impl GmshFile<'_> {
     /// Reads the string tags, one a line; returns the first, the field's name, without quotes.
     fn read_name(&mut self) -> Result<String, ParseError> {
         let mut name = String::new();
-        let tags = self.words.count("the number of string tags")?;
-        self.words.next_line();
+        let tags = self.input.words.count("the number of string tags")?;
+        self.input.words.next_line();
         for at in 0..tags {
-            if self.words.peek().is_none() {
-                return Err(self.words.truncated("a string tag"));
+            if self.input.words.peek().is_none() {
+                return Err(self.input.words.truncated("a string tag"));
             }
-            let text = self.words.rest_of_line();
+            let text = self.input.words.rest_of_line();
             if at == 0 {
                 let inside = text.strip_prefix(b"\"");
                 let inside = inside.and_then(|text| text.strip_suffix(b"\""));
@@ -280,9 +441,9 @@ impl GmshFile<'_> {
 
     fn read_values(&mut self, field: usize, count: usize) -> Result<(), ParseError> {
         for _ in 0..count {
-            let tag = self.words.count("a node's number")?;
+            let tag = self.input.count("a node's number")?;
             let vertex = self.vertex(tag)?;
-            let value = self.words.value_on_line()?;
+            let value = self.input.value()?;
             self.mesh.point_data[field].set(vertex, value);
         }
         Ok(())
@@ -290,18 +451,53 @@ impl GmshFile<'_> {
 
     /// Moves past the line `$End…` of a section, whose name is given in small letters.
     fn skip_to_end(&mut self, section: &[u8]) -> Result<(), ParseError> {
-        let is_counted = [&b"$nodes"[..], b"$parametricnodes", b"$elements"].contains(&section);
+        if self.input.binary.is_some() {
+            let end = [b"$end", &section[1..]].concat();
+            let expected = "the end of a section";
+            return match self.input.words.skip_past(&end) {
+                true => Ok(()),
+                false => Err(self.input.error(ErrorKind::Truncated { expected })),
+            };
+        }
+        let counted = ["$nodes", "$parametricnodes", "$elements", "$nod", "$elm"];
+        let is_counted = counted.iter().any(|name| name.as_bytes() == section);
         loop {
-            let word = self.words.some_word("the end of a section")?;
+            let word = self.input.words.some_word("the end of a section")?;
             let end = word.to_ascii_lowercase();
             if end.strip_prefix(b"$end") == section.strip_prefix(b"$") {
                 return Ok(());
             }
             if is_counted {
                 let expected = "the end of a section, its count was too low";
-                return Err(self.words.unexpected(expected, word));
+                return Err(self.input.words.unexpected(expected, word));
             }
-            self.words.next_line();
+            self.input.words.next_line();
         }
     }
+}
+
+/// The number of nodes of an element's type, `None` for volumes other than tetrahedra of first and
+/// second order.
+fn node_count(kind: usize) -> Option<usize> {
+    Some(match kind {
+        15 => 1,
+        1 => 2,
+        2 | 8 => 3,
+        3 | 4 | 26 => 4,
+        27 => 5,
+        9 | 28 => 6,
+        16 => 8,
+        10 | 20 => 9,
+        11 | 21 => 10,
+        22 => 12,
+        23 | 24 => 15,
+        25 => 21,
+        _ => return None,
+    })
+}
+
+/// Points, lines of any order, and triangles of order above two: these bound curved volumes, which
+/// are refused.
+fn is_passed_over(kind: usize) -> bool {
+    matches!(kind, 1 | 8 | 15 | 20..=28)
 }

@@ -1,4 +1,5 @@
-//! MEDIT `.mesh` in text: tetrahedra, triangles, quadrilaterals.
+//! MEDIT `.mesh` in text: tetrahedra, triangles, quadrilaterals, and second-order tetrahedra and
+//! triangles (`TetrahedraP2`, `TrianglesP2`) with straight edges.
 //!
 //! A file is a list of keywords, each with its count and entities; keywords not known here are
 //! passed over up to the next word that starts with a letter. Hexahedra and prisms are refused,
@@ -7,8 +8,8 @@
 
 use std::fmt::Write;
 
-use crate::mesh::formats::error::ParseError;
-use crate::mesh::formats::mesh::{Mesh, MeshParts, no_tetrahedron};
+use crate::mesh::formats::error::{ErrorKind, ParseError};
+use crate::mesh::formats::mesh::{Mesh, MeshFile, MeshParts, no_tetrahedron};
 use crate::mesh::formats::words::{Words, shown};
 use crate::mesh::polygon::triangulate;
 use crate::mesh::tets::TetMesh;
@@ -19,6 +20,11 @@ use crate::mesh::tets::TetMesh;
 ///
 /// The line and what is wrong there.
 pub fn parse(bytes: &[u8]) -> Result<Mesh, ParseError> {
+    Ok(read(bytes)?.mesh)
+}
+
+/// As [`parse`], with what there is to say about the file.
+pub(crate) fn read(bytes: &[u8]) -> Result<MeshFile, ParseError> {
     let mut words = Words::new(bytes, Some(b'#'));
     let mut mesh = MeshParts::default();
     while let Some(word) = words.word() {
@@ -26,12 +32,26 @@ pub fn parse(bytes: &[u8]) -> Result<Mesh, ParseError> {
             b"meshversionformatted" => drop(words.count("a version")?),
             b"dimension" => read_dimension(&mut words)?,
             b"vertices" => read_vertices(&mut words, &mut mesh)?,
-            b"tetrahedra" => read_elements(&mut words, &mut mesh, |mesh, tet| mesh.tets.push(tet))?,
-            b"triangles" => read_elements(&mut words, &mut mesh, |m, face| m.triangles.push(face))?,
+            b"tetrahedra" => read_elements(&mut words, &mut mesh, |mesh, tet: [u32; 4]| {
+                mesh.add_tet(&tet)
+            })?,
+            b"tetrahedrap2" => read_elements(&mut words, &mut mesh, |mesh, tet: [u32; 10]| {
+                mesh.add_tet(&tet)
+            })?,
+            b"triangles" => read_elements(&mut words, &mut mesh, |mesh, face| {
+                mesh.triangles.push(face);
+                Ok(())
+            })?,
+            b"trianglesp2" => read_elements(&mut words, &mut mesh, |mesh, face: [u32; 6]| {
+                mesh.add_second_order_face(&face)
+            })?,
             b"quadrilaterals" => read_elements(&mut words, &mut mesh, |mesh, quad: [u32; 4]| {
                 triangulate(&mesh.vertices, &quad, &mut mesh.triangles);
+                Ok(())
             })?,
-            b"hexahedra" | b"hexaedra" | b"prisms" | b"pyramids" => refuse(&mut words, word)?,
+            b"hexahedra" | b"hexaedra" | b"prisms" | b"pyramids" | b"tetrahedrap3" => {
+                refuse(&mut words, word)?
+            }
             b"end" => break,
             _ if word[0].is_ascii_alphabetic() => skip(&mut words),
             _ => return Err(words.unexpected("a keyword", word)),
@@ -64,7 +84,9 @@ fn read_dimension(words: &mut Words<'_>) -> Result<(), ParseError> {
         return Ok(());
     }
     let what = format!("a mesh of dimension {dimension}");
-    Err(words.unsupported(what, "export it with three coordinates a vertex"))
+    let mend =
+        "a solid has three coordinates a vertex; a domain of the plane is a polygon in a scene";
+    Err(words.unsupported(what, mend))
 }
 
 fn read_vertices(words: &mut Words<'_>, mesh: &mut MeshParts) -> Result<(), ParseError> {
@@ -80,7 +102,7 @@ fn read_vertices(words: &mut Words<'_>, mesh: &mut MeshParts) -> Result<(), Pars
 fn read_elements<const N: usize>(
     words: &mut Words<'_>,
     mesh: &mut MeshParts,
-    add: impl Fn(&mut MeshParts, [u32; N]),
+    add: impl Fn(&mut MeshParts, [u32; N]) -> Result<(), ErrorKind>,
 ) -> Result<(), ParseError> {
     let count = words.size("the number of elements", "elements")?;
     for _ in 0..count {
@@ -89,7 +111,7 @@ fn read_elements<const N: usize>(
             *vertex = words.vertex(mesh.vertices.len(), 1)?;
         }
         words.number("a reference")?;
-        add(mesh, element);
+        add(mesh, element).map_err(|kind| words.error(kind))?;
     }
     Ok(())
 }

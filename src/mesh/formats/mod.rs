@@ -4,7 +4,9 @@
 
 pub(crate) mod binary;
 pub mod error;
+pub(crate) mod foreign;
 pub mod gmsh;
+pub(crate) mod gmsh_input;
 pub mod medit;
 pub mod mesh;
 pub mod obj;
@@ -15,10 +17,16 @@ pub(crate) mod point_data;
 #[cfg(feature = "scene")]
 pub(crate) mod polygons;
 pub mod read;
+pub(crate) mod second_order;
 pub mod stl;
 pub mod tetgen;
+pub(crate) mod three_mf;
+pub(crate) mod unpack;
 pub(crate) mod volint;
 pub mod vtk;
+pub(crate) mod vtk_input;
+pub(crate) mod vtk_xml;
 pub mod vtu;
 pub(crate) mod words;
 pub(crate) mod xml;
+pub(crate) mod zip;

@@ -34,7 +34,7 @@ pub(crate) fn parse_file(bytes: &[u8]) -> Result<MeshFile, ParseError> {
     } else {
         labels.objects.0
     };
-    Ok(MeshFile { mesh, elements })
+    Ok(MeshFile::labeled(mesh, elements))
 }
 
 /// The labels of the triangles so far, and those that the next ones will have.

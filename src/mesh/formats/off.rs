@@ -26,7 +26,7 @@ pub fn parse(bytes: &[u8]) -> Result<SurfaceMesh, ParseError> {
 pub(crate) fn parse_file(bytes: &[u8]) -> Result<MeshFile, ParseError> {
     let mut elements = Elements::default();
     let mesh = Mesh::Surface(read_mesh(bytes, &mut elements)?);
-    Ok(MeshFile { mesh, elements })
+    Ok(MeshFile::labeled(mesh, elements))
 }
 
 fn read_mesh(bytes: &[u8], elements: &mut Elements) -> Result<SurfaceMesh, ParseError> {
@@ -95,11 +95,25 @@ fn read_vertices(
     mesh: &mut SurfaceMesh,
 ) -> Result<(), ParseError> {
     mesh.vertices.reserve(words.capacity_for(count, 6));
-    for _ in 0..count {
+    for number in 0..count {
+        if number == 0 && is_pair(words) {
+            let mend =
+                "a solid has three; for a run in the plane write a scene with \"dimension\": 2";
+            return Err(words.unsupported("a vertex of two coordinates", mend));
+        }
         mesh.vertices.push(words.point_on_line()?);
         words.next_line();
     }
     Ok(())
+}
+
+/// Whether just two numbers stand on the line.
+fn is_pair(words: &Words<'_>) -> bool {
+    let mut words = words.clone();
+    let is_number = |word: &[u8]| std::str::from_utf8(word).is_ok_and(|w| w.parse::<f64>().is_ok());
+    let mut pair = [words.word(), words.word_on_line()].into_iter();
+    let are_numbers = pair.all(|word| word.is_some_and(is_number));
+    are_numbers && words.word_on_line().is_none() && !words.is_at_end()
 }
 
 fn read_faces(

@@ -58,7 +58,7 @@ pub(crate) fn parse(bytes: &[u8]) -> Result<MeshFile, ParseError> {
             .resize(mesh.triangles.len(), number as u32);
     }
     let mesh = Mesh::Surface(not_empty(mesh, "faces", "give it some")?);
-    Ok(MeshFile { mesh, elements })
+    Ok(MeshFile::labeled(mesh, elements))
 }
 
 fn point(number: usize, place: &[f64]) -> Result<Point3<f64>, ParseError> {

@@ -1,55 +1,55 @@
 //! Mesh files of every format: recognized, read, and checked.
 //!
 //! An unambiguous signature in the first bytes decides the format, even against the extension;
-//! else the extension; else weaker signs in the content. [`read`] takes either kind of mesh, [`read_surface`]
+//! else the extension; else weaker signs in the content. Files packed by gzip are unpacked first. [`read`] takes either kind of mesh, [`read_surface`]
 //! and [`read_tets`] one; [`load`] also validates and names the file in every message.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
 use crate::mesh::elements::Elements;
 use crate::mesh::formats::error::{ErrorKind, ParseError, ReadError};
+use crate::mesh::formats::foreign::{check_extension, check_signature};
 use crate::mesh::formats::mesh::{Mesh, MeshFile};
 #[cfg(feature = "scene")]
 use crate::mesh::formats::polygons;
+use crate::mesh::formats::unpack::{extension_of, read_unpacked, without_gz};
 use crate::mesh::formats::words::Words;
-use crate::mesh::formats::{gmsh, medit, obj, off, ply, stl, tetgen, volint, vtk, vtu};
+use crate::mesh::formats::{gmsh, medit, obj, off, ply, stl, tetgen, three_mf, volint, vtk, vtu};
 use crate::mesh::report::Refusal;
 use crate::mesh::surface::SurfaceMesh;
 use crate::mesh::tets::TetMesh;
 use crate::mesh::validate::{Solid, number_surface, number_tets};
 
 /// The formats, as messages name them.
-const KNOWN: &str = "export it as .off, .obj, .stl, .ply, .mesh, .msh, .node/.ele, .vtk or .vtu";
+const KNOWN: &str =
+    "export it as .off, .obj, .stl, .ply, .3mf, .mesh, .msh, .node/.ele, .vtk, .vtu or .vtp";
 
-/// Reads a mesh file.
+/// Reads a mesh file, or standard input where `path` is `-`.
 ///
 /// # Errors
 ///
 /// The file, the line or byte, what is wrong there and what to do.
 pub fn read(path: &Path) -> Result<Mesh, ReadError> {
-    read_file(path).map(|file| file.mesh)
+    Ok(read_file(path)?.mesh)
 }
 
-/// As [`read`], with what the file says about the elements.
+/// As [`read`], with what there is to say about the file.
 pub(crate) fn read_file(path: &Path) -> Result<MeshFile, ReadError> {
     let bytes = read_bytes(path)?;
-    let extension = path
-        .extension()
-        .unwrap_or_default()
-        .to_string_lossy()
-        .to_ascii_lowercase();
-    match Format::of(&bytes, &extension) {
-        Some(Format::TetGen) => read_pair(path).map(|tets| Mesh::Tets(tets).into()),
-        Some(format) => format.parse(&bytes).map_err(|error| in_file(path, error)),
-        None => {
+    let extension = extension_of(path);
+    let parsed = match Format::of(&bytes, &extension) {
+        Ok(Some(Format::TetGen)) => return read_pair(path),
+        Ok(Some(format)) => format.parse(&bytes),
+        Ok(None) => {
             let what = "a mesh format told neither by the first bytes nor the extension";
             let kind = ErrorKind::unsupported(what, KNOWN);
-            Err(in_file(path, ParseError::whole(kind)))
+            Err(ParseError::whole(kind))
         }
-    }
+        Err(foreign) => Err(foreign),
+    };
+    parsed.map_err(|error| in_file(path, error))
 }
 
 /// Reads a surface; of tetrahedra, their boundary.
@@ -101,7 +101,16 @@ pub enum LoadError {
 ///
 /// The file and what is wrong with it, with the mend.
 pub fn load(path: &Path) -> Result<Solid, LoadError> {
-    load_labeled(path).map(|labeled| labeled.solid)
+    load_within(path, 0.0)
+}
+
+/// As [`load`]; vertices up to `weld` apart (L) are merged where the mesh is open without.
+///
+/// # Errors
+///
+/// As [`load`].
+pub fn load_within(path: &Path, weld: f64) -> Result<Solid, LoadError> {
+    load_labeled(path, weld).map(|labeled| labeled.solid)
 }
 
 /// A solid, and what its file says about the elements that are left.
@@ -112,29 +121,30 @@ pub(crate) struct LabeledSolid {
 }
 
 impl LabeledSolid {
-    /// Checks a mesh that was read.
+    /// Checks a mesh that was read; vertices up to `weld` apart (L) are merged where it is open without.
     ///
     /// # Errors
     /// Why it bounds or fills no solid.
-    pub(crate) fn of(file: &MeshFile) -> Result<Self, Refusal> {
-        let (solid, numbers) = match &file.mesh {
+    pub(crate) fn of(file: &MeshFile, weld: f64) -> Result<Self, Refusal> {
+        let (mut solid, numbers) = match &file.mesh {
             Mesh::Surface(mesh) => {
-                let (surface, report, numbers) = number_surface(mesh)?;
+                let (surface, report, numbers) = number_surface(mesh, weld)?;
                 (Solid::Surface(surface, report), numbers)
             }
             Mesh::Tets(mesh) => {
-                let (tets, report, numbers) = number_tets(mesh)?;
+                let (tets, report, numbers) = number_tets(mesh, weld)?;
                 (Solid::Tets(tets, report), numbers)
             }
         };
+        solid.set_file_notes(file.notes.clone());
         let elements = file.elements.of_kept(&numbers);
         Ok(Self { solid, elements })
     }
 }
 
-/// As [`load`], with what the file says about the elements.
-pub(crate) fn load_labeled(path: &Path) -> Result<LabeledSolid, LoadError> {
-    LabeledSolid::of(&read_file(path)?).map_err(|refusal| {
+/// As [`load_within`], with what the file says about the elements.
+pub(crate) fn load_labeled(path: &Path, weld: f64) -> Result<LabeledSolid, LoadError> {
+    LabeledSolid::of(&read_file(path)?, weld).map_err(|refusal| {
         let file = path.to_path_buf();
         LoadError::Refused { file, refusal }
     })
@@ -152,30 +162,36 @@ enum Format {
     Polygons,
     Stl,
     TetGen,
+    ThreeMf,
     VolInt,
     Vtk,
     Vtu,
 }
 
 impl Format {
-    fn of(bytes: &[u8], extension: &str) -> Option<Self> {
-        Self::by_signature(bytes, extension)
-            .or_else(|| Self::by_extension(extension))
-            .or_else(|| Self::by_guess(bytes))
+    /// The format, or the refusal of one that is known but not read.
+    fn of(bytes: &[u8], extension: &str) -> Result<Option<Self>, ParseError> {
+        let is_named_stl = Self::by_extension(extension) == Some(Self::Stl);
+        if is_named_stl && stl::may_be_binary(bytes) {
+            return Ok(Some(Self::Stl));
+        }
+        check_signature(bytes)?;
+        let format = Self::by_signature(bytes).or_else(|| Self::by_extension(extension));
+        if format.is_none() {
+            check_extension(extension)?;
+        }
+        Ok(format.or_else(|| Self::by_guess(bytes)))
     }
 
     /// The format whose signature the file starts with. A binary STL's first 80 bytes may hold any
-    /// remark, so its length counts more.
-    fn by_signature(bytes: &[u8], extension: &str) -> Option<Self> {
-        let is_named_stl = Self::by_extension(extension) == Some(Self::Stl);
-        if is_named_stl && stl::may_be_binary(bytes) {
-            return Some(Self::Stl);
-        }
+    /// remark, so its length counts more, before this.
+    fn by_signature(bytes: &[u8]) -> Option<Self> {
         let start = bytes.trim_ascii_start();
         let first = Words::new(bytes, Some(b'#')).word().unwrap_or_default();
         match first.to_ascii_lowercase().as_slice() {
             b"ply" => Some(Self::Ply),
-            b"$meshformat" => Some(Self::Gmsh),
+            b"$meshformat" | b"$comments" | b"$nod" => Some(Self::Gmsh),
+            _ if bytes.starts_with(b"PK\x03\x04") => Some(Self::ThreeMf),
             b"meshversionformatted" => Some(Self::Medit),
             _ if starts_with_any_case(start, b"# vtk DataFile") => Some(Self::Vtk),
             _ if start.starts_with(b"<?xml") || start.starts_with(b"<VTKFile") => Some(Self::Vtu),
@@ -197,7 +213,8 @@ impl Format {
             "json" => Self::Polygons,
             "volint" => Self::VolInt,
             "vtk" => Self::Vtk,
-            "vtu" => Self::Vtu,
+            "vtu" | "vtp" => Self::Vtu,
+            "3mf" => Self::ThreeMf,
             _ => return None,
         })
     }
@@ -217,24 +234,26 @@ impl Format {
     }
 
     fn parse(self, bytes: &[u8]) -> Result<MeshFile, ParseError> {
-        match self {
-            Self::Gmsh => gmsh::parse(bytes).map(MeshFile::from),
-            Self::Medit => medit::parse(bytes).map(MeshFile::from),
-            Self::Obj => obj::parse_file(bytes),
-            Self::Off => off::parse_file(bytes),
-            Self::Ply => ply::parse(bytes).map(|mesh| Mesh::Surface(mesh).into()),
+        let surface = match self {
+            Self::Gmsh => return gmsh::read(bytes),
+            Self::Medit => return medit::read(bytes),
+            Self::ThreeMf => return three_mf::read(bytes),
+            Self::Vtk => return vtk::read(bytes),
+            Self::Vtu => return vtu::read(bytes),
+            Self::Obj => return obj::parse_file(bytes),
+            Self::Off => return off::parse_file(bytes),
             #[cfg(feature = "scene")]
-            Self::Polygons => polygons::parse(bytes),
-            Self::Stl => stl::parse(bytes).map(|mesh| Mesh::Surface(mesh).into()),
-            Self::VolInt => volint::parse(bytes),
-            Self::Vtk => vtk::parse(bytes).map(MeshFile::from),
-            Self::Vtu => vtu::parse(bytes).map(MeshFile::from),
+            Self::Polygons => return polygons::parse(bytes),
+            Self::VolInt => return volint::parse(bytes),
+            Self::Ply => ply::parse(bytes),
+            Self::Stl => stl::parse(bytes),
             Self::TetGen => {
                 let what = "one of TetGen's two files alone";
                 let kind = ErrorKind::unsupported(what, "name the .ele file");
                 Err(ParseError::whole(kind))
             }
-        }
+        };
+        Ok(MeshFile::plain(Mesh::Surface(surface?)))
     }
 }
 
@@ -243,24 +262,39 @@ fn starts_with_any_case(bytes: &[u8], start: &[u8]) -> bool {
     first.is_some_and(|first| first.eq_ignore_ascii_case(start))
 }
 
-/// Reads TetGen's two files, given either.
-fn read_pair(path: &Path) -> Result<TetMesh, ReadError> {
-    let (nodes, elements) = (path.with_extension("node"), path.with_extension("ele"));
+/// Reads TetGen's two files, given either; each may be packed.
+fn read_pair(path: &Path) -> Result<MeshFile, ReadError> {
+    let [nodes, elements] = tetgen_pair(path);
     let parsed = tetgen::parse_nodes(&read_bytes(&nodes)?);
     let parsed = parsed.map_err(|error| in_file(&nodes, error))?;
-    tetgen::parse_elements(&read_bytes(&elements)?, parsed)
+    tetgen::read_elements(&read_bytes(&elements)?, parsed)
         .map_err(|error| in_file(&elements, error))
+}
+
+/// The `.node` and the `.ele` file of a pair, given either: packed where the file is packed and no
+/// plain one is there.
+pub(crate) fn tetgen_pair(path: &Path) -> [PathBuf; 2] {
+    let base = without_gz(path);
+    ["node", "ele"].map(|extension| {
+        let plain = base.with_extension(extension);
+        let packed = base.with_extension(format!("{extension}.gz"));
+        if packed.exists() && !plain.exists() {
+            packed
+        } else {
+            plain
+        }
+    })
 }
 
 /// A file's bytes, without a byte order mark; not empty.
 fn read_bytes(path: &Path) -> Result<Vec<u8>, ReadError> {
-    let mut bytes =
-        fs::read(path).map_err(|error| in_file(path, ParseError::whole(error.into())))?;
+    let whole = |kind| in_file(path, ParseError::whole(kind));
+    let mut bytes = read_unpacked(path).map_err(whole)?;
     if bytes.starts_with(b"\xef\xbb\xbf") {
         bytes.drain(..3);
     }
     if bytes.trim_ascii().is_empty() {
-        return Err(in_file(path, ParseError::whole(ErrorKind::Empty)));
+        return Err(whole(ErrorKind::Empty));
     }
     Ok(bytes)
 }

@@ -1,13 +1,14 @@
 //! TetGen's pair of files: `.node` with the vertices, `.ele` with the tetrahedra.
 //!
 //! Numbering starts at 0 or 1 as the first vertex says. Vertex attributes become vertex data
-//! named `attribute1`, `attribute2`, …; boundary markers and region numbers are passed over.
+//! named `attribute1`, `attribute2`, …; boundary markers and region numbers are passed over. Tetrahedra
+//! of ten nodes (`tetgen -o2`) are read by their corners where all edges are straight.
 
 use nalgebra::Point3;
 
 use crate::mesh::formats::error::ParseError;
-use crate::mesh::formats::mesh::no_tetrahedron;
-use crate::mesh::formats::point_data::{PointData, vertex_data};
+use crate::mesh::formats::mesh::{Mesh, MeshFile, MeshParts, no_tetrahedron};
+use crate::mesh::formats::point_data::PointData;
 use crate::mesh::formats::words::Words;
 use crate::mesh::tets::{TetMesh, VertexData};
 
@@ -23,14 +24,16 @@ pub struct Nodes {
 }
 
 impl Nodes {
-    /// The attributes, faults named by the numbers of the vertices of `tets`.
-    fn data_of(&mut self, tets: &[[u32; 4]]) -> Vec<VertexData> {
-        let (first, vertices) = (self.first, self.vertices.len());
-        let data = std::mem::take(&mut self.vertex_data).into_iter();
+    /// The vertices with their attributes, to which elements are added.
+    fn into_parts(self) -> MeshParts {
+        let vertices = self.vertices.len();
+        let data = self.vertex_data.into_iter();
         let data = data.map(|field| PointData::of(field.name, field.values, vertices));
-        vertex_data(data.collect(), tets, vertices, |vertex| {
-            format!("vertex {}", vertex as i64 + first)
-        })
+        MeshParts {
+            point_data: data.collect(),
+            vertices: self.vertices,
+            ..MeshParts::default()
+        }
     }
 }
 
@@ -80,30 +83,44 @@ fn read_node(words: &mut Words<'_>, number: i64, nodes: &mut Nodes) -> Result<()
 /// # Errors
 ///
 /// The line and what is wrong there.
-pub fn parse_elements(bytes: &[u8], mut nodes: Nodes) -> Result<TetMesh, ParseError> {
+pub fn parse_elements(bytes: &[u8], nodes: Nodes) -> Result<TetMesh, ParseError> {
+    match read_elements(bytes, nodes)?.mesh {
+        Mesh::Tets(tets) => Ok(tets),
+        Mesh::Surface(_) => Err(no_tetrahedra()),
+    }
+}
+
+/// As [`parse_elements`], with what there is to say about the file.
+pub(crate) fn read_elements(bytes: &[u8], nodes: Nodes) -> Result<MeshFile, ParseError> {
     let mut words = Words::new(bytes, Some(b'#'));
     let count = words.size("the number of tetrahedra", "tetrahedra")?;
-    let corners = words.count_on_line("4 corners per tetrahedron")?;
-    if corners != 4 {
+    let corners = words.count_on_line("4 corners per tetrahedron, or 10 nodes")?;
+    if corners != 4 && corners != 10 {
         return Err(words.error(no_tetrahedron(format!("{corners}-node tetrahedron"))));
     }
-    let mut tets = Vec::with_capacity(words.capacity_for(count, 10));
+    let (first, vertices) = (nodes.first, nodes.vertices.len());
+    let mut mesh = nodes.into_parts();
+    mesh.tets.reserve(words.capacity_for(count, 10));
+    let mut tet = Vec::with_capacity(corners);
     for _ in 0..count {
         words.next_line();
         words.integer("a tetrahedron's number")?;
-        let mut vertex = || words.vertex_on_line(nodes.vertices.len(), nodes.first);
-        tets.push([vertex()?, vertex()?, vertex()?, vertex()?]);
+        tet.clear();
+        for _ in 0..corners {
+            tet.push(words.vertex_on_line(vertices, first)?);
+        }
+        mesh.add_tet(&tet).map_err(|kind| words.error(kind))?;
     }
     words.next_line();
     check_end(&mut words, "tetrahedra", count)?;
-    if tets.is_empty() {
-        return Err(ParseError::missing("tetrahedra", "run TetGen again"));
+    if mesh.tets.is_empty() {
+        return Err(no_tetrahedra());
     }
-    Ok(TetMesh {
-        vertex_data: nodes.data_of(&tets),
-        vertices: nodes.vertices,
-        tets,
-    })
+    mesh.into_mesh(|vertex| format!("vertex {}", vertex as i64 + first))
+}
+
+fn no_tetrahedra() -> ParseError {
+    ParseError::missing("tetrahedra", "run TetGen again")
 }
 
 /// The rest of the first line: dimension, number of attributes, which become empty fields.

@@ -33,7 +33,7 @@ pub(crate) fn parse(bytes: &[u8]) -> Result<MeshFile, ParseError> {
         return Err(words.unexpected("the end of the file, its count of faces was too low", word));
     }
     let mesh = Mesh::Surface(not_empty(mesh, "faces", "export the mesh with its faces")?);
-    Ok(MeshFile { mesh, elements })
+    Ok(MeshFile::labeled(mesh, elements))
 }
 
 fn read_polygon(

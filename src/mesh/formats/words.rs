@@ -46,6 +46,28 @@ impl<'a> Words<'a> {
         self.position
     }
 
+    /// Whether all bytes are read.
+    pub(crate) fn is_at_end(&self) -> bool {
+        self.position == self.bytes.len()
+    }
+
+    /// The next bytes, whatever they are; `None` if there are fewer. Lines are not counted in them.
+    pub(crate) fn take(&mut self, count: usize) -> Option<&'a [u8]> {
+        let taken = self.bytes[self.position..].get(..count)?;
+        self.position += count;
+        Some(taken)
+    }
+
+    /// Moves behind the next occurrence of `pattern`, in any case; false if there is none.
+    pub(crate) fn skip_past(&mut self, pattern: &[u8]) -> bool {
+        let mut windows = self.bytes[self.position..].windows(pattern.len());
+        let found = windows.position(|window| window.eq_ignore_ascii_case(pattern));
+        if let Some(start) = found {
+            self.position += start + pattern.len();
+        }
+        found.is_some()
+    }
+
     /// How many elements of at least `width` bytes the rest can hold: a bound for the
     /// memory reserved for an announced count.
     pub(crate) fn capacity_for(&self, announced: usize, width: usize) -> usize {

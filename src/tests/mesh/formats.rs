@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use crate::mesh::formats::mesh::Mesh;
 use crate::mesh::formats::read::{read, read_surface, read_tets};
-use crate::mesh::formats::{gmsh, medit, obj, off, ply, stl, tetgen, vtk, vtu};
+use crate::mesh::formats::{gmsh, medit, obj, off, ply, stl, tetgen, three_mf, vtk, vtu};
 use crate::mesh::shapes;
 use crate::mesh::surface::SurfaceMesh;
 use crate::mesh::tets::{TetMesh, VertexData};
@@ -55,6 +55,7 @@ fn parse((extension, bytes): &Sample) -> Result<Mesh, crate::mesh::formats::erro
         "mesh" => medit::parse(bytes),
         "msh" => gmsh::parse(bytes),
         "vtk" => vtk::parse(bytes),
+        "3mf" => three_mf::read(bytes).map(|file| file.mesh),
         _ => vtu::parse(bytes),
     }
 }

@@ -5,7 +5,9 @@ mod faults;
 mod formats;
 mod overlaps;
 mod samples;
+mod samples_binary;
 mod validation;
+mod written;
 
 use std::path::Path;
 

@@ -6,6 +6,7 @@ use std::io::Write as _;
 
 use crate::mesh::surface::SurfaceMesh;
 use crate::mesh::tets::TetMesh;
+use crate::tests::mesh::samples_binary;
 
 /// A format's file extension and a file of it.
 pub(crate) type Sample = (&'static str, Vec<u8>);
@@ -23,6 +24,9 @@ pub(crate) fn surfaces(mesh: &SurfaceMesh) -> Vec<Sample> {
         ("ply", ply_binary(mesh, true)),
         ("mesh", medit_surface(mesh)),
         ("vtk", vtk_polydata(mesh)),
+        ("vtp", samples_binary::vtp(mesh, false)),
+        ("vtp", samples_binary::vtp(mesh, true)),
+        ("3mf", samples_binary::three_mf(mesh)),
     ]
 }
 
@@ -40,6 +44,12 @@ pub(crate) fn tets(mesh: &TetMesh) -> Vec<Sample> {
         ("vtu", vtu(mesh, data, Vtu::Base64)),
         ("vtu", vtu(mesh, data, Vtu::Compressed)),
         ("vtu", vtu(mesh, data, Vtu::Raw)),
+        ("msh", samples_binary::gmsh(mesh, data, "2.2", false)),
+        ("msh", samples_binary::gmsh(mesh, data, "4.0", true)),
+        ("msh", samples_binary::gmsh(mesh, data, "4.1", false)),
+        ("msh", samples_binary::gmsh(mesh, data, "4.1", true)),
+        ("vtk", samples_binary::vtk(mesh, data, false)),
+        ("vtk", samples_binary::vtk(mesh, data, true)),
     ]
 }
 
