@@ -34,8 +34,7 @@ enum Command {
     Plot(plot::PlotOptions),
     Fragments(fragments::FragmentsOptions),
     Bench(bench::BenchOptions),
-    /// Print the JSON Schema of scenes
-    Schema,
+    Schema(describe::SchemaOptions),
     Completions(describe::CompletionsOptions),
     Man(describe::ManOptions),
 }
@@ -70,7 +69,7 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
         Command::Plot(options) => plot::run(options, common),
         Command::Fragments(options) => fragments::run(options, common),
         Command::Bench(options) => bench::run(options, common.threads),
-        Command::Schema => describe::schema(),
+        Command::Schema(options) => describe::schema(options),
         Command::Completions(options) => describe::completions(options, Arguments::command()),
         Command::Man(options) => describe::man(options, Arguments::command()),
     }

@@ -23,7 +23,7 @@ pub(crate) enum CellColumn {
 }
 
 /// An array of the file: section, type, name, bytes.
-type FileArray = (&'static str, &'static str, String, Vec<u8>);
+pub(crate) type FileArray = (&'static str, &'static str, String, Vec<u8>);
 
 /// Writes `mesh` with a column of numbers for each name. Unless `standard` types are wanted, all cells
 /// are polyhedra.
@@ -108,11 +108,11 @@ fn column_array(name: &str, column: &CellColumn) -> FileArray {
     ("CellData", kind, name.to_owned(), bytes)
 }
 
-fn real_bytes(all: impl IntoIterator<Item = f64>) -> Vec<u8> {
+pub(crate) fn real_bytes(all: impl IntoIterator<Item = f64>) -> Vec<u8> {
     all.into_iter().flat_map(f64::to_le_bytes).collect()
 }
 
-fn integer_bytes(all: &[i64]) -> Vec<u8> {
+pub(crate) fn integer_bytes(all: &[i64]) -> Vec<u8> {
     all.iter().flat_map(|value| value.to_le_bytes()).collect()
 }
 
@@ -176,8 +176,8 @@ fn push_stream(mesh: &PolyMesh, faces: &CellFaces, cell: usize, stream: &mut Vec
     points
 }
 
-/// Writes the file of so many points and cells.
-fn write_arrays(
+/// Writes a whole file of so many points and cells.
+pub(crate) fn write_arrays(
     file: &mut impl Write,
     [points, cells]: [usize; 2],
     arrays: &[FileArray],
@@ -189,7 +189,7 @@ fn write_arrays(
          <Piece NumberOfPoints=\"{points}\" NumberOfCells=\"{cells}\">\n"
     )?;
     let mut offset = 0;
-    for section in ["Points", "Cells", "CellData"] {
+    for section in ["Points", "Cells", "CellData", "PointData"] {
         let scalars = match section == "CellData" && arrays.iter().any(|array| array.2 == "energy")
         {
             true => " Scalars=\"energy\"",

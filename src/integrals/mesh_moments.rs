@@ -223,7 +223,7 @@ fn summed<const K: usize>(
 
 /// How the volumes of cones are computed.
 #[derive(Clone, Copy, Debug)]
-enum Precision {
+pub(crate) enum Precision {
     /// As determinants of rounded differences, with an error of some roundings of the third power of
     /// the distance from the origin.
     Single,
@@ -300,7 +300,7 @@ fn blocks<const K: usize, S: Default>(
 
 impl Precision {
     /// The precision that the signed sum of these simplices needs.
-    fn for_solid<const K: usize>(
+    pub(crate) fn for_solid<const K: usize>(
         vertices: &[Point3<f64>],
         simplices: &[[u32; K]],
         origin: &Point3<f64>,
@@ -315,7 +315,7 @@ impl Precision {
     /// Six times the signed volumes of four simplices, given by their vertices and by their corners
     /// relative to the origin.
     #[inline(always)]
-    fn six_volumes<const K: usize>(
+    pub(crate) fn six_volumes<const K: usize>(
         self,
         vertices: &[Point3<f64>],
         origin: &Point3<f64>,

@@ -15,6 +15,7 @@
 //!        └ monomials           all integrals up to a degree over a surface, over a solid
 //!        │
 //!      lanes                   four simplices at a time
+//!     half_space ← clip        … of the part of a solid above a plane
 //!     pairwise                 sums by halves, in a fixed order
 //!     reference                the papers' own formulas: [M], [CP], [BL]
 //! ```
@@ -24,15 +25,23 @@
 //! body, so that coordinates far from zero cost no digits, and transfers the result with
 //! [`Moments::translated`](crate::geometry::moments::Moments::translated).
 
+pub(crate) mod adaptive;
 pub mod bernstein;
+pub(crate) mod cell_moments;
+pub(crate) mod clip;
+pub(crate) mod cone_rule;
 mod double_double;
+pub(crate) mod expression;
+pub(crate) mod expression_text;
 mod formula;
+pub(crate) mod half_space;
 pub mod lanes;
 pub mod mesh_moments;
 pub(crate) mod monomials;
 pub mod pairwise;
 pub mod polynomial;
 pub mod polynomial_text;
+pub(crate) mod radial;
 pub mod reference;
 pub mod series;
 pub mod simplex;

@@ -34,13 +34,19 @@ pub fn cut(mesh: &TetMesh, normal: &Vector3<f64>, offset: f64) -> CutMesh {
         .iter()
         .map(|vertex| normal.dot(&vertex.coords) - offset)
         .collect();
+    cut_at(mesh, &distances)
+}
+
+/// Cuts `mesh` where a function that is linear in every tetrahedron vanishes, given its values at the
+/// vertices; what is above is where it is positive.
+pub(crate) fn cut_at(mesh: &TetMesh, distances: &[f64]) -> CutMesh {
     let mut cutter = MeshCutter {
         mesh: TetMesh {
             tets: Vec::with_capacity(mesh.tets.len()),
             ..mesh.clone()
         },
         above: Vec::with_capacity(mesh.tets.len()),
-        distances: &distances,
+        distances,
         new: HashMap::new(),
     };
     let are_cut = mesh.tets.iter().map(|tet| cutter.push(tet));

@@ -1,4 +1,4 @@
-//! Densities as functions of position, and their parsing from the text of `chebloyd mass --density`.
+//! Densities as functions of position.
 
 use crate::geometry::bounds::Bounds;
 use crate::integrals::mesh_moments::LinearDensity;
@@ -6,12 +6,13 @@ use crate::integrals::polynomial::Polynomial;
 use crate::integrals::polynomial_text::PolynomialError;
 use crate::mass::profile::{Profile, ProfileError};
 use nalgebra::{Point3, Vector3};
-use std::str::FromStr;
 
 /// A density (mass / L³) as a function of position.
 ///
 /// Reads from text by [`str::parse`]: `2.7`, `linear:axis=z,from=0,to=1`,
-/// `profile:axis=x,0.2=1,0.8=5`, `vertex`, `vertex:name`, or a polynomial such as
+/// `profile:axis=x,0.2=1,0.8=5`, `ramp:direction=1,0,2,from=0.2,to=0.8,low=1,high=5`,
+/// `clamp(1, 5, 2 + 3*x - z)` (the high end may be `inf`), `vertex`, `vertex:name`,
+/// `clamp(1, 5, vertex:name)`, `ramp:vertex=name,from=20,to=80,low=1,high=5`, or a polynomial such as
 /// `1 + 2*x - 0.5*y*z`.
 #[derive(Clone, Debug, PartialEq)]
 pub enum SolidDensity {
@@ -26,6 +27,60 @@ pub enum SolidDensity {
     /// Values at the vertices of a tetrahedral mesh, linear in between: the field of this name,
     /// or the only one there is.
     Vertex(Option<String>),
+    /// Such values, mapped and clamped.
+    VertexRamp(VertexRamp),
+}
+
+/// Values at the vertices of a tetrahedral mesh, linear in between, and a density that grows with them
+/// between two of them and is constant beyond.
+#[derive(Clone, Debug, PartialEq)]
+pub struct VertexRamp {
+    /// The field, or the only one there is.
+    pub name: Option<String>,
+    /// The value where the density begins to grow.
+    pub from: f64,
+    /// By how much values exceed `from` where it ends; may be infinite.
+    pub width: f64,
+    /// The density up to `from`.
+    pub low: f64,
+    /// The density's growth per value.
+    pub slope: f64,
+}
+
+impl VertexRamp {
+    /// The density where the field has a value.
+    #[must_use]
+    pub fn at(&self, value: f64) -> f64 {
+        self.low + self.slope * (value - self.from).clamp(0.0, self.width)
+    }
+
+    /// The values at which the density bends.
+    pub(crate) fn bends(&self) -> Vec<f64> {
+        let ends = [self.from, self.from + self.width];
+        ends.into_iter().filter(|value| value.is_finite()).collect()
+    }
+}
+
+impl SolidDensity {
+    /// clamp(`low`, `high`, `value` + `gradient`·y); `high` may be infinite.
+    ///
+    /// # Errors
+    ///
+    /// If the range holds nothing, or the gradient is not finite.
+    pub fn clamp(
+        low: f64,
+        high: f64,
+        value: f64,
+        gradient: &Vector3<f64>,
+    ) -> Result<Self, DensityError> {
+        if !(low.is_finite() && low <= high) {
+            return Err(DensityError::ClampRange { low, high });
+        }
+        if gradient.iter().all(|slope| *slope == 0.0) || low == high {
+            return Ok(Self::Constant(value.max(low).min(high)));
+        }
+        Ok(Self::Profile(Profile::clamp(low, high, value, gradient)?))
+    }
 }
 
 /// A density that grows linearly along a coordinate axis, from one face of the body's bounding
@@ -61,7 +116,9 @@ pub enum DensityError {
     /// Not a number, not a known kind, and not a polynomial either.
     #[error(
         "`{text}` is not a density: {error} (a density is a number, a polynomial in x, y, z, \
-         `linear:axis=z,from=0,to=1`, `profile:axis=z,0.2=1,0.8=5` or `vertex[:NAME]`)"
+         `linear:axis=z,from=0,to=1`, `profile:axis=z,0.2=1,0.8=5`, \
+         `ramp:direction=0,0,1,from=0,to=1,low=1,high=5`, `clamp(1, 5, POLYNOMIAL)` or \
+         `vertex[:NAME]`)"
     )]
     Polynomial {
         /// The text.
@@ -70,7 +127,9 @@ pub enum DensityError {
         error: PolynomialError,
     },
     /// A kind that does not exist.
-    #[error("density kind `{kind}` does not exist; known are `linear`, `profile` and `vertex`")]
+    #[error(
+        "density kind `{kind}` does not exist; known are `linear`, `profile`, `ramp` and `vertex`"
+    )]
     Kind {
         /// The text before the colon.
         kind: String,
@@ -109,110 +168,47 @@ pub enum DensityError {
         /// A complete one.
         example: &'static str,
     },
+    /// A direction that is not three numbers.
+    #[error("`{text}` is no direction: it takes three numbers, as in `direction=0,0,1`")]
+    Direction {
+        /// The text after `direction=`.
+        text: String,
+    },
+    /// A ramp that begins where it ends.
+    #[error("a ramp from {from} to {to} has no length; give two places that differ")]
+    Level {
+        /// Where it begins.
+        from: f64,
+        /// Where it ends.
+        to: f64,
+    },
+    /// A clamp that is not written as one.
+    #[error(
+        "`{text}` is no clamp; it is written `clamp(LOW, HIGH, POLYNOMIAL)` or `clamp(LOW, HIGH, vertex:NAME)`"
+    )]
+    Clamp {
+        /// The text.
+        text: String,
+    },
+    /// The ends of a clamp.
+    #[error(
+        "a clamp to [{low}, {high}] holds nothing; its low end must be finite and less than its high end"
+    )]
+    ClampRange {
+        /// The low end.
+        low: f64,
+        /// The high end.
+        high: f64,
+    },
+    /// A clamp of what is not affine.
+    #[error("`clamp` takes a polynomial of degree one at most; `{text}` has degree {degree}")]
+    ClampDegree {
+        /// The polynomial.
+        text: String,
+        /// Its degree.
+        degree: u32,
+    },
     /// Breaks that make no profile.
     #[error(transparent)]
     Profile(#[from] ProfileError),
-}
-
-const LINEAR: &str = "linear:axis=z,from=0,to=1";
-const PROFILE: &str = "profile:axis=z,0.2=1,0.8=5";
-
-impl FromStr for SolidDensity {
-    type Err = DensityError;
-
-    fn from_str(text: &str) -> Result<Self, DensityError> {
-        let text = text.trim();
-        match text.split_once(':') {
-            Some(("linear", settings)) => ramp(settings).map(Self::Ramp),
-            Some(("profile", settings)) => profile(settings).map(Self::Profile),
-            Some(("vertex", name)) => Ok(Self::Vertex(Some(name.trim().into()))),
-            Some((kind, _)) => Err(DensityError::Kind { kind: kind.into() }),
-            None if text == "vertex" => Ok(Self::Vertex(None)),
-            None => number_or_polynomial(text),
-        }
-    }
-}
-
-fn number_or_polynomial(text: &str) -> Result<SolidDensity, DensityError> {
-    let polynomial: Polynomial = text.parse().map_err(|error| DensityError::Polynomial {
-        text: text.into(),
-        error,
-    })?;
-    if polynomial.degree() == 0 {
-        return Ok(SolidDensity::Constant(polynomial.at(&Point3::origin())));
-    }
-    Ok(SolidDensity::Polynomial(polynomial))
-}
-
-fn ramp(settings: &str) -> Result<Ramp, DensityError> {
-    let (mut axis, mut from, mut to) = (None, None, None);
-    for setting in settings.split(',') {
-        match key_and_value(setting) {
-            Some(("axis", value)) => axis = Some(axis_named(value)?),
-            Some(("from", value)) => from = Some(number(setting, value)?),
-            Some(("to", value)) => to = Some(number(setting, value)?),
-            _ => return Err(unknown("linear", setting, "`axis`, `from` and `to`")),
-        }
-    }
-    let missing = |key| DensityError::Missing {
-        kind: "linear",
-        key,
-        example: LINEAR,
-    };
-    Ok(Ramp {
-        axis: axis.ok_or(missing("axis"))?,
-        from: from.ok_or(missing("from"))?,
-        to: to.ok_or(missing("to"))?,
-    })
-}
-
-fn profile(settings: &str) -> Result<Profile, DensityError> {
-    let mut axis = None;
-    let mut breaks = Vec::new();
-    for setting in settings.split(',') {
-        match key_and_value(setting) {
-            Some(("axis", value)) => axis = Some(axis_named(value)?),
-            Some((position, density)) => {
-                breaks.push([number(setting, position)?, number(setting, density)?]);
-            }
-            None => return Err(unknown("profile", setting, "`axis` and `position=density`")),
-        }
-    }
-    let axis = axis.ok_or(DensityError::Missing {
-        kind: "profile",
-        key: "axis",
-        example: PROFILE,
-    })?;
-    let direction = Vector3::from_fn(|row, _| if row == axis { 1.0 } else { 0.0 });
-    Ok(Profile::new(&direction, breaks)?)
-}
-
-fn key_and_value(setting: &str) -> Option<(&str, &str)> {
-    let (key, value) = setting.split_once('=')?;
-    Some((key.trim(), value.trim()))
-}
-
-fn unknown(kind: &'static str, setting: &str, known: &'static str) -> DensityError {
-    DensityError::Setting {
-        kind,
-        setting: setting.trim().into(),
-        known,
-    }
-}
-
-fn axis_named(name: &str) -> Result<usize, DensityError> {
-    let axis = ["x", "y", "z"]
-        .iter()
-        .position(|axis| axis.eq_ignore_ascii_case(name));
-    axis.ok_or(DensityError::Axis { axis: name.into() })
-}
-
-fn number(setting: &str, value: &str) -> Result<f64, DensityError> {
-    match value.parse::<f64>() {
-        Ok(number) if number.is_finite() => Ok(number),
-        _ => Err(DensityError::Number {
-            setting: setting.trim().into(),
-            value: value.into(),
-        }),
-    }
 }

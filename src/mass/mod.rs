@@ -10,7 +10,7 @@
 //! constant     signed cones                         tetrahedra, density 1
 //! linear       signed cones of linear density       tetrahedra of linear density
 //! polynomial   divergence theorem                   monomials over tetrahedra
-//! profile      cones cut at the break planes        tetrahedra cut at the break planes
+//! profile      layers between the break planes      the same of the boundary
 //! vertex       –                                    tetrahedra of linear density
 //! ```
 //!
@@ -27,9 +27,15 @@
 pub mod body;
 pub mod cut;
 pub mod density;
+mod density_text;
+pub(crate) mod evaluate;
+pub(crate) mod layers;
+pub(crate) mod linear_pieces;
+pub(crate) mod numeric;
 pub(crate) mod octree_error;
 pub mod principal;
 pub mod profile;
 pub(crate) mod sign;
 pub mod split;
+pub(crate) mod tet_values;
 pub mod weigh;

@@ -1,22 +1,21 @@
 //! Densities that are piecewise linear along a direction (\[BL\] section 3.2 and Fig. 5: constant,
-//! ramp, constant).
+//! ramp, constant), among them those of an affine function clamped to a range.
 //!
-//! The profile is linear between its break planes, so a tetrahedron cut at those planes has linear
-//! density in every part and integrates exactly. Closed surfaces are cut through their signed
-//! cones, of which the sum is the solid, whatever the planes.
+//! The density is linear in each layer between break planes, and layers have moments from the clipped
+//! triangles of the surface ([`layers`](crate::mass::layers)); tetrahedra have their boundary.
 
 use crate::geometry::moments::Moments;
-use crate::integrals::mesh_moments::at_vertices;
-use crate::integrals::pairwise::sum_by_halves;
-use crate::mass::split::{Node, Side, split};
+use crate::mass::layers::{Layer, layered_moments};
 use nalgebra::{Point3, Vector3};
 
 /// A density that depends on s = direction · y only: linear between breaks, constant before the
-/// first and after the last.
+/// first and after the last (or, of a clamp without an upper end, linear there too).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Profile {
     direction: Vector3<f64>,
     breaks: Vec<[f64; 2]>,
+    /// The density's growth beyond the last break.
+    tail_slope: f64,
 }
 
 /// Why breaks make no profile.
@@ -44,13 +43,6 @@ pub enum ProfileError {
     Direction,
 }
 
-/// A corner of a piece: its place, measured from the origin of the sum, and its s.
-#[derive(Clone, Copy, Debug)]
-struct ProfileCorner {
-    place: Point3<f64>,
-    s: f64,
-}
-
 impl Profile {
     /// From a direction (any length; s is measured along it in units of L) and breaks
     /// (s, density) with s strictly ascending.
@@ -76,7 +68,36 @@ impl Profile {
                 position: breaks[place + 1][0],
             });
         }
-        Ok(Self { direction, breaks })
+        Ok(Self {
+            direction,
+            breaks,
+            tail_slope: 0.0,
+        })
+    }
+
+    /// clamp(`low`, `high`, `value` + `gradient`·y); `high` may be infinite.
+    ///
+    /// # Errors
+    ///
+    /// If the gradient is zero or not finite, or if the planes where the density becomes `low` and
+    /// `high` are one in rounding.
+    pub fn clamp(
+        low: f64,
+        high: f64,
+        value: f64,
+        gradient: &Vector3<f64>,
+    ) -> Result<Self, ProfileError> {
+        let slope = gradient.norm();
+        let place = |density: f64| (density - value) / slope;
+        let mut breaks = vec![[place(low), low]];
+        if high < f64::INFINITY {
+            breaks.push([place(high), high]);
+        }
+        let profile = Self::new(gradient, breaks)?;
+        Ok(Self {
+            tail_slope: if high < f64::INFINITY { 0.0 } else { slope },
+            ..profile
+        })
     }
 
     /// The density at s = direction · y.
@@ -88,7 +109,8 @@ impl Profile {
             self.breaks.get(after),
         ) {
             (Some([s0, low]), Some([s1, high])) => low + (high - low) * ((s - s0) / (s1 - s0)),
-            (Some([_, value]), None) | (None, Some(&[_, value])) => value,
+            (Some([last, value]), None) => value + self.tail_slope * (s - last),
+            (None, Some(&[_, value])) => value,
             (None, None) => 0.0,
         }
     }
@@ -96,6 +118,11 @@ impl Profile {
     /// s at a point.
     pub(crate) fn along(&self, point: &Point3<f64>) -> f64 {
         self.direction.dot(&point.coords)
+    }
+
+    /// The unit vector along which s grows.
+    pub(crate) fn direction(&self) -> &Vector3<f64> {
+        &self.direction
     }
 
     /// The breaks (s, density), s ascending.
@@ -109,67 +136,48 @@ impl Profile {
         self.at(self.direction.dot(&point.coords))
     }
 
-    /// The ten moments of the solid within a closed surface (`K` = 3) or of tetrahedra (`K` = 4),
-    /// measured from `origin`.
+    /// The ten moments of the solid within a closed surface, measured from `origin`.
     ///
     /// # Panics
     ///
-    /// If a simplex names a vertex that is not there.
+    /// If a triangle names a vertex that is not there.
     #[must_use]
-    pub fn moments<const K: usize>(
+    pub fn moments(
         &self,
         vertices: &[Point3<f64>],
-        simplices: &[[u32; K]],
+        triangles: &[[u32; 3]],
         origin: &Point3<f64>,
     ) -> Moments {
-        let corner = |point: &Point3<f64>| ProfileCorner {
-            place: Point3::from(point - origin),
-            s: self.direction.dot(&point.coords),
-        };
-        sum_by_halves(simplices.len(), &|range| {
-            let (mut places, mut densities, mut tets) = (Vec::new(), Vec::new(), Vec::new());
-            for simplex in &simplices[range] {
-                // A triangle stands for its cone from the origin.
-                let mut tet = [corner(origin); 4];
-                for (place, &vertex) in tet[4 - K..].iter_mut().zip(simplex) {
-                    *place = corner(&vertices[vertex as usize]);
-                }
-                for piece in self.pieces(tet) {
-                    tets.push([0, 1, 2, 3].map(|k| places.len() as u32 + k));
-                    places.extend(piece.map(|corner| corner.place));
-                    densities.extend(piece.map(|corner| self.at(corner.s)));
-                }
-            }
-            at_vertices(&places, &tets, &densities, &Point3::origin())
-        })
+        layered_moments(vertices, triangles, &self.layers(), &self.direction, origin)
     }
 
-    /// A tetrahedron cut at every break plane it straddles.
-    fn pieces(&self, tet: [ProfileCorner; 4]) -> Vec<[ProfileCorner; 4]> {
-        let mut pieces = vec![tet];
-        for &[plane, _] in &self.breaks {
-            let cut = |piece: [ProfileCorner; 4]| cut_at(piece, plane);
-            pieces = pieces.into_iter().flat_map(cut).collect();
+    /// The layers between the breaks, those beyond them included.
+    fn layers(&self) -> Vec<Layer> {
+        let mut layers = Vec::with_capacity(self.breaks.len() + 1);
+        let [first, value] = self.breaks[0];
+        layers.push(Layer {
+            from: f64::NEG_INFINITY,
+            to: first,
+            value,
+            slope: 0.0,
+        });
+        for pair in self.breaks.windows(2) {
+            let ([from, value], [to, next]) = (pair[0], pair[1]);
+            let slope = (next - value) / (to - from);
+            layers.push(Layer {
+                from,
+                to,
+                value,
+                slope,
+            });
         }
-        pieces
+        let [last, value] = self.breaks[self.breaks.len() - 1];
+        layers.push(Layer {
+            from: last,
+            to: f64::INFINITY,
+            value,
+            slope: self.tail_slope,
+        });
+        layers
     }
-}
-
-/// The parts of a tetrahedron on the two sides of the plane s = `plane`.
-fn cut_at(tet: [ProfileCorner; 4], plane: f64) -> Vec<[ProfileCorner; 4]> {
-    let Some(parts) = split(tet.map(|corner| Side::of(corner.s - plane)), [0, 1, 2, 3]) else {
-        return vec![tet];
-    };
-    let corner = |[i, j]: Node| {
-        if i == j {
-            return tet[i];
-        }
-        let (from, to) = (&tet[i], &tet[j]);
-        let share = (plane - from.s) / (to.s - from.s);
-        ProfileCorner {
-            place: from.place + (to.place - from.place) * share,
-            s: plane,
-        }
-    };
-    parts.iter().map(|(_, nodes)| nodes.map(corner)).collect()
 }

@@ -6,8 +6,8 @@ use nalgebra::Point3;
 
 use crate::geometry::bounds::Bounds;
 use crate::mass::density::SolidDensity;
+use crate::mass::linear_pieces::field;
 use crate::mass::profile::Profile;
-use crate::mass::weigh::field;
 use crate::mesh::validate::Solid;
 
 /// A place of the body and the density there.
@@ -48,6 +48,15 @@ pub(crate) fn negative_place(
             let at_breaks = edges.flat_map(|edge| on_breaks(profile, &edge));
             negative(at_vertices.chain(at_breaks))
         }
+        SolidDensity::VertexRamp(ramp) => match solid {
+            Solid::Surface(..) => None,
+            Solid::Tets(sound, _) => {
+                // The ramp is monotonic, so a vertex has its least density where it has any below zero.
+                let values = field(sound.mesh(), ramp.name.as_deref()).ok()?;
+                let densities = values.iter().map(|value| ramp.at(*value));
+                negative(vertices.iter().copied().zip(densities))
+            }
+        },
         SolidDensity::Vertex(name) => match solid {
             Solid::Surface(..) => None,
             Solid::Tets(sound, _) => {

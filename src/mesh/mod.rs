@@ -27,6 +27,7 @@ pub mod report;
 pub mod shapes;
 pub mod similarity;
 pub mod surface;
+pub(crate) mod surface_distance;
 pub mod tets;
 pub(crate) mod triangle_tree;
 pub mod validate;

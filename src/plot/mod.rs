@@ -9,6 +9,7 @@ pub(crate) mod camera;
 pub(crate) mod color;
 pub(crate) mod convergence;
 pub(crate) mod cutaway;
+pub(crate) mod density_cut;
 pub(crate) mod exploded;
 pub(crate) mod figure;
 pub(crate) mod font;

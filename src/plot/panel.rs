@@ -4,7 +4,7 @@ use nalgebra::Point2;
 
 use crate::plot::axis::Axis;
 use crate::plot::color::{Color, ColorScale};
-use crate::plot::figure::{Anchor, Figure, Stroke};
+use crate::plot::figure::{Anchor, Figure, Shape, Stroke};
 use crate::plot::font;
 
 /// A framed area with a horizontal and a vertical axis.
@@ -47,6 +47,15 @@ impl Panel {
     pub(crate) fn draw_grid(&self, figure: &mut Figure) {
         self.draw_x_ticks(figure);
         self.draw_y_ticks(figure);
+    }
+
+    /// Draws ticks and tick labels without a grid, upon what is there.
+    pub(crate) fn draw_ticks(&self, figure: &mut Figure) {
+        let mut drawn = Figure::new(figure.width, figure.height);
+        self.draw_grid(&mut drawn);
+        let is_grid = |shape: &Shape| matches!(shape, Shape::Path { stroke: Some(stroke), .. } if *stroke == GRID_LINE);
+        let ticks = drawn.shapes.into_iter().filter(|shape| !is_grid(shape));
+        figure.shapes.extend(ticks);
     }
 
     fn draw_x_ticks(&self, figure: &mut Figure) {

@@ -131,7 +131,6 @@ impl PlaneCut {
     /// A plane without a normal cuts nothing.
     #[must_use]
     pub(crate) fn new(plane: HalfSpace) -> Self {
-        let plane = plane.normalized();
         let normal = plane.normal;
         let horizontal = normal.x.hypot(normal.y) < 1e-9 * normal.z.abs();
         let upward = if horizontal {
@@ -139,6 +138,15 @@ impl PlaneCut {
         } else {
             Vector3::z()
         };
+        Self::with_up(plane, upward)
+    }
+
+    /// The cut along the border of `plane`, viewed against its normal; `upward`, not along the normal, is
+    /// upward.
+    #[must_use]
+    pub(crate) fn with_up(plane: HalfSpace, upward: Vector3<f64>) -> Self {
+        let plane = plane.normalized();
+        let normal = plane.normal;
         let up = upward - upward.dot(&normal) * normal;
         let up = up.try_normalize(0.0).unwrap_or(upward);
         Self {
@@ -157,12 +165,38 @@ impl PlaneCut {
         })
     }
 
+    /// A point's place in the picture, projected along the normal.
+    #[must_use]
+    pub(crate) fn flat(&self, point: &Point3<f64>) -> Point2<f64> {
+        Point2::new(self.right.dot(&point.coords), self.up.dot(&point.coords))
+    }
+
+    /// The point of the plane at a place in the picture.
+    #[must_use]
+    pub(crate) fn lifted(&self, place: &Point2<f64>) -> Point3<f64> {
+        let depth = self.plane.normal * self.plane.offset;
+        Point3::from(self.right * place.x + self.up * place.y + depth)
+    }
+
+    /// The names of the directions to the right and upward: a coordinate's, or its vector.
+    #[must_use]
+    pub(crate) fn axis_names(&self) -> [String; 2] {
+        [self.right, self.up].map(|direction| {
+            let is_axis = |axis: &usize| direction[*axis] > 1.0 - 1e-12;
+            match (0..3).find(is_axis) {
+                Some(axis) => ["x", "y", "z"][axis].to_owned(),
+                None => {
+                    let [x, y, z] = <[f64; 3]>::from(direction);
+                    format!("along ({x:.3}, {y:.3}, {z:.3})")
+                }
+            }
+        })
+    }
+
     /// The section of a cell by the plane; `None` where they do not meet.
     #[must_use]
     pub(crate) fn patch(&self, shell: &Shell, value: f64) -> Option<Patch> {
-        let flat = |point: &Point3<f64>| {
-            Point2::new(self.right.dot(&point.coords), self.up.dot(&point.coords))
-        };
+        let flat = |point: &Point3<f64>| self.flat(point);
         let contours: Vec<Vec<Point2<f64>>> = section(shell, &self.plane)
             .iter()
             .map(|contour| contour.iter().map(flat).collect())

@@ -1,6 +1,7 @@
 //! Tests of the crate's parts against second opinions: quadrature, rational arithmetic, brute force.
 
 mod acceleration;
+mod balance;
 mod cell_check;
 mod complex;
 mod cubes;
@@ -12,6 +13,7 @@ mod frames;
 mod gcode;
 mod gcode_rewrite;
 mod geometry;
+mod half_space;
 mod integrals;
 mod levels;
 mod linf;

@@ -6,6 +6,8 @@ pub(crate) mod binary;
 pub mod error;
 pub(crate) mod foreign;
 pub mod gmsh;
+pub(crate) mod gmsh_data;
+pub(crate) mod gmsh_groups;
 pub(crate) mod gmsh_input;
 pub mod medit;
 pub mod mesh;

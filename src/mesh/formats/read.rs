@@ -246,7 +246,7 @@ impl Format {
             Self::Polygons => return polygons::parse(bytes),
             Self::VolInt => return volint::parse(bytes),
             Self::Ply => ply::parse(bytes),
-            Self::Stl => stl::parse(bytes),
+            Self::Stl => return stl::parse_file(bytes),
             Self::TetGen => {
                 let what = "one of TetGen's two files alone";
                 let kind = ErrorKind::unsupported(what, "name the .ele file");

@@ -1,0 +1,273 @@
+//! Ten moments by adaptive quadrature: the pieces of the largest errors are halved until their sum is
+//! small.
+//!
+//! Every piece has two estimates, of a rule and of a lower one; their difference counts as the error of
+//! the better one. Errors add without regard to sign. Pieces are halved in rounds, all that have to be
+//! in parallel, and sums run in the pieces' order: the bits do not depend on the number of threads.
+
+use nalgebra::{Point3, Vector3};
+use rayon::prelude::*;
+
+use crate::geometry::moments::Moments;
+
+/// Bounds of the errors of moments measured from a point: of ∫ρ, of the length of ∫ρ y, and of any
+/// entry of the inertia tensor's integral.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct MomentErrors {
+    pub(crate) mass: f64,
+    pub(crate) first: f64,
+    pub(crate) inertia: f64,
+}
+
+impl MomentErrors {
+    /// The differences of two estimates.
+    pub(crate) fn between(one: &Moments, other: &Moments) -> Self {
+        let second = (one.second - other.second).abs();
+        let off = second.m12.max(second.m13).max(second.m23);
+        Self {
+            mass: (one.mass - other.mass).abs(),
+            first: (one.first - other.first).norm(),
+            inertia: second.trace().max(off),
+        }
+    }
+
+    /// Of moments measured from a point that lies `arm` from the other one.
+    pub(crate) fn moved(&self, arm: f64) -> Self {
+        let mass = self.mass;
+        Self {
+            mass,
+            first: self.first + arm * mass,
+            // |y + a|² = |y|² + 2 y·a + |a|², and no entry is larger than the trace.
+            inertia: self.inertia + 2.0 * arm * self.first + arm * arm * mass,
+        }
+    }
+
+    /// Of the sum.
+    pub(crate) fn plus(&self, other: &Self) -> Self {
+        Self {
+            mass: self.mass + other.mass,
+            first: self.first + other.first,
+            inertia: self.inertia + other.inertia,
+        }
+    }
+
+    /// Of a density multiplied by a number.
+    pub(crate) fn times(&self, factor: f64) -> Self {
+        Self {
+            mass: self.mass * factor,
+            first: self.first * factor,
+            inertia: self.inertia * factor,
+        }
+    }
+}
+
+/// What the errors of moments are compared with.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Scales {
+    mass: f64,
+    /// Mass times the body's extent.
+    first: f64,
+    /// The largest entry of the inertia tensor about the center of mass.
+    inertia: f64,
+    /// The center's distance from the moments' origin.
+    arm: f64,
+}
+
+impl Scales {
+    /// Of moments of a body whose box has a diagonal of `extent`.
+    pub(crate) fn of(moments: &Moments, extent: f64) -> Self {
+        let center = moments.center();
+        let inertia = moments.translated(&-center).inertia();
+        Self {
+            mass: moments.mass.abs(),
+            first: moments.mass.abs() * extent,
+            inertia: inertia.amax(),
+            arm: center.norm(),
+        }
+    }
+
+    /// The largest of the relative errors of mass, center of mass (to the extent) and inertia about the
+    /// center; errors measured from the moments' origin.
+    pub(crate) fn relative(&self, errors: &MomentErrors) -> f64 {
+        let about = errors.moved(self.arm);
+        let shares = [
+            share(about.mass, self.mass),
+            share(about.first, self.first),
+            share(about.inertia, self.inertia),
+        ];
+        shares.into_iter().fold(0.0, |most, share| {
+            // A share that is no number is larger than any.
+            if share <= most { most } else { share }
+        })
+    }
+}
+
+/// The relative error; nothing is nothing of nothing.
+fn share(error: f64, size: f64) -> f64 {
+    if error <= 0.0 { 0.0 } else { error / size }
+}
+
+/// Moments with bounds of their errors.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Estimate {
+    pub(crate) moments: Moments,
+    pub(crate) errors: MomentErrors,
+}
+
+/// The result of [`integrate`].
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct AdaptiveIntegral {
+    pub(crate) estimate: Estimate,
+    /// The largest relative error.
+    pub(crate) relative: f64,
+}
+
+/// A part of the region of integration.
+pub(crate) trait AdaptivePiece: Sized + Send + Sync {
+    /// The two halves.
+    fn halves(&self) -> [Self; 2];
+}
+
+/// When [`integrate`] ends.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Goal {
+    /// The largest relative error ([`Scales::relative`]).
+    pub(crate) tolerance: f64,
+    /// The diagonal of the body's box (L).
+    pub(crate) extent: f64,
+    /// The most pieces.
+    pub(crate) most: usize,
+}
+
+/// The share of the tolerance that pieces which are not halved may have together.
+const LEFT: f64 = 0.5;
+
+/// The sum over `pieces`, halved until the goal is reached or there are too many.
+pub(crate) fn integrate<P: AdaptivePiece>(
+    mut pieces: Vec<P>,
+    goal: Goal,
+    estimate: &(impl Fn(&P) -> Estimate + Sync),
+) -> AdaptiveIntegral {
+    let mut estimates: Vec<Estimate> = pieces.par_iter().map(estimate).collect();
+    loop {
+        let sum = total(&estimates);
+        let scales = Scales::of(&sum.moments, goal.extent);
+        let relative = scales.relative(&sum.errors);
+        let is_number = sum.moments.ten().iter().all(|value| value.is_finite());
+        if relative <= goal.tolerance || pieces.len() >= goal.most || !is_number {
+            return AdaptiveIntegral {
+                estimate: sum,
+                relative,
+            };
+        }
+        let worst = worst(&estimates, &scales, &goal);
+        let halved: Vec<[(P, Estimate); 2]> = worst
+            .par_iter()
+            .map(|&place| {
+                let parts = pieces[place as usize].halves();
+                parts.map(|part| {
+                    let own = estimate(&part);
+                    (part, own)
+                })
+            })
+            .collect();
+        for (place, [first, second]) in worst.into_iter().zip(halved) {
+            (pieces[place as usize], estimates[place as usize]) = first;
+            pieces.push(second.0);
+            estimates.push(second.1);
+        }
+    }
+}
+
+/// The places of the worst pieces, in ascending order: so many that the others' errors are a share of the
+/// tolerance.
+fn worst(estimates: &[Estimate], scales: &Scales, goal: &Goal) -> Vec<u32> {
+    let mut ranked: Vec<(f64, u32)> = (estimates.par_iter().zip(0..estimates.len() as u32))
+        .map(|(estimate, place)| (scales.relative(&estimate.errors), place))
+        .collect();
+    ranked.par_sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+    let mut rest: f64 = ranked.iter().map(|(error, _)| error).sum();
+    let room = goal.most - estimates.len();
+    let taken = ranked.iter().take(room).take_while(|(error, _)| {
+        let is_needed = rest > LEFT * goal.tolerance;
+        rest -= error;
+        is_needed
+    });
+    let mut places: Vec<u32> = taken.map(|(_, place)| *place).collect();
+    if places.is_empty() {
+        places.extend(ranked.first().map(|(_, place)| *place));
+    }
+    places.sort_unstable();
+    places
+}
+
+/// Pieces that are added one after the other before sums are added.
+const RUN: usize = 256;
+
+fn total(estimates: &[Estimate]) -> Estimate {
+    let add = |sum: Estimate, next: &Estimate| Estimate {
+        moments: sum.moments + next.moments,
+        errors: sum.errors.plus(&next.errors),
+    };
+    let mut sums: Vec<Estimate> = (estimates.par_chunks(RUN))
+        .map(|run| run.iter().fold(Estimate::default(), add))
+        .collect();
+    while sums.len() > 1 {
+        let pairs = sums.chunks(2);
+        sums = pairs
+            .map(|pair| pair.iter().fold(Estimate::default(), add))
+            .collect();
+    }
+    sums.pop().unwrap_or_default()
+}
+
+/// Adds `weight` at `place` to moments.
+pub(crate) fn add_mass(moments: &mut Moments, weight: f64, place: &Vector3<f64>) {
+    moments.mass += weight;
+    moments.first += place * weight;
+    moments.second += place * place.transpose() * weight;
+}
+
+/// `count` Gauss-Legendre nodes and weights on [0, 1], by Newton's iteration on the Legendre polynomial.
+pub(crate) fn gauss_legendre(count: usize) -> Vec<(f64, f64)> {
+    let n = count as f64;
+    let node = |k: usize| {
+        let mut x = (std::f64::consts::PI * (k as f64 + 0.75) / (n + 0.5)).cos();
+        let mut slope = 1.0;
+        for _ in 0..8 {
+            let (mut before, mut value) = (1.0, x);
+            for degree in 2..=count {
+                let d = degree as f64;
+                (before, value) = (
+                    value,
+                    ((2.0 * d - 1.0) * x * value - (d - 1.0) * before) / d,
+                );
+            }
+            slope = n * (x * value - before) / (x * x - 1.0);
+            x -= value / slope;
+        }
+        (0.5 * (1.0 - x), 1.0 / ((1.0 - x * x) * slope * slope))
+    };
+    (0..count).map(node).collect()
+}
+
+/// The longest of a triangle's edges, by the number of its first corner, and its square.
+pub(crate) fn longest_edge(corners: &[Point3<f64>; 3]) -> (usize, f64) {
+    let squared = |k: usize| (corners[(k + 1) % 3] - corners[k]).norm_squared();
+    let longest = (1..3).fold(
+        0,
+        |best, k| if squared(k) > squared(best) { k } else { best },
+    );
+    (longest, squared(longest))
+}
+
+/// A triangle halved across its longest edge.
+pub(crate) fn halved(corners: &[Point3<f64>; 3]) -> [[Point3<f64>; 3]; 2] {
+    let (start, _) = longest_edge(corners);
+    let end = (start + 1) % 3;
+    let middle = nalgebra::center(&corners[start], &corners[end]);
+    let (mut first, mut second) = (*corners, *corners);
+    first[end] = middle;
+    second[start] = middle;
+    [first, second]
+}
