@@ -124,7 +124,10 @@ impl IntegrationBody {
     }
 
     /// A solid, within its surface or given by tetrahedra.
-    fn of_solid(LabeledSolid { solid, elements }: LabeledSolid) -> Self {
+    fn of_solid(labeled: LabeledSolid) -> Self {
+        let LabeledSolid {
+            solid, elements, ..
+        } = labeled;
         let notes = solid.notes();
         let (surface, tets) = match solid {
             Solid::Surface(surface, _) => (surface.into_mesh(), None),

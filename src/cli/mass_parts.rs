@@ -3,7 +3,9 @@
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
+use crate::mesh::elements::Elements;
 use crate::mesh::formats::read::{LabeledSolid, LoadError, read_file};
+use crate::mesh::report::Refusal;
 use crate::mesh::surface::SurfaceMesh;
 use crate::mesh::tets::TetMesh;
 use crate::mesh::validate::{Solid, number_surface, number_tets};
@@ -42,7 +44,8 @@ pub(crate) struct NamedSolid {
 /// # Errors
 /// Why a group is no solid of its own.
 pub(crate) fn groups(whole: &LabeledSolid) -> Result<Vec<NamedSolid>, String> {
-    let groups = &whole.elements.groups;
+    let as_read = whole.grouped.as_ref().map(|grouped| &grouped.groups);
+    let groups = as_read.unwrap_or(&whole.elements.groups);
     if groups.names().len() < 2 {
         return Ok(Vec::new());
     }
@@ -51,9 +54,14 @@ pub(crate) fn groups(whole: &LabeledSolid) -> Result<Vec<NamedSolid>, String> {
         numbers[group as usize].push(element);
     }
     let mut found = Vec::new();
-    for (name, numbers) in groups.names().iter().zip(&numbers) {
-        let labeled =
-            group(whole, numbers).map_err(|refusal| format!("group `{name}` {refusal}"))?;
+    let filled = groups.names().iter().zip(&numbers);
+    for (name, numbers) in filled.filter(|(_, numbers)| !numbers.is_empty()) {
+        let labeled = match (&whole.grouped, &whole.solid) {
+            (Some(grouped), _) => surface_group(&grouped.mesh, numbers),
+            (None, Solid::Tets(tets, _)) => tet_group(tets.mesh(), &whole.elements, numbers),
+            (None, Solid::Surface(surface, _)) => surface_group(surface.mesh(), numbers),
+        };
+        let labeled = labeled.map_err(|refusal| format!("group `{name}` {refusal}"))?;
         let name = name.clone();
         found.push(NamedSolid { name, labeled });
     }
@@ -68,45 +76,50 @@ pub(crate) fn groups(whole: &LabeledSolid) -> Result<Vec<NamedSolid>, String> {
     Ok(found)
 }
 
-/// The solid of some elements.
-fn group(whole: &LabeledSolid, numbers: &[u32]) -> Result<LabeledSolid, String> {
-    let elements = whole.elements.of_kept(numbers);
-    let (solid, kept) = match &whole.solid {
-        Solid::Surface(surface, _) => {
-            let mesh = surface.mesh();
-            let (triangles, vertices) = used(&mesh.triangles, numbers);
-            let vertices = vertices
-                .iter()
-                .map(|&vertex| mesh.vertices[vertex as usize]);
-            let mesh = SurfaceMesh {
-                vertices: vertices.collect(),
-                triangles,
-            };
-            let found = number_surface(&mesh, 0.0).map_err(|refusal| refusal.to_string())?;
-            (Solid::Surface(found.0, found.1), found.2)
-        }
-        Solid::Tets(tets, _) => {
-            let mesh = tets.mesh();
-            let (tets, vertices) = used(&mesh.tets, numbers);
-            let mut data = mesh.vertex_data.clone();
-            for field in &mut data {
-                let values = vertices.iter().map(|&vertex| field.values[vertex as usize]);
-                field.values = values.collect();
-            }
-            let mesh = TetMesh {
-                vertices: (vertices
-                    .iter()
-                    .map(|&vertex| mesh.vertices[vertex as usize]))
-                .collect(),
-                tets,
-                vertex_data: data,
-            };
-            let found = number_tets(&mesh, 0.0).map_err(|refusal| refusal.to_string())?;
-            (Solid::Tets(found.0, found.1), found.2)
-        }
+/// The solid within some triangles.
+fn surface_group(mesh: &SurfaceMesh, numbers: &[u32]) -> Result<LabeledSolid, Refusal> {
+    let (triangles, vertices) = used(&mesh.triangles, numbers);
+    let mesh = SurfaceMesh {
+        vertices: (vertices
+            .iter()
+            .map(|&vertex| mesh.vertices[vertex as usize]))
+        .collect(),
+        triangles,
     };
-    let elements = elements.of_kept(&kept);
-    Ok(LabeledSolid { solid, elements })
+    let (surface, report, _) = number_surface(&mesh, 0.0)?;
+    Ok(LabeledSolid {
+        solid: Solid::Surface(surface, report),
+        elements: Elements::default(),
+        grouped: None,
+    })
+}
+
+/// The solid of some tetrahedra, with their values.
+fn tet_group(
+    mesh: &TetMesh,
+    elements: &Elements,
+    numbers: &[u32],
+) -> Result<LabeledSolid, Refusal> {
+    let (tets, vertices) = used(&mesh.tets, numbers);
+    let mut vertex_data = mesh.vertex_data.clone();
+    for field in &mut vertex_data {
+        let values = vertices.iter().map(|&vertex| field.values[vertex as usize]);
+        field.values = values.collect();
+    }
+    let mesh = TetMesh {
+        vertices: (vertices
+            .iter()
+            .map(|&vertex| mesh.vertices[vertex as usize]))
+        .collect(),
+        tets,
+        vertex_data,
+    };
+    let (tets, report, kept) = number_tets(&mesh, 0.0)?;
+    Ok(LabeledSolid {
+        solid: Solid::Tets(tets, report),
+        elements: elements.of_kept(numbers).of_kept(&kept),
+        grouped: None,
+    })
 }
 
 /// Some elements on the vertices that they use, and which vertices those are.

@@ -60,7 +60,11 @@ fn draw_tree(buffer: &mut ZBuffer, tree: &Octree, up: usize, number: usize) {
     for leaf in tree.leaves.iter().filter(|leaf| leaf.is_solid) {
         let quads = quads(&box_corners(&tree.node_box(leaf.place, leaf.level), up));
         let has_lines = leaf.level <= DEEPEST_WITH_LINES;
-        buffer.draw_quads(&quads, has_lines, scale.color(f64::from(leaf.level)));
+        buffer.draw_quads(
+            &quads,
+            has_lines,
+            scale.color(f64::from(tree.depth - leaf.level)),
+        );
     }
 }
 

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
-use crate::mesh::elements::Elements;
+use crate::mesh::elements::{Elements, Groups};
 use crate::mesh::formats::error::{ErrorKind, ParseError, ReadError};
 use crate::mesh::formats::foreign::{check_extension, check_signature};
 use crate::mesh::formats::mesh::{Mesh, MeshFile};
@@ -118,6 +118,16 @@ pub fn load_within(path: &Path, weld: f64) -> Result<Solid, LoadError> {
 pub(crate) struct LabeledSolid {
     pub(crate) solid: Solid,
     pub(crate) elements: Elements,
+    /// A surface with several groups as it was read: walls that two of them share are no part of the
+    /// solid's boundary.
+    pub(crate) grouped: Option<Box<GroupedSurface>>,
+}
+
+/// A surface as it was read, with the group of every triangle.
+#[derive(Clone, Debug)]
+pub(crate) struct GroupedSurface {
+    pub(crate) mesh: SurfaceMesh,
+    pub(crate) groups: Groups,
 }
 
 impl LabeledSolid {
@@ -137,8 +147,23 @@ impl LabeledSolid {
             }
         };
         solid.set_file_notes(file.notes.clone());
-        let elements = file.elements.of_kept(&numbers);
-        Ok(Self { solid, elements })
+        Ok(Self {
+            solid,
+            elements: file.elements.of_kept(&numbers),
+            grouped: grouped(file),
+        })
+    }
+}
+
+/// The surface of a file with several groups.
+fn grouped(file: &MeshFile) -> Option<Box<GroupedSurface>> {
+    let groups = &file.elements.groups;
+    match &file.mesh {
+        Mesh::Surface(mesh) if groups.names().len() > 1 => Some(Box::new(GroupedSurface {
+            mesh: mesh.clone(),
+            groups: groups.clone(),
+        })),
+        _ => None,
     }
 }
 
