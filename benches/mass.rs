@@ -8,9 +8,12 @@
 
 use chebloyd::integrals::mesh_moments;
 use chebloyd::integrals::mesh_moments::LinearDensity;
+use chebloyd::integrals::reference::polygon::Face;
+use chebloyd::integrals::reference::{cattani_paoluzzi, mirtich};
 use chebloyd::mass::density::{Ramp, SolidDensity};
 use chebloyd::mass::weigh::weigh_surface;
 use chebloyd::mesh::formats::read::read_surface;
+use chebloyd::mesh::shapes::icosphere;
 use chebloyd::mesh::validate::validate_surface;
 use nalgebra::{Point3, Vector3};
 use std::f64::consts::TAU;
@@ -36,6 +39,8 @@ fn main() {
         numpy_row(linear);
         surface_rows("closed surface of 198 450 triangles (buddha: 198 736)", 315);
         surface_rows("closed surface of 2 000 000 triangles", 1000);
+        mirtich_rows();
+        structure_product_rows();
     });
     println!(
         "all {} threads, from a file to the body",
@@ -100,6 +105,49 @@ fn surface_rows(name: &str, side: u32) {
     row("  density 1 + 2*x - 0.5*y*z", count, &|| {
         mesh_moments::polynomial(&vertices, &triangles, &quadratic, &ORIGIN).mass
     });
+}
+
+/// Mirtich's walk over the six spheres of his Table 2, with his own microseconds per face (SGI Indigo II,
+/// R4400) beside: both are flat, the algorithm is linear in the faces.
+fn mirtich_rows() {
+    println!("[M]: the ten integrals by his walk, per face");
+    let paper = [500.0, 1200.0, 4900.0, 21e3, 82e3, 350e3];
+    for (level, microseconds) in (0..).zip(paper) {
+        let sphere = icosphere(level);
+        let faces: Vec<Face> = (sphere.triangles.iter())
+            .map(|triangle| Face::simple(*triangle))
+            .collect();
+        let origin = Point3::origin();
+        let each = microseconds / faces.len() as f64;
+        let name = format!("  {} faces (paper: {each:.1} us each)", faces.len());
+        row(&name, faces.len(), &|| {
+            mirtich::ten_integrals(&sphere.vertices, &faces, &origin).mass
+        });
+    }
+}
+
+/// One structure product over a surface, per triangle, at rising degrees.
+fn structure_product_rows() {
+    let sphere = icosphere(4);
+    let count = sphere.triangles.len();
+    println!("[CP]: one monomial over {count} triangles, per triangle");
+    for degree in 0..=9_u32 {
+        let exponents = [degree.div_ceil(3), (degree + 1) / 3, degree / 3];
+        let [a, b, c] = exponents;
+        row(
+            &format!("  degree {degree}: x^{a} y^{b} z^{c} over the surface"),
+            count,
+            &|| cattani_paoluzzi::surface(&sphere.vertices, &sphere.triangles, exponents),
+        );
+    }
+    for degree in [0, 3, 6, 9_u32] {
+        let exponents = [degree / 3; 3];
+        row(
+            &format!("  degree {degree}: over the solid"),
+            count,
+            &|| cattani_paoluzzi::solid(&sphere.vertices, &sphere.triangles, exponents),
+        );
+    }
 }
 
 /// Prints a row and returns nanoseconds per item.

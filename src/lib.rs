@@ -78,6 +78,8 @@
 //! | \[M\] eq. 29-98 | the same by faces and their projections | [`integrals::reference::mirtich`] |
 //! | \[M\] eq. 3, 5-17 | inertia, center of mass, transfer of axes | [`mass::body`] |
 //! | \[CP\] eq. 3-15 | polynomials over surfaces and solids | [`integrals::reference::cattani_paoluzzi`] |
+//! | … all monomials of a degree at once | | `integrals::monomials` |
+//! | \[BL\] Table 3, Fig. 14, 15 | octrees and their errors | `mesh::octree`, `mass::octree_error` |
 //! | \[RSL\] section 3 | security radius | `voronoi::search` |
 //! | \[LL\] | the global objective and its gradient | `relax::objective`, `energy::facet_terms`, `energy::planar_cell` |
 //! | \[B\] | L-BFGS-B | `minimize::lbfgsb` |

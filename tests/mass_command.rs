@@ -110,7 +110,7 @@ fn what_cannot_be_weighed_is_refused_by_name() {
     for (arguments, parts) in [
         (
             &["open.off"][..],
-            &["open.off", "not closed", "3 boundary edges"][..],
+            &["open.off", "flat sheet", "3 edges are open"][..],
         ),
         (&["none.off"], &["none.off"]),
         (

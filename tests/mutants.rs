@@ -139,6 +139,7 @@ fn seeds() -> Vec<Seed> {
         text("cube.off", off::write(&cube)),
         text("torus.off", off::write(&shapes::torus(1.0, 0.25, 5, 4))),
         text("cube.obj", obj),
+        text("cube.volint", include_str!("../scenes/mirtich-cube.volint")),
         ("cube.ply".to_owned(), ply),
         ("cube.stl".to_owned(), stl),
         text("cube.mesh", medit::write(&tets)),

@@ -8,7 +8,8 @@ use clap::{CommandFactory, Parser, Subcommand};
 use crate::cli::failure::Failure;
 use crate::cli::options::Common;
 use crate::cli::{
-    bench, cpu_features, describe, fragments, mass, measure, mesh, plot, relax, report, spin, stand,
+    bench, cpu_features, describe, fragments, integrate, mass, measure, mesh, octree, plot, relax,
+    report, spin, stand,
 };
 
 /// Relaxes point sets under the Chebyshev norm until their Voronoi cells are near-cubic.
@@ -28,9 +29,11 @@ enum Command {
     Relax(relax::RelaxOptions),
     Measure(measure::MeasureOptions),
     Mass(mass::MassOptions),
+    Integrate(integrate::IntegrateOptions),
     Mesh(mesh::MeshOptions),
     Spin(spin::SpinOptions),
     Stand(stand::StandOptions),
+    Octree(octree::OctreeOptions),
     Plot(plot::PlotOptions),
     Report(report::ReportOptions),
     Fragments(fragments::FragmentsOptions),
@@ -64,9 +67,11 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
         Command::Relax(options) => relax::run(options, common),
         Command::Measure(options) => measure::run(options),
         Command::Mass(options) => mass::run(options),
+        Command::Integrate(options) => integrate::run(options),
         Command::Mesh(options) => mesh::run(options, common),
         Command::Spin(options) => spin::run(options, common),
         Command::Stand(options) => stand::run(options, common),
+        Command::Octree(options) => octree::run(options),
         Command::Plot(options) => plot::run(options, common),
         Command::Report(options) => report::run(options, common),
         Command::Fragments(options) => fragments::run(options, common),

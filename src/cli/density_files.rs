@@ -206,6 +206,7 @@ fn pieces(
     }
     let densities = match given {
         Field::Vertices(values) => values.clone(),
+        Field::Tets(values) => return Ok(apart(mesh, values)),
         _ => {
             let density = given.function(solid, extent).map_err(Failure::input)?;
             mesh.vertices.par_iter().map(|at| density(at)).collect()
@@ -213,4 +214,18 @@ fn pieces(
     };
     let mesh = mesh.clone();
     Ok(LinearPieces { mesh, densities })
+}
+
+/// Tetrahedra on vertices of their own, each with its constant density there.
+fn apart(mesh: &TetMesh, values: &[f64]) -> LinearPieces {
+    let corners = mesh.all_corners().flatten();
+    let numbers = (0..mesh.tets.len() as u32).map(|tet| [0, 1, 2, 3].map(|k| 4 * tet + k));
+    LinearPieces {
+        mesh: TetMesh {
+            vertices: corners.collect(),
+            tets: numbers.collect(),
+            vertex_data: Vec::new(),
+        },
+        densities: values.iter().flat_map(|&value| [value; 4]).collect(),
+    }
 }

@@ -3,14 +3,12 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use serde::Serialize;
 
 use crate::geometry::bounds::Bounds;
 use crate::mass::body::Body;
 use crate::mass::density::SolidDensity;
-use crate::mass::numeric::BodyErrors;
 use crate::mass::weigh::{bounds, weigh};
-use crate::mesh::formats::read::{load_within, tetgen_pair};
+use crate::mesh::formats::read::{LabeledSolid, tetgen_pair};
 use crate::mesh::formats::unpack::extension_of;
 use crate::mesh::validate::Solid;
 use crate::plot::density_cut::{NATIVE, OBTAINED};
@@ -21,13 +19,15 @@ use crate::cli::density_files::{
 };
 use crate::cli::failure::{Failure, print};
 use crate::cli::mass_gcode::{self, Asked, GcodeOptions, is_gcode};
+use crate::cli::mass_leaves::{MassAsked, MassLeaf, body_of, known_names};
 use crate::cli::mass_notes::{negative_notes, notes_of_parts};
-use crate::cli::mass_report::{AxisMoment, MassProperties, MassTotals, axis, figure, positive};
+use crate::cli::mass_parts::{ByName, load_placed};
+use crate::cli::mass_place::Placement;
+use crate::cli::mass_report::{AxisMoment, axis, positive};
+use crate::cli::mass_table::{MassFigures, SolidReport};
+use crate::cli::mass_units::{DENSITIES, UnitFactors};
 use crate::cli::options::length;
 use crate::cli::output::OutputRule;
-
-/// The density of parts that are given none.
-const DEFAULT_DENSITY: &str = "1";
 
 /// Print mass, center of mass and inertia of solids of any density, or of a sliced print, exactly
 ///
@@ -41,23 +41,34 @@ pub(crate) struct MassOptions {
     files: Vec<PathBuf>,
     /// A number, a polynomial such as '1 + 2*x - 0.5*y*z', 'linear:axis=z,from=0,to=1' (over the
     /// whole body), 'profile:axis=z,0.2=1,0.8=5' (position=density, constant beyond),
-    /// 'vertex[:NAME]', or a field file '@field.json'; once for all parts or once for each
-    #[arg(
-        long,
-        value_name = "D",
-        default_value = DEFAULT_DENSITY,
-        allow_hyphen_values = true
-    )]
+    /// 'vertex[:NAME]', 'cell:NAME' (one constant per tetrahedron), or a field file '@field.json'; once for all parts or once for each;
+    /// NAME=D for the file or the group of that name (groups `g` and `o` of OBJ, solids of STL, Gmsh's
+    /// physical names, MEDIT's references) [default: 1]
+    #[arg(long, value_name = "[NAME=]D", allow_hyphen_values = true)]
     density: Vec<String>,
-    /// What a part weighs, its density scaled to that; once for each part
-    #[arg(long, value_name = "M", value_parser = positive)]
-    mass: Vec<f64>,
+    /// What a part weighs, its density scaled to that; once for each part, or NAME=M for a file or a group.
+    /// `_` leaves a part to its density
+    #[arg(long, value_name = "[NAME=]M")]
+    mass: Vec<String>,
+    /// Where a file is placed: 16 numbers of a 4×4 matrix, row by row, or a file with them; once for all or
+    /// once for each, `_` for a file that stays. Mirrors and scalings are fine; densities are functions of
+    /// the placed coordinates
+    #[arg(long, value_name = "FILE|16 NUMBERS", allow_hyphen_values = true)]
+    place: Vec<String>,
     /// Also the moment of inertia about the axis through a point along a direction
     #[arg(long, value_name = "PX,PY,PZ,DX,DY,DZ", value_parser = axis, allow_hyphen_values = true)]
     axis: Option<AxisMoment>,
     /// Free text about the units, carried through to the output
     #[arg(long, value_name = "TEXT")]
     units: Option<String>,
+    /// Print SI units: m, kg. --units is the unit of the files' lengths (m, dm, cm, mm, um, nm, in, ft);
+    /// masses are given in kg
+    #[arg(long)]
+    si: bool,
+    /// With --si, the unit of densities
+    #[arg(long, value_name = "UNIT", default_value = "kg/m3", requires = "si",
+          value_parser = DENSITIES.map(|(name, _)| name))]
+    density_units: String,
     /// The largest relative error of mass, center of mass (to the body's extent) and inertia for
     /// formulas that are no polynomials [default: 1e-6; where they use `distance` 1e-4]
     #[arg(long, value_name = "T", value_parser = positive)]
@@ -82,50 +93,6 @@ pub(crate) struct MassOptions {
     gcode: GcodeOptions,
 }
 
-/// What is printed, in this order.
-#[derive(Debug, Serialize)]
-struct Report {
-    #[serde(skip_serializing_if = "Option::is_none")]
-    units: Option<String>,
-    #[serde(flatten)]
-    properties: MassProperties,
-    /// The largest of `error_estimates` as shares of mass, extent and the tensor's largest entry; only
-    /// where a density has no closed integral.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    error_estimate: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    error_estimates: Option<ErrorEstimates>,
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    parts: Vec<MassPart>,
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    notes: Vec<String>,
-}
-
-/// Bounds of the errors of properties.
-#[derive(Debug, Serialize)]
-struct ErrorEstimates {
-    mass: f64,
-    center_of_mass: f64,
-    inertia_center: f64,
-}
-
-impl From<BodyErrors> for ErrorEstimates {
-    fn from(errors: BodyErrors) -> Self {
-        Self {
-            mass: errors.mass,
-            center_of_mass: errors.center,
-            inertia_center: errors.inertia,
-        }
-    }
-}
-
-#[derive(Debug, Serialize)]
-struct MassPart {
-    file: String,
-    #[serde(flatten)]
-    totals: MassTotals,
-}
-
 pub(crate) fn run(options: &MassOptions) -> Result<(), Failure> {
     if let Some(file) = options.files.iter().find(|file| is_gcode(file)) {
         return run_gcode(file, options);
@@ -134,58 +101,169 @@ pub(crate) fn run(options: &MassOptions) -> Result<(), Failure> {
         return Err(Failure::input(format!("{option} is for G-code files")));
     }
     let (files, mut notes) = parts(&options.files)?;
-    let densities = one_for_each("density", &options.density, files.len())?;
-    check_output(options, &files, &densities)?;
-    if !options.mass.is_empty() && options.mass.len() != files.len() {
-        return Err(miscounted("mass", options.mass.len(), files.len()));
-    }
-    let solids = files
-        .iter()
-        .map(|file| load_within(file, options.weld.unwrap_or(0.0)).map_err(Failure::input))
-        .collect::<Result<Vec<_>, _>>()?;
-    let extent = extent(&solids);
-    let mut weighed = Vec::new();
-    for (place, (solid, density)) in solids.iter().zip(&densities).enumerate() {
-        let file = files[place].display();
-        let body = (density.field.weigh(solid, &extent, options.tolerance))
-            .map_err(|error| Failure::input(format!("{file}: {error}")))?;
-        weighed.push(
-            options
-                .mass
-                .get(place)
-                .map_or(body, |&mass| body.weighing(mass)),
-        );
-    }
-    let bodies: Vec<Body> = weighed.iter().map(|part: &Weighed| part.body).collect();
-    let body = Body::combined(&bodies).ok_or_else(|| Failure::run("the parts have no mass"))?;
-    notes.extend(notes_of_parts(&files, &solids));
-    notes.extend(densities.iter().filter_map(|density| density.note(&extent)));
-    notes.extend(negative_notes(&files, &solids, &densities, &extent));
-    write_files(options, &solids, &densities, &body)?;
-    let errors = Weighed::errors_of(&weighed, &body, extent.extent().norm());
-    let mut report = report(options, &files, notes, &bodies, &body);
-    report.error_estimate = errors.map(|errors| errors.relative);
-    report.error_estimates = errors.map(ErrorEstimates::from);
-    let text = if options.json {
-        serde_json::to_string_pretty(&report).map_err(Failure::run)? + "\n"
-    } else {
-        report.table()
+    let units = units(options)?;
+    let wholes = load_all(options, &files)?;
+    let areas: Vec<f64> = wholes.iter().map(|whole| area(&whole.solid)).collect();
+    let solids: Vec<Solid> = wholes.iter().map(|whole| whole.solid.clone()).collect();
+    let known = known_names(&files, &wholes);
+    let asked = MassAsked {
+        files: &files,
+        densities: ByName::of("density", &options.density, &known)?,
+        masses: ByName::of("mass", &options.mass, &known)?,
+        mass_unit: units.as_ref().map_or(1.0, |(factors, _)| factors.mass),
     };
-    print(text)?;
+    check_counts(&asked, files.len())?;
+    let mut leaves = Vec::new();
+    for (part, whole) in wholes.into_iter().enumerate() {
+        leaves.push(asked.leaves(part, whole)?);
+    }
+    check_output(options, &files, &leaves)?;
+    let extent = extent(&solids);
+    let (mut weighed, mut bodies, mut rows) = (Vec::new(), Vec::new(), Vec::new());
+    for (part, leaves) in leaves.iter().enumerate() {
+        let weigh = |leaf: &MassLeaf| leaf.weigh(&extent, options.tolerance);
+        let of_leaves = leaves.iter().map(weigh).collect::<Result<Vec<_>, _>>()?;
+        let of_leaves = asked.scaled(part, leaves, of_leaves)?;
+        let body = body_of(&of_leaves, areas[part])?;
+        rows.push(group_rows(&asked, leaves, &of_leaves, &extent)?);
+        bodies.push(body);
+        weighed.extend(of_leaves);
+    }
+    let body = Body::combined(&bodies).ok_or_else(|| Failure::run("the parts have no mass"))?;
+    let leaves: Vec<MassLeaf> = leaves.into_iter().flatten().collect();
+    notes.extend(notes_of_parts(&files, &solids));
+    notes.extend(notes_of_leaves(&leaves, &extent));
+    write_files(options, &leaves, &body, &extent)?;
+    let errors = Weighed::errors_of(&weighed, &body, extent.extent().norm());
+    let report = MassFigures {
+        files: &files,
+        leaves: &leaves,
+        bodies: &bodies,
+        body: &body,
+        rows,
+        errors,
+    };
+    let report = report.report((options.axis, options.units.as_deref()), notes, units);
+    print_report(options, &report)?;
     let missed = weighed.iter().find_map(|part| part.missed);
     missed.map_or(Ok(()), |missed| Err(Failure::run(missed)))
+}
+
+fn print_report(options: &MassOptions, report: &SolidReport) -> Result<(), Failure> {
+    if !options.json {
+        return print(report.table());
+    }
+    print(serde_json::to_string_pretty(report).map_err(Failure::run)? + "\n")
+}
+
+/// The factors to SI and the sentence about them, where SI is asked for.
+fn units(options: &MassOptions) -> Result<Option<(UnitFactors, String)>, Failure> {
+    let factors = || UnitFactors::of(options.units.as_deref(), &options.density_units);
+    options.si.then(factors).transpose()
+}
+
+/// The files where they are placed.
+fn load_all(options: &MassOptions, files: &[PathBuf]) -> Result<Vec<LabeledSolid>, Failure> {
+    let placements = options.place.iter().map(|text| Placement::read(text));
+    let placements: Vec<Placement> = placements
+        .collect::<Result<_, _>>()
+        .map_err(Failure::input)?;
+    if placements.len() > 1 && placements.len() != files.len() {
+        return Err(miscounted("place", placements.len(), files.len()));
+    }
+    let placement = |part: usize| match &placements[..] {
+        [one] => Some(one),
+        all => all.get(part),
+    };
+    let loaded = files.iter().enumerate();
+    loaded
+        .map(|(part, file)| load_placed(file, placement(part), options.weld.unwrap_or(0.0)))
+        .collect()
+}
+
+/// Refuses more or fewer densities and masses than there are files.
+fn check_counts(asked: &MassAsked<'_>, files: usize) -> Result<(), Failure> {
+    let densities = asked.densities.plain.len();
+    if densities > 1 && densities != files {
+        return Err(miscounted("density", densities, files));
+    }
+    let masses = asked.masses.plain.len();
+    if masses > 0 && masses != files {
+        return Err(miscounted("mass", masses, files));
+    }
+    Ok(())
+}
+
+/// The groups of a file with their bodies: its leaves, or the groups of its only one.
+fn group_rows(
+    asked: &MassAsked<'_>,
+    leaves: &[MassLeaf],
+    weighed: &[Weighed],
+    extent: &Bounds<3>,
+) -> Result<Vec<(String, String, Body)>, Failure> {
+    let row = |leaf: &MassLeaf, body: Body| {
+        let name = leaf.group.clone().unwrap_or_default();
+        (name, leaf.text.clone(), body)
+    };
+    let [only] = leaves else {
+        let pairs = leaves.iter().zip(weighed);
+        return Ok(pairs
+            .map(|(leaf, weighed)| row(leaf, weighed.body))
+            .collect());
+    };
+    let groups = asked.groups_of(only)?;
+    let bodies = groups
+        .iter()
+        .map(|group| Ok(group.weigh(extent, None)?.body));
+    // A group without mass of its own gets no row.
+    let bodies: Vec<Option<Body>> = bodies
+        .map(|body: Result<Body, Failure>| body.ok())
+        .collect();
+    let sum: f64 = bodies.iter().flatten().map(|body| body.mass).sum();
+    let rows = groups.iter().zip(&bodies).filter_map(|(group, body)| {
+        let body = (*body)?;
+        let share = weighed[0].body.mass * (body.mass / sum);
+        // Scaled where the file's mass is given.
+        let is_same = (share - body.mass).abs() <= 1e-9 * body.mass;
+        Some(row(
+            group,
+            if is_same { body } else { body.weighing(share) },
+        ))
+    });
+    Ok(rows.collect())
+}
+
+/// Notes about the densities of leaves.
+fn notes_of_leaves(leaves: &[MassLeaf], extent: &Bounds<3>) -> Vec<String> {
+    let mut notes: Vec<String> = (leaves.iter())
+        .filter_map(|leaf| leaf.density.note(extent))
+        .collect();
+    notes.dedup();
+    let names: Vec<PathBuf> = leaves.iter().map(|leaf| leaf.name.clone()).collect();
+    let solids: Vec<&Solid> = leaves.iter().map(|leaf| &leaf.labeled.solid).collect();
+    let densities: Vec<&GivenField> = leaves.iter().map(|leaf| &leaf.density).collect();
+    notes.extend(negative_notes(&names, &solids, &densities, extent));
+    notes
+}
+
+/// The area of a solid's surface.
+fn area(solid: &Solid) -> f64 {
+    match solid {
+        Solid::Surface(closed, _) => closed.mesh().area(),
+        Solid::Tets(sound, _) => sound.mesh().boundary().area(),
+    }
 }
 
 /// Refuses files of `--out` that must not be replaced.
 fn check_output(
     options: &MassOptions,
     files: &[PathBuf],
-    densities: &[GivenField],
+    leaves: &[Vec<MassLeaf>],
 ) -> Result<(), Failure> {
     let Some(folder) = &options.out else {
         return Ok(());
     };
-    let fields = densities.iter().filter_map(|density| density.file.clone());
+    let fields = (leaves.iter().flatten()).filter_map(|leaf| leaf.density.file.clone());
     let inputs: Vec<PathBuf> = files.iter().cloned().chain(fields).collect();
     let rule = OutputRule {
         inputs: &inputs,
@@ -198,24 +276,25 @@ fn check_output(
 /// Writes the files of `--out`.
 fn write_files(
     options: &MassOptions,
-    solids: &[Solid],
-    densities: &[GivenField],
+    leaves: &[MassLeaf],
     body: &Body,
+    extent: &Bounds<3>,
 ) -> Result<(), Failure> {
     let Some(folder) = &options.out else {
         return Ok(());
     };
-    let (extent, center) = (extent(solids), body.center_of_mass());
-    let fields: Vec<_> = densities.iter().map(|density| &density.field).collect();
+    let center = body.center_of_mass();
+    let solids: Vec<Solid> = (leaves.iter().map(|leaf| leaf.labeled.solid.clone())).collect();
+    let fields: Vec<_> = leaves.iter().map(|leaf| &leaf.density.field).collect();
     let cut = match options.cut.as_deref() {
         Some(axis) => coordinate_cut(
             ["x", "y", "z"].iter().position(|a| *a == axis).unwrap_or(2),
             &center,
         ),
-        None => widest_cut(&extent, &center),
+        None => widest_cut(extent, &center),
     };
     let plain = SolidDensity::Constant(1.0);
-    let plain: Vec<Body> = (solids.iter().map(|solid| weigh(solid, &plain, &extent)))
+    let plain: Vec<Body> = (solids.iter().map(|solid| weigh(solid, &plain, extent)))
         .collect::<Result<_, _>>()
         .map_err(Failure::input)?;
     let mut marks = Vec::new();
@@ -233,9 +312,9 @@ fn write_files(
         marks,
     };
     let weighed = DensityBody {
-        solids,
+        solids: &solids,
         fields: &fields,
-        extent: &extent,
+        extent,
     };
     write_density(folder, weighed, &section)
 }
@@ -247,7 +326,7 @@ fn run_gcode(file: &Path, options: &MassOptions) -> Result<(), Failure> {
         let message = format!("{name}: a G-code file is weighed alone, one at a time");
         return Err(Failure::input(message));
     }
-    if options.density != [DEFAULT_DENSITY] {
+    if !options.density.is_empty() {
         let message = "--density is for solids; for G-code there is --material-density";
         return Err(Failure::input(format!("{name}: {message}")));
     }
@@ -255,12 +334,21 @@ fn run_gcode(file: &Path, options: &MassOptions) -> Result<(), Failure> {
         return Err(miscounted("mass", options.mass.len(), 1));
     }
     let asked = Asked {
-        mass: options.mass.first().copied(),
+        mass: options
+            .mass
+            .first()
+            .map(|mass| gcode_mass(mass))
+            .transpose()?,
         axis: options.axis,
         units: options.units.as_deref(),
         json: options.json,
     };
     mass_gcode::run(file, &options.gcode, asked)
+}
+
+/// What a print weighs.
+fn gcode_mass(text: &str) -> Result<f64, Failure> {
+    positive(text).map_err(|fault| Failure::input(format!("--mass {text}: {fault}")))
 }
 
 /// The files that are parts, each once. TetGen's two files are one mesh, read by either name; a file
@@ -291,21 +379,6 @@ fn mesh_of(file: &Path) -> PathBuf {
     file.canonicalize().unwrap_or_else(|_| file.to_path_buf())
 }
 
-/// One density per part, from one for all or one each.
-fn one_for_each(name: &str, texts: &[String], parts: usize) -> Result<Vec<GivenField>, Failure> {
-    let densities = texts
-        .iter()
-        .map(|text| {
-            GivenField::read(text).map_err(|error| Failure::input(format!("--{name}: {error}")))
-        })
-        .collect::<Result<Vec<_>, _>>()?;
-    match &densities[..] {
-        [density] => Ok(vec![density.clone(); parts]),
-        all if all.len() == parts => Ok(densities),
-        all => Err(miscounted(name, all.len(), parts)),
-    }
-}
-
 fn miscounted(name: &str, given: usize, parts: usize) -> Failure {
     let times = if given == 1 {
         "once"
@@ -325,56 +398,4 @@ fn extent(solids: &[Solid]) -> Bounds<3> {
         extent.include(&part.max);
     }
     extent
-}
-
-fn report(
-    options: &MassOptions,
-    files: &[PathBuf],
-    notes: Vec<String>,
-    bodies: &[Body],
-    body: &Body,
-) -> Report {
-    let named = |file: &Path| file.display().to_string();
-    let several = if bodies.len() > 1 { files } else { &[] };
-    let parts = several.iter().zip(bodies).map(|(file, body)| MassPart {
-        file: named(file),
-        totals: body.into(),
-    });
-    Report {
-        units: options.units.clone(),
-        properties: MassProperties::of(body, options.axis),
-        error_estimate: None,
-        error_estimates: None,
-        parts: parts.collect(),
-        notes,
-    }
-}
-
-impl Report {
-    fn table(&self) -> String {
-        let mut text = self.properties.table();
-        if let (Some(relative), Some(errors)) = (self.error_estimate, &self.error_estimates) {
-            let relative = figure(relative);
-            text += &format!("{:<24}{relative} (relative)\n", "error estimate");
-            for (name, error) in [
-                ("… of the mass", errors.mass),
-                ("… of the center", errors.center_of_mass),
-                ("… of the inertia", errors.inertia_center),
-            ] {
-                text += &format!("{name:<24}{}\n", figure(error));
-            }
-        }
-        if let Some(units) = &self.units {
-            text += &format!("{:<24}  {units}\n", "units");
-        }
-        for part in &self.parts {
-            let [x, y, z] = part.totals.center_of_mass.map(figure);
-            let mass = figure(part.totals.mass);
-            text += &format!("part {}: mass{mass}, center{x}{y}{z}\n", part.file);
-        }
-        for note in &self.notes {
-            text += &format!("note: {note}\n");
-        }
-        text
-    }
 }

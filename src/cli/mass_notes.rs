@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use nalgebra::Point3;
+use nalgebra::{Point3, Vector3};
 
 use crate::domain::density_sign::refused_place;
 use crate::geometry::bounds::Bounds;
@@ -47,8 +47,8 @@ pub(crate) fn notes_of_parts(files: &[PathBuf], solids: &[Solid]) -> Vec<String>
 /// Where densities are negative in parts.
 pub(crate) fn negative_notes(
     files: &[PathBuf],
-    solids: &[Solid],
-    densities: &[GivenField],
+    solids: &[&Solid],
+    densities: &[&GivenField],
     extent: &Bounds<3>,
 ) -> Vec<String> {
     let parts = files.iter().zip(solids.iter().zip(densities));
@@ -71,6 +71,20 @@ fn negative_note(solid: &Solid, field: &Field, extent: &Bounds<3>) -> Option<Str
         Field::Vertices(values) => match solid {
             Solid::Surface(..) => None,
             Solid::Tets(sound, _) => least(&sound.mesh().vertices, values),
+        },
+        Field::Tets(values) => match solid {
+            Solid::Surface(..) => None,
+            Solid::Tets(sound, _) => {
+                let corners = sound.mesh().all_corners();
+                let middle = |four: [Point3<f64>; 4]| {
+                    Point3::from(
+                        four.iter()
+                            .map(|corner| corner.coords / 4.0)
+                            .sum::<Vector3<f64>>(),
+                    )
+                };
+                least(&corners.map(middle).collect::<Vec<_>>(), values)
+            }
         },
         Field::Radial(_) | Field::Formula(_) | Field::Sampled(_) => {
             let density = field.function(solid, extent).ok()?;

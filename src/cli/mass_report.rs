@@ -47,6 +47,14 @@ pub(crate) struct AxisMoment {
     pub(crate) along: Vector3<f64>,
 }
 
+impl AxisMoment {
+    /// The line in other units, of which `length` make one of the old.
+    pub(crate) fn scaled(self, length: f64) -> Self {
+        let through = self.through * length;
+        Self { through, ..self }
+    }
+}
+
 impl MassProperties {
     /// Of `body`, and its moment about `axis`.
     pub(crate) fn of(body: &Body, axis: Option<AxisMoment>) -> Self {
@@ -91,9 +99,13 @@ impl MassProperties {
         if let Some(moment) = self.moment_about_axis {
             line("moment about the axis", &[moment]);
         }
-        text
+        text + SIGNS
     }
 }
+
+/// The convention of tensors.
+const SIGNS: &str = "(off the diagonal, inertia tensors hold the negative products of inertia, -∫ρ x y dV; a row of \
+                     axes for each principal moment)\n";
 
 pub(crate) fn rows(matrix: &Matrix3<f64>) -> [[f64; 3]; 3] {
     [0, 1, 2].map(|row| [0, 1, 2].map(|column| matrix[(row, column)]))

@@ -7,6 +7,8 @@
 use std::io::{self, Write};
 use std::path::Path;
 
+use nalgebra::Point3;
+
 use crate::complex::element::CellElement;
 use crate::export::atomic_write;
 use crate::mesh::poly_mesh::{CellFaces, PolyMesh};
@@ -45,15 +47,65 @@ pub(crate) fn write_mesh(
         ),
     )];
     arrays.extend(cell_arrays(mesh, standard));
-    for (name, column) in columns {
-        let (kind, bytes) = match column {
-            CellColumn::Integers(all) => ("Int64", integer_bytes(all)),
-            CellColumn::Reals(all) => ("Float64", real_bytes(all.iter().copied())),
-        };
-        arrays.push(("CellData", kind, (*name).to_owned(), bytes));
-    }
+    arrays.extend(
+        columns
+            .iter()
+            .map(|(name, column)| column_array(name, column)),
+    );
     let counts = [mesh.points.len(), mesh.cell_count];
     atomic_write::write(path, |file| write_arrays(file, counts, &arrays))
+}
+
+/// Cells of VTK's own types.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct GridArrays {
+    pub(crate) points: Vec<Point3<f64>>,
+    pub(crate) connectivity: Vec<i64>,
+    /// Where every cell's corners end in `connectivity`.
+    pub(crate) offsets: Vec<i64>,
+    pub(crate) types: Vec<u8>,
+}
+
+/// Writes cells with a column of numbers for each name.
+///
+/// # Errors
+/// The error of the system; the file is then as it was before.
+pub(crate) fn write_grid(
+    path: &Path,
+    grid: &GridArrays,
+    columns: &[(&str, CellColumn)],
+) -> io::Result<()> {
+    let points = grid
+        .points
+        .iter()
+        .flat_map(|point| <[f64; 3]>::from(*point));
+    let named = |section, kind, name: &str, bytes| (section, kind, name.to_owned(), bytes);
+    let mut arrays = vec![
+        named("Points", "Float64", "Points", real_bytes(points)),
+        named(
+            "Cells",
+            "Int64",
+            "connectivity",
+            integer_bytes(&grid.connectivity),
+        ),
+        named("Cells", "Int64", "offsets", integer_bytes(&grid.offsets)),
+        named("Cells", "UInt8", "types", grid.types.clone()),
+    ];
+    arrays.extend(
+        columns
+            .iter()
+            .map(|(name, column)| column_array(name, column)),
+    );
+    let counts = [grid.points.len(), grid.types.len()];
+    atomic_write::write(path, |file| write_arrays(file, counts, &arrays))
+}
+
+fn column_array(name: &str, column: &CellColumn) -> FileArray {
+    let (kind, bytes) = match column {
+        CellColumn::Integers(all) => ("Int64", integer_bytes(all)),
+        CellColumn::Reals(all) => ("Float64", real_bytes(all.iter().copied())),
+    };
+    ("CellData", kind, name.to_owned(), bytes)
 }
 
 pub(crate) fn real_bytes(all: impl IntoIterator<Item = f64>) -> Vec<u8> {

@@ -5,6 +5,8 @@ pub mod atomic_write;
 pub(crate) mod compress;
 pub(crate) mod field_vtu;
 pub(crate) mod mesh_vtu;
+#[cfg(feature = "cli")]
+pub(crate) mod octree_vtu;
 pub(crate) mod poly_mesh;
 #[cfg(feature = "scene")]
 pub mod run;

@@ -151,6 +151,22 @@ pub fn polynomial<const K: usize>(
     )
 }
 
+/// ∫ (y − `origin`)^e dV for all exponents e in `monomials`, in their order: \[CP\] eq. 15.
+#[must_use]
+pub(crate) fn monomials_of_solid<const K: usize>(
+    vertices: &[Point3<f64>],
+    simplices: &[[u32; K]],
+    monomials: &Monomials,
+    origin: &Point3<f64>,
+) -> Vec<f64> {
+    let precision = Precision::for_solid(vertices, simplices, origin);
+    let sums = monomial_sums(vertices, simplices, monomials, origin, precision);
+    let weighed = monomials.exponents().iter().zip(sums.0);
+    weighed
+        .map(|(&exponents, sum)| weight(3, exponents) / 6.0 * sum)
+        .collect()
+}
+
 /// The mass alone of a piece at a polynomial density all of whose terms are in `monomials`.
 #[must_use]
 pub(crate) fn mass_of_piece(piece: Piece<'_>, density: &Polynomial, monomials: &Monomials) -> f64 {

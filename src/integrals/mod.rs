@@ -12,6 +12,7 @@
 //!        │      polynomial ← formula (double_double) ← polynomial_text
 //!        │          │             └ bernstein  bounds in a box
 //!     mesh_moments  ┘          the ten moments of a surface, of tetrahedra, of a piece
+//!        └ monomials           all integrals up to a degree over a surface, over a solid
 //!        │
 //!      lanes                   four simplices at a time
 //!     half_space ← clip        … of the part of a solid above a plane
@@ -26,6 +27,7 @@
 
 pub(crate) mod adaptive;
 pub mod bernstein;
+pub(crate) mod cell_moments;
 pub(crate) mod clip;
 pub(crate) mod cone_rule;
 mod double_double;
@@ -35,6 +37,7 @@ mod formula;
 pub(crate) mod half_space;
 pub mod lanes;
 pub mod mesh_moments;
+pub(crate) mod monomials;
 pub mod pairwise;
 pub(crate) mod planar;
 pub mod polynomial;

@@ -56,6 +56,28 @@ impl Body {
         }
     }
 
+    /// The same body with a boundary of this area (L²): parts that touch have less than theirs together.
+    #[must_use]
+    pub(crate) fn with_surface_area(&self, surface_area: f64) -> Self {
+        Self {
+            surface_area,
+            ..*self
+        }
+    }
+
+    /// The same body in other units, of which `length` and `mass` make one of the old.
+    #[must_use]
+    pub(crate) fn in_units(&self, length: f64, mass: f64) -> Self {
+        Self {
+            volume: self.volume * length.powi(3),
+            surface_area: self.surface_area * length * length,
+            mass: self.mass * mass,
+            near: self.near * length,
+            offset: self.offset * length,
+            second: self.second * (mass * length * length),
+        }
+    }
+
     /// Parts taken together (\[M\] eq. 5 and the transfer of axes, eq. 12-17); `None` of none or
     /// if the masses sum to zero. Parts that overlap count twice there.
     #[must_use]

@@ -32,6 +32,7 @@ pub(crate) mod evaluate;
 pub(crate) mod layers;
 pub(crate) mod linear_pieces;
 pub(crate) mod numeric;
+pub(crate) mod octree_error;
 pub mod principal;
 pub mod profile;
 pub(crate) mod sign;

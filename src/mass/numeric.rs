@@ -87,6 +87,16 @@ pub(crate) struct BodyErrors {
 }
 
 impl BodyErrors {
+    /// The same in other units, of which `length` and `mass` make one of the old.
+    pub(crate) fn in_units(&self, length: f64, mass: f64) -> Self {
+        Self {
+            mass: self.mass * mass,
+            center: self.center * length,
+            inertia: self.inertia * (mass * length * length),
+            ..*self
+        }
+    }
+
     /// Of moments measured from `near` that belong to `body`, in a box of diagonal `extent`.
     pub(crate) fn of(body: &Body, errors: &MomentErrors, near: &Point3<f64>, extent: f64) -> Self {
         let arm = (body.center_of_mass() - near).norm();

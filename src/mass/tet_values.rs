@@ -28,33 +28,36 @@ impl<'a> TetValues<'a> {
 
     /// The linear interpolation at a point; NaN outside all tetrahedra.
     pub(crate) fn at(&self, point: &Point3<f64>) -> f64 {
-        let mut found = (-OUTSIDE, f64::NAN);
+        let Some(tet) = self.tet_at(point) else {
+            return f64::NAN;
+        };
+        let weights = self.weights(tet, point).unwrap_or([f64::NAN; 4]);
+        let corners = self.mesh.tets[tet as usize];
+        let terms = weights.iter().zip(corners);
+        terms
+            .map(|(weight, vertex)| weight * self.values[vertex as usize])
+            .sum()
+    }
+
+    /// The tetrahedron that holds a point.
+    pub(crate) fn tet_at(&self, point: &Point3<f64>) -> Option<u32> {
+        let mut found = (-OUTSIDE, None);
         let is_near = |bounds: &Bounds<3>| bounds.contains(point);
         self.tree.visit(is_near, |tet| {
-            let (least, value) = self.in_tet(tet, point);
-            if least > found.0 {
-                found = (least, value);
+            let weights = self.weights(tet, point);
+            let least = weights.map(|weights| weights.into_iter().fold(f64::INFINITY, f64::min));
+            if let Some(least) = least.filter(|&least| least > found.0) {
+                found = (least, Some(tet));
             }
         });
         found.1
     }
 
-    /// The least barycentric coordinate of a point in a tetrahedron, and the value of its linear function.
-    fn in_tet(&self, tet: u32, point: &Point3<f64>) -> (f64, f64) {
-        let vertices = self.mesh.tets[tet as usize].map(|vertex| vertex as usize);
-        let corners = vertices.map(|vertex| self.mesh.vertices[vertex]);
+    /// The barycentric coordinates of a point in a tetrahedron; none where that is flat.
+    fn weights(&self, tet: u32, point: &Point3<f64>) -> Option<[f64; 4]> {
+        let corners = self.mesh.corners(tet as usize);
         let edges = Matrix3::from_columns(&[1, 2, 3].map(|k| corners[k] - corners[0]));
-        let Some(shares) = edges.lu().solve(&(point - corners[0])) else {
-            return (f64::NEG_INFINITY, f64::NAN);
-        };
-        let weights = [1.0 - shares.sum(), shares.x, shares.y, shares.z];
-        let least = weights.iter().copied().fold(f64::INFINITY, f64::min);
-        let terms = weights.iter().zip(vertices);
-        (
-            least,
-            terms
-                .map(|(weight, vertex)| weight * self.values[vertex])
-                .sum(),
-        )
+        let shares = edges.lu().solve(&(point - corners[0]))?;
+        Some([1.0 - shares.sum(), shares.x, shares.y, shares.z])
     }
 }

@@ -11,9 +11,12 @@ pub(crate) mod bores;
 pub(crate) mod contacts;
 pub(crate) mod cut;
 pub mod edges;
+pub(crate) mod elements;
 #[cfg(feature = "files")]
 pub mod formats;
+pub(crate) mod holes;
 pub(crate) mod nesting;
+pub(crate) mod octree;
 pub(crate) mod orient;
 pub(crate) mod overlap;
 #[cfg(feature = "cli")]

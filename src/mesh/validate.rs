@@ -141,14 +141,15 @@ impl Solid {
 ///
 /// What keeps the surface from bounding a solid, and what to do about it.
 pub fn validate_surface(mesh: &SurfaceMesh) -> Result<(ValidSurface, SurfaceReport), Refusal> {
-    validate_surface_within(mesh, 0.0)
+    number_surface(mesh, 0.0).map(|(surface, report, _)| (surface, report))
 }
 
 /// As [`validate_surface`]; where the surface is open, vertices up to `weld` apart (L) are merged too.
-pub(crate) fn validate_surface_within(
+/// Also the numbers as read of the triangles that are left.
+pub(crate) fn number_surface(
     mesh: &SurfaceMesh,
     weld: f64,
-) -> Result<(ValidSurface, SurfaceReport), Refusal> {
+) -> Result<(ValidSurface, SurfaceReport, Vec<u32>), Refusal> {
     check_elements(&mesh.vertices, &mesh.triangles, "triangles")?;
     let mut report = SurfaceReport::default();
     let closed = closed_surface(mesh, weld, &mut report)?;
@@ -177,7 +178,7 @@ pub(crate) fn validate_surface_within(
     let found = overlaps(&surface, &edges);
     report.repeated = as_read(found.repeated, &triangles.numbers);
     report.negative = as_read(found.negative, &triangles.numbers);
-    Ok((Valid { mesh: surface }, report))
+    Ok((Valid { mesh: surface }, report, triangles.numbers))
 }
 
 /// Refuses elements that reach so far that their volumes overflow.
@@ -196,7 +197,7 @@ fn check_reach<const N: usize>(
 }
 
 /// Refuses elements without meaning: none, out of range, not finite.
-fn check_elements<const N: usize>(
+pub(crate) fn check_elements<const N: usize>(
     vertices: &[Point3<f64>],
     elements: &[[u32; N]],
     what: &'static str,
@@ -410,14 +411,15 @@ fn as_read(overlap: Option<Overlap>, numbers: &[u32]) -> Option<Overlap> {
 ///
 /// What keeps the mesh from filling a solid, and what to do about it.
 pub fn validate_tets(mesh: &TetMesh) -> Result<(ValidTetMesh, TetReport), Refusal> {
-    validate_tets_within(mesh, 0.0)
+    number_tets(mesh, 0.0).map(|(tets, report, _)| (tets, report))
 }
 
-/// As [`validate_tets`]; vertices up to `weld` apart (L) are merged too.
-pub(crate) fn validate_tets_within(
+/// As [`validate_tets`]; vertices up to `weld` apart (L) are merged too. Also the numbers as read of the
+/// tetrahedra that are left.
+pub(crate) fn number_tets(
     mesh: &TetMesh,
     weld: f64,
-) -> Result<(ValidTetMesh, TetReport), Refusal> {
+) -> Result<(ValidTetMesh, TetReport, Vec<u32>), Refusal> {
     check_elements(&mesh.vertices, &mesh.tets, "tetrahedra")?;
     check_data(mesh)?;
     let mut report = TetReport::default();
@@ -436,7 +438,7 @@ pub(crate) fn validate_tets_within(
 fn checked_tets(
     mut mesh: TetMesh,
     mut report: TetReport,
-) -> Result<(ValidTetMesh, TetReport), Refusal> {
+) -> Result<(ValidTetMesh, TetReport, Vec<u32>), Refusal> {
     let numbers = keep_positive(&mut mesh, &mut report);
     if mesh.tets.is_empty() {
         return Err(Refusal::Flat);
@@ -444,7 +446,7 @@ fn checked_tets(
     check_facets(&mesh, &numbers)?;
     report.repeated = repeated(&mesh, &numbers);
     report.isolated = drop_unused(&mut mesh);
-    Ok((Valid { mesh }, report))
+    Ok((Valid { mesh }, report, numbers))
 }
 
 /// Refuses data of the wrong length, and values of the tetrahedra's vertices that are not finite

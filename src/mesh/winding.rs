@@ -89,7 +89,7 @@ fn have_one_sign(numbers: &[f64; 3]) -> bool {
 }
 
 /// Positive behind the triangle, on the inner side of an outward one. The sign is exact.
-fn depth(corners: &[Point3<f64>; 3], point: &Point3<f64>) -> f64 {
+pub(crate) fn depth(corners: &[Point3<f64>; 3], point: &Point3<f64>) -> f64 {
     let [a, b, c, p] = [corners[0], corners[1], corners[2], *point].map(coordinates);
     orient3d(a, b, c, p)
 }
@@ -100,7 +100,7 @@ fn coordinates(point: Point3<f64>) -> Coord3D<f64> {
 }
 
 /// How often the triangle, projected along x, winds about the point.
-fn turns(corners: &[Point3<f64>; 3], point: &Point3<f64>) -> i32 {
+pub(crate) fn turns(corners: &[Point3<f64>; 3], point: &Point3<f64>) -> i32 {
     let mut turns = 0;
     for from in 0..3 {
         let (a, b) = (&corners[from], &corners[(from + 1) % 3]);

@@ -14,6 +14,7 @@ pub(crate) mod exploded;
 pub(crate) mod exploded_lines;
 pub(crate) mod figure;
 pub(crate) mod font;
+pub(crate) mod octrees;
 pub(crate) mod panel;
 pub(crate) mod patches;
 pub(crate) mod planar_fragments;

@@ -126,6 +126,13 @@ impl ZBuffer {
         self.camera.project(point).xy() / FINENESS as f64
     }
 
+    /// Draws quadrangles that face the viewer, all their edges as lines or none.
+    pub(crate) fn draw_quads(&mut self, quads: &[[Point3<f64>; 4]], has_lines: bool, color: Color) {
+        for corners in quads {
+            self.draw_facet(corners, &[has_lines; 4], &|_: &Point3<f64>| color);
+        }
+    }
+
     /// The picture under the shapes of `figure`, its upper left corner at `corner` of the figure,
     /// as the bytes of a PNG file of `scale` pixels per figure unit.
     ///

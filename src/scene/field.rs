@@ -1,5 +1,6 @@
 //! Densities as texts and field files give them: the mass of solids, and values at points.
 
+use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
 use nalgebra::Point3;
@@ -13,6 +14,7 @@ use crate::geometry::bounds::Bounds;
 use crate::geometry::bvh::Bvh;
 use crate::geometry::moments::Moments;
 use crate::integrals::adaptive::MomentErrors;
+use crate::integrals::cell_moments::of_cells;
 use crate::integrals::expression::Expression;
 use crate::integrals::mesh_moments::at_vertices;
 use crate::integrals::radial::Radial;
@@ -23,6 +25,7 @@ use crate::mass::numeric::{
     BodyErrors, FormulaField, MissedTolerance, NumericError, NumericMoments, boundary,
     formula_moments, radial_moments, sampled_moments,
 };
+use crate::mass::tet_values::TetValues;
 use crate::mass::weigh::{WeighError, bounds, weigh};
 use crate::mesh::tets::TetMesh;
 use crate::mesh::validate::Solid;
@@ -45,6 +48,8 @@ pub(crate) enum Field {
     },
     /// Values at the vertices of the solid's tetrahedra, linear in between.
     Vertices(Vec<f64>),
+    /// One constant for each of the solid's tetrahedra.
+    Tets(Vec<f64>),
     /// A function of the distance from a point.
     Radial(Radial),
     /// A formula.
@@ -136,6 +141,17 @@ pub(crate) enum FieldError {
     /// The solid has no cells.
     #[error(transparent)]
     Domain(#[from] DomainError),
+    /// Values of tetrahedra for a surface.
+    #[error("`cell:` density needs a tetrahedral mesh with cell data; this is a surface")]
+    CellOfSurface,
+    /// Values of tetrahedra for another mesh.
+    #[error("the field has {values} values and the mesh {tets} tetrahedra: it is of another mesh")]
+    Tets {
+        /// How many the field has.
+        values: usize,
+        /// How many the mesh has.
+        tets: usize,
+    },
     /// Vertex values for another mesh.
     #[error(
         "the field has {values} values and the mesh {vertices} vertices: it is of another mesh"
@@ -149,6 +165,15 @@ pub(crate) enum FieldError {
 }
 
 impl GivenField {
+    /// A density of no file.
+    pub(crate) fn of(field: Field) -> Self {
+        Self {
+            field,
+            file: None,
+            bounds: None,
+        }
+    }
+
     /// A density by its text: `@FILE` is a field file.
     ///
     /// # Errors
@@ -249,6 +274,10 @@ impl Field {
                 let mesh = tets_of(solid, values.len())?;
                 exact(at_vertices(&mesh.vertices, &mesh.tets, values, &near))
             }
+            Self::Tets(values) => {
+                let mesh = tets_with(solid, values.len())?;
+                exact(of_cells(&mesh.vertices, &mesh.tets, values, &near))
+            }
             Self::Cells { sites, values } => exact(cell_moments(solid, sites, values, &near)?),
             Self::Radial(density) => numeric(solid, extent, &radial_moments(solid, density)),
             Self::Formula(formula) => {
@@ -278,6 +307,14 @@ impl Field {
             Self::Solid(density) => density_function(solid, density, extent)?,
             Self::Vertices(values) => {
                 vertex_function(tets_of(solid, values.len())?, values.as_slice().into())
+            }
+            Self::Tets(values) => {
+                let mesh = tets_with(solid, values.len())?;
+                let tets = TetValues::new(mesh, Cow::Borrowed(&[]));
+                Box::new(move |point| {
+                    let tet = tets.tet_at(point);
+                    tet.map_or(f64::NAN, |tet| values[tet as usize])
+                })
             }
             Self::Radial(density) => Box::new(|point| density.at(point)),
             Self::Formula(formula) => {
@@ -372,6 +409,18 @@ fn tets_of(solid: &Solid, values: usize) -> Result<&TetMesh, FieldError> {
         });
     }
     Ok(mesh)
+}
+
+/// The solid's tetrahedra, of which there are so many.
+fn tets_with(solid: &Solid, values: usize) -> Result<&TetMesh, FieldError> {
+    match solid {
+        Solid::Tets(sound, _) if sound.mesh().tets.len() == values => Ok(sound.mesh()),
+        Solid::Tets(sound, _) => Err(FieldError::Tets {
+            values,
+            tets: sound.mesh().tets.len(),
+        }),
+        Solid::Surface(..) => Err(FieldError::CellOfSurface),
+    }
 }
 
 /// The solid as a domain of cells.

@@ -2,6 +2,7 @@
 
 use crate::geometry::moments::Moments;
 use crate::integrals::mesh_moments::LinearDensity;
+use crate::integrals::monomials::MonomialIntegrals;
 use crate::integrals::polynomial::Polynomial;
 use crate::integrals::reference::polygon::{self, Face};
 use crate::integrals::reference::{cattani_paoluzzi, mirtich, tetrahedron};
@@ -277,6 +278,97 @@ fn the_unit_triangle_has_the_values_of_equation_6() {
             );
         }
     }
+}
+
+/// ∫ t^n over [a, b].
+fn span([a, b]: &[Rational; 2], n: u32) -> Rational {
+    (power(b, n + 1) - power(a, n + 1)) / whole(n + 1)
+}
+
+/// x^e over a box and over its six faces, exactly.
+fn box_integrals(min: [f64; 3], max: [f64; 3], e: [u32; 3]) -> [Rational; 2] {
+    let exact = |x: f64| Rational::from_float(x).unwrap();
+    let along = [0, 1, 2].map(|axis| [exact(min[axis]), exact(max[axis])]);
+    let spans = [0, 1, 2].map(|axis| span(&along[axis], e[axis]));
+    let volume = &spans[0] * &spans[1] * &spans[2];
+    let surface = (0..3).fold(Rational::zero(), |sum, axis| {
+        let ends = power(&along[axis][0], e[axis]) + power(&along[axis][1], e[axis]);
+        sum + ends * &spans[(axis + 1) % 3] * &spans[(axis + 2) % 3]
+    });
+    [volume, surface]
+}
+
+#[test]
+fn every_monomial_to_degree_nine_over_a_box_and_its_surface_is_rational() {
+    for (min, max) in [
+        ([0.0; 3], [1.0, 0.75, 0.625]),
+        ([-0.3, 0.1, -1.7], [0.9, 1.1, 0.4]),
+        ([-1.0, -2.0, -0.5], [1.0, 2.0, 0.5]),
+        ([1e6, -2e6, 3e6], [1e6 + 1.0, -2e6 + 0.75, 3e6 + 0.5]),
+    ] {
+        let corner = |bits: usize| {
+            [0, 1, 2].map(|axis| {
+                if bits >> axis & 1 == 0 {
+                    min[axis]
+                } else {
+                    max[axis]
+                }
+            })
+        };
+        let vertices: Vec<_> = (0..8).map(|bits| Point3::from(corner(bits))).collect();
+        let (_, triangles) = cube([0.0; 3], 1.0);
+        let surface = MonomialIntegrals::over_surface(&vertices, &triangles, 9, None);
+        let volume = MonomialIntegrals::over_solid(&vertices, &triangles, 9);
+        assert_eq!(surface.exponents().len(), 220);
+        let size = [0, 1, 2].map(|axis| max[axis] - min[axis]);
+        let [body, wall] = [
+            size[0] * size[1] * size[2],
+            2.0 * size[0] * size[1] + 2.0 * size[2] * (size[0] + size[1]),
+        ];
+        for &e in surface.exponents() {
+            let [exact_volume, exact_surface] = box_integrals(min, max, e);
+            let bound = (0..3).fold(1.0, |bound, axis| {
+                let reach: f64 = max[axis].abs().max(min[axis].abs());
+                bound * reach.powi(e[axis] as i32)
+            });
+            let what = format!("{e:?} over {min:?}");
+            agrees(volume.of(e), &exact_volume, 0.1 * body * bound, &what);
+            agrees(surface.of(e), &exact_surface, 0.1 * wall * bound, &what);
+        }
+    }
+}
+
+#[test]
+fn monomials_of_degree_nine_over_random_polyhedra_have_their_rational_values() {
+    let mut random = ChaCha8Rng::seed_from_u64(9);
+    let (sphere, triangles) = icosphere(0);
+    let mut spike = |v: &Point3<f64>| Point3::from(v.coords * (0.3 + unit(&mut random)));
+    let vertices: Vec<_> = sphere.iter().map(&mut spike).collect();
+    let solid = MonomialIntegrals::over_solid(&vertices, &triangles, 9);
+    let one = triangles[0];
+    let facet = MonomialIntegrals::over_surface(&vertices, &[one], 9, None);
+    let corners = one.map(|vertex| vertices[vertex as usize]);
+    let exact_corners = corners.each_ref().map(exact_point);
+    let jacobian = (corners[1] - corners[0])
+        .cross(&(corners[2] - corners[0]))
+        .norm();
+    for e in [[9, 0, 0], [3, 3, 3], [0, 4, 5], [7, 1, 1], [0, 0, 9]] {
+        let exact = rational_solid(&vertices, &triangles, e);
+        agrees(solid.of(e), &exact, 1.0, &format!("solid {e:?}"));
+        let exact = structure_product(&exact_corners, e);
+        agrees(facet.of(e) / jacobian, &exact, 1.0, &format!("facet {e:?}"));
+    }
+    let tet = MonomialIntegrals::over_solid(&vertices[..4], &[[0, 1, 2, 3]], 5);
+    let volume = tetrahedron::volume(&[0, 1, 2, 3].map(|k| vertices[k]));
+    close(tet.of([0; 3]), volume, 1e-14, "a tetrahedron");
+    let product: Polynomial = "(x - 1)^2*(y + 2*z)^3".parse().unwrap();
+    let apart: f64 = product.terms().map(|(e, value)| value * tet.of(e)).sum();
+    close(
+        tet.of_polynomial(&product),
+        apart,
+        1e-12,
+        "a polynomial by its terms",
+    );
 }
 
 // ------------------------------------------------------------- printed tables

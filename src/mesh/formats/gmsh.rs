@@ -1,7 +1,7 @@
 //! Gmsh `.msh`, text or binary of either byte order, versions 1, 2, 4.0 and 4.1: tetrahedra, triangles
 //! and quadrangles of first order, or of second order with straight edges (`second_order`).
 //!
-//! Scalar `$NodeData` become vertex data. Sections of one name and time step (one per partition) are
+//! Physical groups and scalar `$ElementData` are kept. Scalar `$NodeData` become vertex data. Sections of one name and time step (one per partition) are
 //! one field, a later step of a field replaces the earlier; a field that leaves out a node of a
 //! tetrahedron, or gives it two values, is refused where it is used. Points and lines are passed over; other volume elements are
 //! refused, because leaving them out would leave holes. Format: Gmsh reference manual, section
@@ -11,9 +11,9 @@ use std::collections::HashMap;
 
 use crate::mesh::formats::binary::Scalar;
 use crate::mesh::formats::error::{ErrorKind, ParseError};
+use crate::mesh::formats::gmsh_groups::GmshGroups;
 use crate::mesh::formats::gmsh_input::{GmshBinary, GmshInput};
 use crate::mesh::formats::mesh::{Mesh, MeshFile, MeshParts, no_tetrahedron};
-use crate::mesh::formats::point_data::PointData;
 use crate::mesh::formats::words::{Words, shown};
 use crate::mesh::polygon::triangulate;
 
@@ -39,6 +39,9 @@ pub(crate) fn read(bytes: &[u8]) -> Result<MeshFile, ParseError> {
             b"$parametricnodes" => file.read_parametric_nodes()?,
             b"$elements" => file.read_elements()?,
             b"$nodedata" => file.read_node_data()?,
+            b"$elementdata" => file.read_element_data()?,
+            b"$physicalnames" => file.groups.read_names(&mut file.input)?,
+            b"$entities" => file.read_entities(),
             _ if section.starts_with(b"$") => {}
             _ => {
                 let expected = ErrorKind::expected("a section such as $Nodes", shown(&section));
@@ -58,16 +61,20 @@ enum Version {
     Four,
 }
 
-struct GmshFile<'a> {
-    input: GmshInput<'a>,
+/// A file as far as it is read.
+pub(crate) struct GmshFile<'a> {
+    pub(crate) input: GmshInput<'a>,
     version: Version,
     /// Node tag → vertex.
-    tags: HashMap<usize, u32>,
-    mesh: MeshParts,
+    pub(crate) tags: HashMap<usize, u32>,
+    pub(crate) mesh: MeshParts,
     /// The time step of every field of the mesh's point data.
-    steps: Vec<usize>,
+    pub(crate) steps: Vec<usize>,
     /// Whether triangles or quadrangles of order above two were passed over.
     has_high_order: bool,
+    groups: GmshGroups,
+    /// The numbers of the tetrahedra.
+    pub(crate) tet_tags: Vec<usize>,
 }
 
 impl<'a> GmshFile<'a> {
@@ -83,15 +90,18 @@ impl<'a> GmshFile<'a> {
             mesh: MeshParts::default(),
             steps: Vec::new(),
             has_high_order: false,
+            groups: GmshGroups::default(),
+            tet_tags: Vec::new(),
         }
     }
 
-    fn into_mesh(self) -> Result<MeshFile, ParseError> {
+    fn into_mesh(mut self) -> Result<MeshFile, ParseError> {
         if self.has_high_order && self.mesh.tets.is_empty() {
             let what = "a surface of elements of order above two";
             let mend = "export first-order elements (Mesh.ElementOrder = 1)";
             return Err(ParseError::whole(ErrorKind::unsupported(what, mend)));
         }
+        self.mesh.tet_cells = (0..self.mesh.tets.len() as u32).collect();
         let mut names: Vec<usize> = vec![0; self.mesh.vertices.len()];
         for (&tag, &vertex) in &self.tags {
             if let Some(name) = names.get_mut(vertex as usize) {
@@ -276,17 +286,20 @@ impl<'a> GmshFile<'a> {
     fn read_element_lines(&mut self) -> Result<(), ParseError> {
         let count = self.input.words.count("the number of elements")?;
         for _ in 0..count {
-            self.input.count("an element's number")?;
+            let number = self.input.count("an element's number")?;
             let kind = self.input.count("an element's type")?;
             // Version 1 has two regions and the number of nodes, version 2 counts its tags.
             let tags = match self.version {
                 Version::One => 3,
                 _ => self.input.count("the number of tags")?,
             };
+            let mut physical = None;
             for _ in 0..tags {
-                self.input.integer("a tag")?;
+                let tag = self.input.integer("a tag")?;
+                physical.get_or_insert(tag);
             }
             self.read_element(kind, false)?;
+            self.label(number, |groups| groups.name(dimension_of(kind), physical));
         }
         Ok(())
     }
@@ -301,10 +314,14 @@ impl<'a> GmshFile<'a> {
             let run = self.input.count("the number of elements of this type")?;
             let tags = self.input.count("the number of tags")?;
             for _ in 0..run {
-                for _ in 0..=tags {
-                    self.input.integer("an element's number or a tag")?;
+                let number = self.input.count("an element's number")?;
+                let mut physical = None;
+                for _ in 0..tags {
+                    let tag = self.input.integer("a tag")?;
+                    physical.get_or_insert(tag);
                 }
                 self.read_element(kind, false)?;
+                self.label(number, |groups| groups.name(dimension_of(kind), physical));
             }
             // A run of none must not go on forever.
             found = found.saturating_add(run.max(1));
@@ -314,19 +331,42 @@ impl<'a> GmshFile<'a> {
 
     /// Reads a block of elements of one type; returns their number.
     fn read_element_block(&mut self) -> Result<usize, ParseError> {
-        self.input.integer("an entity's dimension or number")?;
-        self.input.integer("an entity's number or dimension")?;
+        let first = self.input.integer("an entity's dimension or number")?;
+        let second = self.input.integer("an entity's number or dimension")?;
         let kind = self.input.count("an element's type")?;
         let count = self.input.size("the number of elements in the block")?;
         let is_wide = self.version == Version::Four;
+        let entity = if is_wide { second } else { first };
         for _ in 0..count {
-            match is_wide {
+            let number = match is_wide {
                 true => self.input.size("an element's number")?,
                 false => self.input.count("an element's number")?,
             };
             self.read_element(kind, is_wide)?;
+            self.label(number, |groups| {
+                groups.name_of_entity(dimension_of(kind), entity)
+            });
         }
         Ok(count)
+    }
+
+    /// Labels what the element of this number added, if anything.
+    fn label(&mut self, number: usize, group: impl Fn(&GmshGroups) -> String) {
+        let labeled = self.mesh.triangle_groups.of_elements().len()
+            + self.mesh.tet_groups.of_elements().len();
+        if labeled < self.mesh.triangles.len() + self.mesh.tets.len() {
+            self.mesh.label(&group(&self.groups));
+            self.tet_tags.resize(self.mesh.tets.len(), number);
+        }
+    }
+
+    /// Reads which physical group entities belong to; what cannot be read is passed over.
+    fn read_entities(&mut self) {
+        let before = self.input.clone();
+        let is_old = self.version == Version::FourZero;
+        if self.groups.read_entities(&mut self.input, is_old).is_err() {
+            self.input = before;
+        }
     }
 
     /// Reads an element's nodes; `is_wide` where their numbers are sizes.
@@ -365,7 +405,8 @@ impl<'a> GmshFile<'a> {
         Ok(())
     }
 
-    fn vertex(&self, tag: usize) -> Result<u32, ParseError> {
+    /// The vertex of a node's number.
+    pub(crate) fn vertex(&self, tag: usize) -> Result<u32, ParseError> {
         let vertices = self.mesh.vertices.len();
         let vertex = self.tags.get(&tag).copied();
         let out_of_range = ErrorKind::OutOfRange {
@@ -376,77 +417,6 @@ impl<'a> GmshFile<'a> {
         vertex
             .filter(|&vertex| (vertex as usize) < vertices)
             .ok_or_else(|| self.input.error(out_of_range))
-    }
-
-    /// Reads a scalar field; vectors and tensors are passed over.
-    fn read_node_data(&mut self) -> Result<(), ParseError> {
-        let name = self.read_name()?;
-        for _ in 0..self.input.words.count("the number of real tags")? {
-            self.input.words.value()?;
-        }
-        let integers = self.input.words.count("the number of integer tags")?;
-        let mut layout = [0; 3];
-        for at in 0..integers {
-            let value = self.input.words.count("an integer tag")?;
-            if let Some(slot) = layout.get_mut(at) {
-                *slot = value;
-            }
-        }
-        let [step, components, count] = layout;
-        if components != 1 {
-            return Ok(());
-        }
-        self.input.start_data();
-        let field = self.field_of(name, step);
-        self.read_values(field, count)
-    }
-
-    /// The place of a field in the mesh's point data, emptied if it was of another time step.
-    fn field_of(&mut self, name: String, step: usize) -> usize {
-        let fields = &mut self.mesh.point_data;
-        let place = fields.iter().position(|field| field.name() == name);
-        let field = place.unwrap_or(fields.len());
-        if place.is_some() && self.steps[field] == step {
-            return field;
-        }
-        let empty = PointData::empty(name, self.mesh.vertices.len());
-        if place.is_some() {
-            fields[field] = empty;
-            self.steps[field] = step;
-        } else {
-            fields.push(empty);
-            self.steps.push(step);
-        }
-        field
-    }
-
-    /// Reads the string tags, one a line; returns the first, the field's name, without quotes.
-    fn read_name(&mut self) -> Result<String, ParseError> {
-        let mut name = String::new();
-        let tags = self.input.words.count("the number of string tags")?;
-        self.input.words.next_line();
-        for at in 0..tags {
-            if self.input.words.peek().is_none() {
-                return Err(self.input.words.truncated("a string tag"));
-            }
-            let text = self.input.words.rest_of_line();
-            if at == 0 {
-                let inside = text.strip_prefix(b"\"");
-                let inside = inside.and_then(|text| text.strip_suffix(b"\""));
-                name = shown(inside.unwrap_or(text));
-            }
-        }
-        Ok(name)
-    }
-
-    fn read_values(&mut self, field: usize, count: usize) -> Result<(), ParseError> {
-        for _ in 0..count {
-            let tag = self.input.count("a node's number")?;
-            let vertex = self.vertex(tag)?;
-            let value = self.input.value()?;
-            self.mesh.point_data[field].set(vertex, value);
-        }
-        Ok(())
     }
 
     /// Moves past the line `$End…` of a section, whose name is given in small letters.
@@ -500,4 +470,9 @@ fn node_count(kind: usize) -> Option<usize> {
 /// are refused.
 fn is_passed_over(kind: usize) -> bool {
     matches!(kind, 1 | 8 | 15 | 20..=28)
+}
+
+/// The dimension of an element by its type, of those that are read.
+fn dimension_of(kind: usize) -> usize {
+    if matches!(kind, 4 | 11) { 3 } else { 2 }
 }

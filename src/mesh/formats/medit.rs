@@ -1,7 +1,7 @@
 //! MEDIT `.mesh` in text: tetrahedra, triangles, quadrilaterals, and second-order tetrahedra and
 //! triangles (`TetrahedraP2`, `TrianglesP2`) with straight edges.
 //!
-//! A file is a list of keywords, each with its count and entities; keywords not known here are
+//! An element's reference names its group. A file is a list of keywords, each with its count and entities; keywords not known here are
 //! passed over up to the next word that starts with a letter. Hexahedra and prisms are refused,
 //! because leaving them out would leave holes. The format is the one of Frey, "MEDIT: An
 //! interactive mesh visualization software", INRIA RT-0253 (2001).
@@ -110,8 +110,9 @@ fn read_elements<const N: usize>(
         for vertex in &mut element {
             *vertex = words.vertex(mesh.vertices.len(), 1)?;
         }
-        words.number("a reference")?;
+        let reference = words.number("a reference")?;
         add(mesh, element).map_err(|kind| words.error(kind))?;
+        mesh.label(&reference.to_string());
     }
     Ok(())
 }

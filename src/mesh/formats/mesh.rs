@@ -2,6 +2,7 @@
 
 use nalgebra::Point3;
 
+use crate::mesh::elements::{CellData, Elements, Groups};
 use crate::mesh::formats::error::{ErrorKind, ParseError};
 use crate::mesh::formats::point_data::{PointData, vertex_data};
 use crate::mesh::formats::second_order::{QUAD_EDGES, TET_EDGES, TRIANGLE_EDGES, check_straight};
@@ -18,19 +19,29 @@ pub enum Mesh {
     Tets(TetMesh),
 }
 
-/// A mesh with what its reader has to say about it.
+/// A mesh with what its reader has to say about it, and what the file says about the elements.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct MeshFile {
     pub(crate) mesh: Mesh,
     /// One sentence each.
     pub(crate) notes: Vec<String>,
+    pub(crate) elements: Elements,
 }
 
 impl MeshFile {
     /// A mesh about which there is nothing to say.
     pub(crate) fn plain(mesh: Mesh) -> Self {
+        Self::labeled(mesh, Elements::default())
+    }
+
+    /// A mesh whose file says so much about the elements.
+    pub(crate) fn labeled(mesh: Mesh, elements: Elements) -> Self {
         let notes = Vec::new();
-        Self { mesh, notes }
+        Self {
+            mesh,
+            notes,
+            elements,
+        }
     }
 }
 
@@ -43,9 +54,60 @@ pub(crate) struct MeshParts {
     pub(crate) point_data: Vec<PointData>,
     /// How many second-order elements are among them, by their corners.
     pub(crate) second_order: usize,
+    /// The groups of the triangles and of the tetrahedra.
+    pub(crate) triangle_groups: Groups,
+    pub(crate) tet_groups: Groups,
+    /// The cell of the file that every tetrahedron is.
+    pub(crate) tet_cells: Vec<u32>,
+    /// Scalar fields of the file's cells.
+    pub(crate) cell_data: Vec<CellData>,
 }
 
 impl MeshParts {
+    /// Puts the elements that have no group yet into this one.
+    pub(crate) fn label(&mut self, group: &str) {
+        let count = self.triangles.len();
+        if self.triangle_groups.of_elements().len() < count {
+            let group = self.triangle_groups.named(group);
+            self.triangle_groups.fill(count, group);
+        }
+        let count = self.tets.len();
+        if self.tet_groups.of_elements().len() < count {
+            let group = self.tet_groups.named(group);
+            self.tet_groups.fill(count, group);
+        }
+    }
+
+    /// Notes that the tetrahedra without a cell yet are this cell of the file.
+    pub(crate) fn number_cell(&mut self, cell: usize) {
+        self.tet_cells.resize(self.tets.len(), cell as u32);
+    }
+
+    /// Scalar fields with one value for each tetrahedron.
+    fn tet_data(&self) -> Vec<CellData> {
+        let of_tets = |field: &CellData| CellData {
+            name: field.name.clone(),
+            values: (self.tet_cells.iter())
+                .map(|&cell| field.values.get(cell as usize).copied().unwrap_or(f64::NAN))
+                .collect(),
+        };
+        self.cell_data.iter().map(of_tets).collect()
+    }
+
+    /// What the file says about the tetrahedra, or the triangles where it has none.
+    fn elements(&mut self) -> Elements {
+        let cell_data = self.tet_data();
+        let groups = match self.tets.is_empty() {
+            true => &mut self.triangle_groups,
+            false => &mut self.tet_groups,
+        };
+        Elements {
+            groups: std::mem::take(groups),
+            polygons: Vec::new(),
+            cell_data,
+        }
+    }
+
     /// Adds a tetrahedron of four nodes or, of second order, ten: corners first.
     pub(crate) fn add_tet(&mut self, nodes: &[u32]) -> Result<(), ErrorKind> {
         let &[a, b, c, d, ref middles @ ..] = nodes else {
@@ -76,8 +138,12 @@ impl MeshParts {
     /// The tetrahedra if there are any (triangles beside them are their boundary or inner
     /// walls), else the triangles. `node` names a vertex as the file does, in what is said about
     /// data.
-    pub(crate) fn into_mesh(self, node: impl Fn(usize) -> String) -> Result<MeshFile, ParseError> {
+    pub(crate) fn into_mesh(
+        mut self,
+        node: impl Fn(usize) -> String,
+    ) -> Result<MeshFile, ParseError> {
         let notes = self.notes();
+        let elements = self.elements();
         let is_curved = self.second_order > 0;
         let mut vertices = self.vertices;
         if !self.tets.is_empty() {
@@ -94,7 +160,11 @@ impl MeshParts {
                 tets,
                 vertex_data,
             });
-            return Ok(MeshFile { mesh, notes });
+            return Ok(MeshFile {
+                mesh,
+                notes,
+                elements,
+            });
         }
         if self.triangles.is_empty() {
             let what = "triangles, polygons or tetrahedra";
@@ -109,7 +179,11 @@ impl MeshParts {
             vertices,
             triangles,
         });
-        Ok(MeshFile { mesh, notes })
+        Ok(MeshFile {
+            mesh,
+            notes,
+            elements,
+        })
     }
 
     fn notes(&self) -> Vec<String> {

@@ -6,7 +6,9 @@
 
 use std::fmt::Write;
 
+use crate::mesh::elements::Elements;
 use crate::mesh::formats::error::{ErrorKind, ParseError};
+use crate::mesh::formats::mesh::{Mesh, MeshFile};
 use crate::mesh::formats::words::{Words, integer, shown};
 use crate::mesh::polygon::triangulate;
 use crate::mesh::surface::SurfaceMesh;
@@ -17,6 +19,17 @@ use crate::mesh::surface::SurfaceMesh;
 ///
 /// The line and what is wrong there.
 pub fn parse(bytes: &[u8]) -> Result<SurfaceMesh, ParseError> {
+    read_mesh(bytes, &mut Elements::default())
+}
+
+/// As [`parse`], with the polygon of every triangle.
+pub(crate) fn parse_file(bytes: &[u8]) -> Result<MeshFile, ParseError> {
+    let mut elements = Elements::default();
+    let mesh = Mesh::Surface(read_mesh(bytes, &mut elements)?);
+    Ok(MeshFile::labeled(mesh, elements))
+}
+
+fn read_mesh(bytes: &[u8], elements: &mut Elements) -> Result<SurfaceMesh, ParseError> {
     let mut words = Words::new(bytes, Some(b'#'));
     header(&mut words)?;
     let vertices = words.size("the number of vertices", "vertices")?;
@@ -24,7 +37,7 @@ pub fn parse(bytes: &[u8]) -> Result<SurfaceMesh, ParseError> {
     words.next_line();
     let mut mesh = SurfaceMesh::default();
     read_vertices(&mut words, vertices, &mut mesh)?;
-    read_faces(&mut words, faces, &mut mesh)?;
+    read_faces(&mut words, faces, &mut mesh, elements)?;
     at_end(&mut words, faces)?;
     Ok(mesh)
 }
@@ -107,10 +120,11 @@ fn read_faces(
     words: &mut Words<'_>,
     count: usize,
     mesh: &mut SurfaceMesh,
+    elements: &mut Elements,
 ) -> Result<(), ParseError> {
     mesh.triangles.reserve(words.capacity_for(count, 8));
     let mut polygon = Vec::new();
-    for _ in 0..count {
+    for face in 0..count as u32 {
         let corners = words.count("a face's number of vertices")?;
         polygon.clear();
         for _ in 0..corners {
@@ -122,6 +136,7 @@ fn read_faces(
         }
         triangulate(&mesh.vertices, &polygon, &mut mesh.triangles);
         words.check_limit("triangles", mesh.triangles.len())?;
+        elements.polygons.resize(mesh.triangles.len(), face);
         words.next_line();
     }
     Ok(())

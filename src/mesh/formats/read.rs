@@ -8,16 +8,19 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
+use crate::mesh::elements::{Elements, Groups};
 use crate::mesh::formats::error::{ErrorKind, ParseError, ReadError};
 use crate::mesh::formats::foreign::{check_extension, check_signature};
 use crate::mesh::formats::mesh::{Mesh, MeshFile};
+#[cfg(feature = "scene")]
+use crate::mesh::formats::polygons;
 use crate::mesh::formats::unpack::{extension_of, read_unpacked, without_gz};
 use crate::mesh::formats::words::Words;
-use crate::mesh::formats::{gmsh, medit, obj, off, ply, stl, tetgen, three_mf, vtk, vtu};
+use crate::mesh::formats::{gmsh, medit, obj, off, ply, stl, tetgen, three_mf, volint, vtk, vtu};
 use crate::mesh::report::Refusal;
 use crate::mesh::surface::SurfaceMesh;
 use crate::mesh::tets::TetMesh;
-use crate::mesh::validate::{Solid, validate_surface_within, validate_tets_within};
+use crate::mesh::validate::{Solid, number_surface, number_tets};
 
 /// The formats, as messages name them.
 const KNOWN: &str =
@@ -107,20 +110,69 @@ pub fn load(path: &Path) -> Result<Solid, LoadError> {
 ///
 /// As [`load`].
 pub fn load_within(path: &Path, weld: f64) -> Result<Solid, LoadError> {
-    let file = read_file(path)?;
-    let solid = match file.mesh {
-        Mesh::Surface(mesh) => validate_surface_within(&mesh, weld)
-            .map(|(surface, report)| Solid::Surface(surface, report)),
-        Mesh::Tets(mesh) => {
-            validate_tets_within(&mesh, weld).map(|(tets, report)| Solid::Tets(tets, report))
-        }
-    };
-    let mut solid = solid.map_err(|refusal| {
+    load_labeled(path, weld).map(|labeled| labeled.solid)
+}
+
+/// A solid, and what its file says about the elements that are left.
+#[derive(Clone, Debug)]
+pub(crate) struct LabeledSolid {
+    pub(crate) solid: Solid,
+    pub(crate) elements: Elements,
+    /// A surface with several groups as it was read: walls that two of them share are no part of the
+    /// solid's boundary.
+    pub(crate) grouped: Option<Box<GroupedSurface>>,
+}
+
+/// A surface as it was read, with the group of every triangle.
+#[derive(Clone, Debug)]
+pub(crate) struct GroupedSurface {
+    pub(crate) mesh: SurfaceMesh,
+    pub(crate) groups: Groups,
+}
+
+impl LabeledSolid {
+    /// Checks a mesh that was read; vertices up to `weld` apart (L) are merged where it is open without.
+    ///
+    /// # Errors
+    /// Why it bounds or fills no solid.
+    pub(crate) fn of(file: &MeshFile, weld: f64) -> Result<Self, Refusal> {
+        let (mut solid, numbers) = match &file.mesh {
+            Mesh::Surface(mesh) => {
+                let (surface, report, numbers) = number_surface(mesh, weld)?;
+                (Solid::Surface(surface, report), numbers)
+            }
+            Mesh::Tets(mesh) => {
+                let (tets, report, numbers) = number_tets(mesh, weld)?;
+                (Solid::Tets(tets, report), numbers)
+            }
+        };
+        solid.set_file_notes(file.notes.clone());
+        Ok(Self {
+            solid,
+            elements: file.elements.of_kept(&numbers),
+            grouped: grouped(file),
+        })
+    }
+}
+
+/// The surface of a file with several groups.
+fn grouped(file: &MeshFile) -> Option<Box<GroupedSurface>> {
+    let groups = &file.elements.groups;
+    match &file.mesh {
+        Mesh::Surface(mesh) if groups.names().len() > 1 => Some(Box::new(GroupedSurface {
+            mesh: mesh.clone(),
+            groups: groups.clone(),
+        })),
+        _ => None,
+    }
+}
+
+/// As [`load_within`], with what the file says about the elements.
+pub(crate) fn load_labeled(path: &Path, weld: f64) -> Result<LabeledSolid, LoadError> {
+    LabeledSolid::of(&read_file(path)?, weld).map_err(|refusal| {
         let file = path.to_path_buf();
         LoadError::Refused { file, refusal }
-    })?;
-    solid.set_file_notes(file.notes);
-    Ok(solid)
+    })
 }
 
 /// The formats read here.
@@ -131,9 +183,12 @@ enum Format {
     Obj,
     Off,
     Ply,
+    #[cfg(feature = "scene")]
+    Polygons,
     Stl,
     TetGen,
     ThreeMf,
+    VolInt,
     Vtk,
     Vtu,
 }
@@ -179,6 +234,9 @@ impl Format {
             "mesh" => Self::Medit,
             "msh" => Self::Gmsh,
             "node" | "ele" => Self::TetGen,
+            #[cfg(feature = "scene")]
+            "json" => Self::Polygons,
+            "volint" => Self::VolInt,
             "vtk" => Self::Vtk,
             "vtu" | "vtp" => Self::Vtu,
             "3mf" => Self::ThreeMf,
@@ -192,6 +250,9 @@ impl Format {
         if stl::is_binary(bytes) || stl::is_text(bytes) {
             return Some(Self::Stl);
         }
+        if volint::is_likely(bytes) {
+            return Some(Self::VolInt);
+        }
         words
             .any(|word| word.eq_ignore_ascii_case(b"v"))
             .then_some(Self::Obj)
@@ -204,10 +265,13 @@ impl Format {
             Self::ThreeMf => return three_mf::read(bytes),
             Self::Vtk => return vtk::read(bytes),
             Self::Vtu => return vtu::read(bytes),
-            Self::Obj => obj::parse(bytes),
-            Self::Off => off::parse(bytes),
+            Self::Obj => return obj::parse_file(bytes),
+            Self::Off => return off::parse_file(bytes),
+            #[cfg(feature = "scene")]
+            Self::Polygons => return polygons::parse(bytes),
+            Self::VolInt => return volint::parse(bytes),
             Self::Ply => ply::parse(bytes),
-            Self::Stl => stl::parse(bytes),
+            Self::Stl => return stl::parse_file(bytes),
             Self::TetGen => {
                 let what = "one of TetGen's two files alone";
                 let kind = ErrorKind::unsupported(what, "name the .ele file");

@@ -9,9 +9,10 @@
 
 use nalgebra::Point3;
 
+use crate::mesh::elements::{Elements, Groups};
 use crate::mesh::formats::binary::{Bytes, Scalar};
 use crate::mesh::formats::error::{ErrorKind, ParseError};
-use crate::mesh::formats::mesh::not_empty;
+use crate::mesh::formats::mesh::{Mesh, MeshFile, not_empty};
 use crate::mesh::formats::words::Words;
 use crate::mesh::repair::Welder;
 use crate::mesh::surface::SurfaceMesh;
@@ -28,8 +29,23 @@ const RECORD: usize = 50;
 ///
 /// The line or byte and what is wrong there.
 pub fn parse(bytes: &[u8]) -> Result<SurfaceMesh, ParseError> {
+    read_mesh(bytes, &mut Groups::default())
+}
+
+/// As [`parse`], with the solid of a text file that every triangle belongs to.
+pub(crate) fn parse_file(bytes: &[u8]) -> Result<MeshFile, ParseError> {
+    let mut groups = Groups::default();
+    let mesh = Mesh::Surface(read_mesh(bytes, &mut groups)?);
+    let elements = Elements {
+        groups,
+        ..Elements::default()
+    };
+    Ok(MeshFile::labeled(mesh, elements))
+}
+
+fn read_mesh(bytes: &[u8], groups: &mut Groups) -> Result<SurfaceMesh, ParseError> {
     let mesh = if is_text(bytes) && !is_binary(bytes) {
-        parse_text(bytes)?
+        parse_text(bytes, groups)?
     } else {
         parse_binary(bytes)?
     };
@@ -109,21 +125,27 @@ fn parse_binary(bytes: &[u8]) -> Result<SurfaceMesh, ParseError> {
     Ok(soup.into_mesh())
 }
 
-fn parse_text(bytes: &[u8]) -> Result<SurfaceMesh, ParseError> {
+fn parse_text(bytes: &[u8], groups: &mut Groups) -> Result<SurfaceMesh, ParseError> {
     let mut words = Words::new(bytes, None);
     let mut soup = Soup::with_capacity(words.capacity_for(usize::MAX, 200));
     while let Some(word) = words.word() {
         if !word.eq_ignore_ascii_case(b"solid") {
             return Err(words.unexpected("solid", word));
         }
+        let name = String::from_utf8_lossy(words.rest_of_line()).into_owned();
+        let number = groups.names().len() + 1;
+        let group = match name.is_empty() {
+            true => groups.named(&format!("solid {number}")),
+            false => groups.named(&name),
+        };
         read_solid(&mut words, &mut soup)?;
+        groups.fill(soup.corners.len() / 3, group);
     }
     Ok(soup.into_mesh())
 }
 
 /// Reads up to and including the line `endsolid`, also written `end solid`.
 fn read_solid(words: &mut Words<'_>, soup: &mut Soup) -> Result<(), ParseError> {
-    words.next_line();
     loop {
         let expected = "facet or endsolid";
         let word = words.some_word(expected)?;

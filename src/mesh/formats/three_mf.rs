@@ -44,10 +44,8 @@ pub(crate) fn read(bytes: &[u8]) -> Result<MeshFile, ParseError> {
     let notes = package.notes(&unit);
     let what = "objects in its build";
     let mesh = not_empty(package.mesh, what, "export it with the objects to print")?;
-    Ok(MeshFile {
-        mesh: Mesh::Surface(mesh),
-        notes,
-    })
+    let file = MeshFile::plain(Mesh::Surface(mesh));
+    Ok(MeshFile { notes, ..file })
 }
 
 /// The name of the model in which the build stands.

@@ -8,6 +8,7 @@
 
 use nalgebra::Point3;
 
+use crate::mesh::elements::CellData;
 use crate::mesh::formats::binary::Scalar;
 use crate::mesh::formats::error::{ErrorKind, ParseError};
 use crate::mesh::formats::mesh::{Mesh, MeshFile, MeshParts, no_tetrahedron};
@@ -263,7 +264,7 @@ impl VtkFile<'_> {
         Ok(())
     }
 
-    /// Keeps one-component arrays of numbers of the points.
+    /// Keeps one-component arrays of numbers of the points and the cells.
     fn read_array(
         &mut self,
         name: String,
@@ -271,9 +272,12 @@ impl VtkFile<'_> {
         components: usize,
         count: usize,
     ) -> Result<(), ParseError> {
-        let of_points = self.tuples.is_some_and(|tuples| tuples.of_points);
         let is_bits = is(kind, "bit");
-        if !of_points || components != 1 || is_text(kind) || is_bits && self.input.is_binary {
+        if self.tuples.is_none()
+            || components != 1
+            || is_text(kind)
+            || is_bits && self.input.is_binary
+        {
             return self.skip_values(kind, count, components);
         }
         let mut values = Vec::with_capacity(self.input.words.capacity_for(count, 2));
@@ -282,9 +286,13 @@ impl VtkFile<'_> {
         for _ in 0..count {
             values.push(self.input.value(kind)?);
         }
-        let vertices = self.mesh.vertices.len();
-        let field = PointData::of(name, values, vertices);
-        self.mesh.point_data.push(field);
+        if self.tuples.is_some_and(|tuples| tuples.of_points) {
+            let vertices = self.mesh.vertices.len();
+            let field = PointData::of(name, values, vertices);
+            self.mesh.point_data.push(field);
+        } else {
+            self.mesh.cell_data.push(CellData { name, values });
+        }
         Ok(())
     }
 
@@ -324,8 +332,9 @@ impl VtkFile<'_> {
     fn into_mesh(mut self) -> Result<MeshFile, ParseError> {
         ErrorKind::check_count("cell types", self.cells.len(), self.kinds.len())
             .map_err(ParseError::whole)?;
-        for (cell, &kind) in self.cells.iter().zip(&self.kinds) {
+        for (number, (cell, &kind)) in self.cells.iter().zip(&self.kinds).enumerate() {
             add_cell(&mut self.mesh, kind, cell).map_err(ParseError::whole)?;
+            self.mesh.number_cell(number);
         }
         self.mesh.into_mesh(point)
     }

@@ -1,5 +1,5 @@
 //! VTK's XML unstructured grids and polygonal data, `.vtu` and `.vtp`: tetrahedra (or surface cells) and
-//! point scalars.
+//! scalars of points and cells.
 //!
 //! Several pieces make one mesh; their common vertices are merged when the mesh is checked. Of polygonal
 //! data, polygons and strips of triangles are read, vertices and lines passed over. Format: "VTK File
@@ -7,6 +7,7 @@
 
 use nalgebra::Point3;
 
+use crate::mesh::elements::CellData;
 use crate::mesh::formats::error::{ErrorKind, ParseError};
 use crate::mesh::formats::mesh::{Mesh, MeshFile, MeshParts};
 use crate::mesh::formats::point_data::PointData;
@@ -29,6 +30,7 @@ pub(crate) fn read(bytes: &[u8]) -> Result<MeshFile, ParseError> {
     let mut file = VtuFile {
         bytes,
         mesh: MeshParts::default(),
+        cells: 0,
     };
     let (encoding, mut position) = file.read_header()?;
     let mut piece = VtuPiece::default();
@@ -61,6 +63,8 @@ struct VtuPiece {
     strips: [Vec<f64>; 2],
     /// Fields of the points, or why they cannot be read.
     data: Vec<(String, Result<Vec<f64>, String>)>,
+    /// Fields of the cells that can be read.
+    cell_data: Vec<CellData>,
     announced_points: Option<usize>,
     announced_cells: Option<usize>,
 }
@@ -107,6 +111,8 @@ impl VtuPiece {
 struct VtuFile<'a> {
     bytes: &'a [u8],
     mesh: MeshParts,
+    /// How many cells the pieces so far have.
+    cells: usize,
 }
 
 impl<'a> VtuFile<'a> {
@@ -157,6 +163,12 @@ impl<'a> VtuFile<'a> {
                 let values = decoded().map_err(|error| error.kind.to_string());
                 piece.data.push((shown(name), values));
             }
+            (b"CellData", _) if components == b"1" && tag.attribute("type") != Some(b"String") => {
+                let name = shown(name);
+                let values = decoded().ok();
+                let field = values.map(|values| CellData { name, values });
+                piece.cell_data.extend(field);
+            }
             _ => {}
         }
         Ok(())
@@ -185,7 +197,25 @@ impl<'a> VtuFile<'a> {
         ErrorKind::check_limit("points", self.mesh.vertices.len()).map_err(at_piece)?;
         add_data(&mut self.mesh, piece, base);
         piece.name_faces();
-        add_cells(&mut self.mesh, piece, base).map_err(at_piece)
+        let first = self.cells;
+        self.cells += piece.types.len();
+        self.add_cell_data(piece, first);
+        add_cells(&mut self.mesh, piece, [base, first]).map_err(at_piece)
+    }
+
+    /// Continues the fields of the cells so far, `first` of them; where a piece lacks one it is NaN.
+    fn add_cell_data(&mut self, piece: &mut VtuPiece, first: usize) {
+        for field in piece.cell_data.drain(..) {
+            let fields = &mut self.mesh.cell_data;
+            let known = fields.iter().position(|known| known.name == field.name);
+            let at = known.unwrap_or_else(|| {
+                let (name, values) = (field.name.clone(), Vec::new());
+                fields.push(CellData { name, values });
+                fields.len() - 1
+            });
+            fields[at].values.resize(first, f64::NAN);
+            fields[at].values.extend(field.values);
+        }
     }
 
     fn error(&self, position: usize, kind: ErrorKind) -> ParseError {
@@ -223,7 +253,12 @@ fn add_data(mesh: &mut MeshParts, piece: &mut VtuPiece, base: usize) {
     mesh.point_data.extend(late);
 }
 
-fn add_cells(mesh: &mut MeshParts, piece: &VtuPiece, base: usize) -> Result<(), ErrorKind> {
+/// Adds the cells of a piece, before which the mesh has `base` points and `first` cells.
+fn add_cells(
+    mesh: &mut MeshParts,
+    piece: &VtuPiece,
+    [base, first]: [usize; 2],
+) -> Result<(), ErrorKind> {
     let mut offsets = vec![0];
     for &offset in &piece.offsets {
         offsets.push(whole(offset).ok_or_else(|| {
@@ -239,7 +274,7 @@ fn add_cells(mesh: &mut MeshParts, piece: &VtuPiece, base: usize) -> Result<(), 
     let ranges = cell_ranges(&offsets, size).ok_or_else(disorder)?;
     let vertices = mesh.vertices.len() - base;
     let mut cell = Vec::new();
-    for ([start, end], &kind) in ranges.into_iter().zip(&piece.types) {
+    for (number, ([start, end], &kind)) in ranges.into_iter().zip(&piece.types).enumerate() {
         cell.clear();
         for &vertex in &piece.connectivity[start..end] {
             cell.push(base as u32 + vertex_index(vertex, vertices)?);
@@ -247,6 +282,7 @@ fn add_cells(mesh: &mut MeshParts, piece: &VtuPiece, base: usize) -> Result<(), 
         // Fractions and negative numbers are no types.
         let kind = whole(kind).and_then(|kind| u32::try_from(kind).ok());
         add_cell(mesh, kind.unwrap_or(u32::MAX), &cell)?;
+        mesh.number_cell(first + number);
     }
     Ok(())
 }
