@@ -96,6 +96,7 @@ impl SpinFiles<'_> {
         Ok(SceneDomain::Surface(MeshDomain {
             file: SOLID.into(),
             scale_to: None,
+            weld: None,
         }))
     }
 

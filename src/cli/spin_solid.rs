@@ -224,6 +224,7 @@ fn scene_domain(solid: &Solid, file: &std::path::Path) -> Result<SceneDomain, Fa
     let mesh = MeshDomain {
         file: full,
         scale_to: None,
+        weld: None,
     };
     Ok(match solid {
         Solid::Surface(..) => SceneDomain::Surface(mesh),

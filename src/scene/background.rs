@@ -95,6 +95,7 @@ fn function<'a>(
         }
         Field::Solid(SolidDensity::Vertex(_) | SolidDensity::VertexRamp(_))
         | Field::Vertices(_)
+        | Field::Tets(_)
         | Field::Sampled(_)
         | Field::Cells { .. } => {
             let message = "values at vertices give the density of a solid only where tetrahedra \
