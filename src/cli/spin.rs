@@ -6,16 +6,26 @@ use clap::Args;
 
 use crate::balance::conditions::SpinAxis;
 use crate::balance::dual::DensityRange;
+use crate::balance::modifiers::of_cells;
 use crate::balance::solve::SolveEnd;
 use crate::balance::spin::{SpinBody, SpinSolution, SpinState, SpinWish};
 use crate::cli::failure::{Failure, print};
 use crate::cli::mass_report::{AxisMoment, axis, positive};
+use crate::cli::modifiers::{
+    ModifiersReport, modifier_count, modifier_files, weigh_bodies, write_modifiers,
+};
 use crate::cli::options::Common;
 use crate::cli::output::OutputRule;
-use crate::cli::spin_files::{spin_files, write};
+use crate::cli::spin_bores::find_bores;
+use crate::cli::spin_files::{SpinFiles, spin_files};
 use crate::cli::spin_report::{Outcome, SpinReport};
+use crate::cli::spin_sine::{self, SineOptions};
 use crate::cli::spin_solid::{Basis, SpinElements, SpinSolid};
+use crate::complex::assemble::assemble_whole;
 use crate::domain::shape::DomainShape;
+use crate::geometry::moments::Moments;
+use crate::integrals::pairwise::sum_by_halves;
+use crate::voronoi::diagram::Diagram;
 
 /// Without --range the densities' contrast is the least one that suffices times this.
 const AMPLE: f64 = 1.5;
@@ -39,8 +49,12 @@ pub(crate) struct SpinOptions {
     #[arg(required = true, value_name = "SOLID")]
     pub(crate) files: Vec<PathBuf>,
     /// The axis: a point and a direction
-    #[arg(long, value_name = "PX,PY,PZ,DX,DY,DZ", value_parser = axis, allow_hyphen_values = true)]
-    axis: AxisMoment,
+    #[arg(long, value_name = "PX,PY,PZ,DX,DY,DZ", value_parser = axis, allow_hyphen_values = true,
+          required_unless_present = "find_bores")]
+    axis: Option<AxisMoment>,
+    /// List the axes of the solid's cylindrical holes, each ready for --axis, and do nothing else
+    #[arg(long, conflicts_with = "axis")]
+    find_bores: bool,
     /// Also the place of the center along the axis: its distance from the axis's point
     #[arg(long, value_name = "Z", value_parser = finite, allow_hyphen_values = true)]
     center_at: Option<f64>,
@@ -69,7 +83,16 @@ pub(crate) struct SpinOptions {
         default_value = "cells:1000"
     )]
     basis: Basis,
-    /// The seed of the cells' sites
+    /// Fit the density sin(k|y − p|) + 1 by p and k instead, from random starts, the solid's own integrals
+    /// exact: as the paper does, for comparison
+    #[arg(long, value_name = "sine", value_parser = ["sine"], conflicts_with_all = [
+        "range", "prefer", "stable", "mass", "moment", "center_at", "modifiers"])]
+    field: Option<String>,
+    /// How many starts
+    #[arg(long, value_name = "N", requires = "field", default_value = "400",
+          value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    starts: u32,
+    /// The seed of the cells' sites, and of the starts
     #[arg(long, value_name = "S", default_value = "1")]
     seed: u64,
     /// Write the field (field.json), report.json, log.jsonl and, of cells and vertices, density.vtu and
@@ -79,16 +102,23 @@ pub(crate) struct SpinOptions {
     /// Replace files that DIR holds
     #[arg(long)]
     force: bool,
+    /// Also write the field there as up to N closed bodies of one density each, for slicers to take as
+    /// modifier meshes: STL files, and one 3MF with the part and their fillings (cells only)
+    #[arg(long, value_name = "N", requires = "out", value_parser = modifier_count)]
+    modifiers: Option<usize>,
     /// Print one JSON object instead of a table
     #[arg(long)]
     json: bool,
 }
 
 pub(crate) fn run(options: &SpinOptions, common: Common) -> Result<(), Failure> {
-    let (axis, range) = (options.axis()?, options.given_range()?);
-    let solid = SpinSolid::read(&options.files)?;
+    let range = options.given_range()?;
     options.check_outputs()?;
-    let axis = axis.moved_to(axis.height(&solid.domain.bounds().center()));
+    let solid = SpinSolid::read(&options.files)?;
+    let Some(given) = options.axis()? else {
+        return find_bores(&solid, options.json, common);
+    };
+    let axis = given.moved_to(given.height(&solid.domain.bounds().center()));
     let elements = solid.elements(options.basis, options.seed, &axis.through)?;
     let body = SpinBody {
         moments: elements.moments(),
@@ -100,12 +130,22 @@ pub(crate) fn run(options: &SpinOptions, common: Common) -> Result<(), Failure> 
         elements: &elements,
         body,
     };
-    let outcome = task.outcome(range)?;
     let native = task.native();
-    if let Some(directory) = &options.out {
-        write(directory, &solid, &elements, &outcome, &native)?;
+    if options.field.is_some() {
+        let wish = options.wish(&axis, true);
+        return spin_sine::run(&solid, &elements, &wish, &native, options.sine(), common);
     }
-    let report = SpinReport::new(&outcome, &native);
+    let outcome = task.outcome(range)?;
+    let modifiers = task.write_modifiers(&outcome)?;
+    let report = SpinReport::new(&outcome, &native).with(modifiers);
+    if let Some(directory) = &options.out {
+        let files = SpinFiles {
+            directory,
+            solid: &solid,
+            elements: &elements,
+        };
+        files.write(&outcome, &native, &report)?;
+    }
     if options.json {
         print(report.json()?)?;
     } else if !common.quiet {
@@ -120,9 +160,22 @@ pub(crate) fn run(options: &SpinOptions, common: Common) -> Result<(), Failure> 
 }
 
 impl SpinOptions {
-    fn axis(&self) -> Result<SpinAxis, Failure> {
-        let axis = SpinAxis::new(&self.axis.through, &self.axis.along);
-        axis.ok_or_else(|| Failure::input("--axis: the direction has no length"))
+    fn axis(&self) -> Result<Option<SpinAxis>, Failure> {
+        let Some(given) = &self.axis else {
+            return Ok(None);
+        };
+        let axis = SpinAxis::new(&given.through, &given.along);
+        let refusal = || Failure::input("--axis: the direction has no length");
+        axis.map(Some).ok_or_else(refusal)
+    }
+
+    fn sine(&self) -> SineOptions<'_> {
+        SineOptions {
+            starts: self.starts as usize,
+            seed: self.seed,
+            out: self.out.as_deref(),
+            json: self.json,
+        }
     }
 
     /// The range asked for.
@@ -141,6 +194,9 @@ impl SpinOptions {
 
     /// Refuses to replace what must not be.
     fn check_outputs(&self) -> Result<(), Failure> {
+        if self.modifiers.is_some() && !matches!(self.basis, Basis::Cells(_)) {
+            return Err(Failure::input("--modifiers needs --basis cells:N"));
+        }
         let Some(directory) = &self.out else {
             return Ok(());
         };
@@ -149,13 +205,18 @@ impl SpinOptions {
             force: self.force,
             option: "--out",
         };
-        rule.check(&spin_files(directory))
+        let mut files = spin_files(directory);
+        if let Some(count) = self.modifiers {
+            files.extend(modifier_files(directory, count));
+        }
+        rule.check(&files)
     }
 
     /// What is wanted, heights measured from `axis`'s point; `scaled` leaves out what a factor on all
     /// densities brings about.
     fn wish(&self, axis: &SpinAxis, scaled: bool) -> SpinWish {
-        let from = axis.height(&self.axis.through);
+        let given = self.axis.map(|given| axis.height(&given.through));
+        let from = given.unwrap_or_default();
         let ratio = self
             .moment
             .zip(self.mass)
@@ -187,7 +248,7 @@ impl SpinTask<'_> {
         self.state(&moments)
     }
 
-    fn state(&self, moments: &crate::geometry::moments::Moments) -> SpinState {
+    fn state(&self, moments: &Moments) -> SpinState {
         let surface = self.solid.domain.surface();
         SpinState::of(
             moments,
@@ -262,6 +323,33 @@ impl SpinTask<'_> {
         }
     }
 
+    /// Writes the field as bodies; how the solid spins with them.
+    fn write_modifiers(
+        &self,
+        outcome: &Outcome,
+    ) -> Result<Option<(ModifiersReport, SpinState)>, Failure> {
+        let (SpinElements::Cells(sites, moments), Some(count), Some(directory), true) = (
+            self.elements,
+            self.options.modifiers,
+            &self.options.out,
+            outcome.is_met(),
+        ) else {
+            return Ok(None);
+        };
+        let diagram = Diagram::new(&self.solid.domain, sites).map_err(Failure::run)?;
+        let mesh = assemble_whole(&diagram).map_err(Failure::run)?;
+        let origin = self.body.axis.through;
+        let densities = &outcome.solution.densities;
+        let bodies = of_cells(&mesh, densities, moments, &origin, count);
+        let greatest = densities.iter().copied().fold(0.0, f64::max);
+        let high = Some(outcome.range.high).filter(|high| high.is_finite());
+        let surface = self.solid.domain.surface();
+        let solid_density = high.unwrap_or(greatest);
+        let report = write_modifiers(directory, surface, &bodies, solid_density)?;
+        let state = self.state(&weigh_bodies(&bodies, &origin));
+        Ok(Some((report, state)))
+    }
+
     /// A field of points is handed on as a formula: the formula's own moments, by eight times the points.
     fn as_formula(&self, outcome: &Outcome) -> Option<SpinState> {
         let finer = self.elements.finer();
@@ -270,13 +358,13 @@ impl SpinTask<'_> {
         }
         let formula = outcome.formula();
         let origin = self.body.axis.through;
-        let moments = crate::integrals::pairwise::sum_by_halves(finer.len(), &|range| {
+        let moments = sum_by_halves(finer.len(), &|range| {
             let parts = finer[range].iter();
             let weighed = parts.map(|point| {
                 let density = outcome.range.clamp(formula.at(&point.position));
                 point.moments(&origin) * density
             });
-            weighed.fold(Default::default(), |sum, part| sum + part)
+            weighed.fold(Moments::default(), |sum, part| sum + part)
         });
         Some(self.state(&moments))
     }

@@ -45,72 +45,79 @@ struct LogLine {
     dual_value: f64,
 }
 
-/// Writes the report and the log, and where there is a field, the field and its pictures.
-pub(crate) fn write(
-    directory: &Path,
-    solid: &SpinSolid,
-    elements: &SpinElements,
-    outcome: &Outcome,
-    native: &SpinState,
-) -> Result<(), Failure> {
-    fs::create_dir_all(directory)
-        .map_err(|error| Failure::run(format!("cannot make {}: {error}", directory.display())))?;
-    let text = |name: &str, text: String| {
-        let path = directory.join(name);
-        write_file(&path, |file| file.write_all(text.as_bytes())).map_err(Failure::run)
-    };
-    let log = outcome.solution.variance.log.iter().map(|step| {
-        serde_json::to_string(&LogLine {
-            iteration: step.iteration,
-            residual: step.residual,
-            dual_value: step.value,
-        })
-    });
-    let log: Vec<String> = log.collect::<Result<_, _>>().map_err(Failure::run)?;
-    text("log.jsonl", log.join("\n") + "\n")?;
-    if outcome.is_met() {
-        let domain = match &solid.scene_domain {
-            Some(domain) => domain.clone(),
-            None => {
-                text(SOLID, off(solid.domain.surface()))?;
-                SceneDomain::Surface(MeshDomain {
-                    file: SOLID.into(),
-                    scale_to: None,
-                })
-            }
-        };
-        let field = field(solid, elements, outcome, domain);
-        let json = serde_json::to_string_pretty(&field).map_err(Failure::run)?;
-        text("field.json", json + "\n")?;
-        draw(directory, solid, elements, outcome, native)?;
-    }
-    text("report.json", SpinReport::new(outcome, native).json()?)
+/// What is written of a run, and where.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SpinFiles<'a> {
+    pub(crate) directory: &'a Path,
+    pub(crate) solid: &'a SpinSolid,
+    pub(crate) elements: &'a SpinElements,
 }
 
-/// Writes `density.vtu` and the picture of a cut along the axis.
-fn draw(
-    directory: &Path,
-    solid: &SpinSolid,
-    elements: &SpinElements,
-    outcome: &Outcome,
-    native: &SpinState,
-) -> Result<(), Failure> {
-    let values = outcome.solution.densities.clone();
-    let field = match elements {
-        SpinElements::Cells(sites, _) => Field::Cells {
-            sites: sites.clone(),
-            values,
-        },
-        SpinElements::Vertices(_) => Field::Vertices(values),
-        SpinElements::Points(..) => return Ok(()),
-    };
-    let extent = solid.domain.bounds();
-    let body = DensityBody {
-        solids: std::slice::from_ref(&solid.solid),
-        fields: &[&field],
-        extent: &extent,
-    };
-    write_density(directory, body, &section(outcome, native))
+impl SpinFiles<'_> {
+    /// Writes the report and the log, and where there is a field, the field and its pictures.
+    pub(crate) fn write(
+        &self,
+        outcome: &Outcome,
+        native: &SpinState,
+        report: &SpinReport,
+    ) -> Result<(), Failure> {
+        let directory = self.directory.display();
+        fs::create_dir_all(self.directory)
+            .map_err(|error| Failure::run(format!("cannot make {directory}: {error}")))?;
+        let log = outcome.solution.variance.log.iter().map(|step| {
+            serde_json::to_string(&LogLine {
+                iteration: step.iteration,
+                residual: step.residual,
+                dual_value: step.value,
+            })
+        });
+        let log: Vec<String> = log.collect::<Result<_, _>>().map_err(Failure::run)?;
+        self.write_text("log.jsonl", &(log.join("\n") + "\n"))?;
+        if outcome.is_met() {
+            let field = field(self.solid, self.elements, outcome, self.domain()?);
+            let json = serde_json::to_string_pretty(&field).map_err(Failure::run)?;
+            self.write_text("field.json", &(json + "\n"))?;
+            self.draw(outcome, native)?;
+        }
+        self.write_text("report.json", &report.json()?)
+    }
+
+    fn write_text(&self, name: &str, text: &str) -> Result<(), Failure> {
+        let path = self.directory.join(name);
+        write_file(&path, |file| file.write_all(text.as_bytes())).map_err(Failure::run)
+    }
+
+    /// The domain for the field file; several files become one beside it.
+    fn domain(&self) -> Result<SceneDomain, Failure> {
+        if let Some(domain) = &self.solid.scene_domain {
+            return Ok(domain.clone());
+        }
+        self.write_text(SOLID, &off(self.solid.domain.surface()))?;
+        Ok(SceneDomain::Surface(MeshDomain {
+            file: SOLID.into(),
+            scale_to: None,
+        }))
+    }
+
+    /// Writes `density.vtu` and the picture of a cut along the axis.
+    fn draw(&self, outcome: &Outcome, native: &SpinState) -> Result<(), Failure> {
+        let values = outcome.solution.densities.clone();
+        let field = match self.elements {
+            SpinElements::Cells(sites, _) => Field::Cells {
+                sites: sites.clone(),
+                values,
+            },
+            SpinElements::Vertices(_) => Field::Vertices(values),
+            SpinElements::Points(..) => return Ok(()),
+        };
+        let extent = self.solid.domain.bounds();
+        let body = DensityBody {
+            solids: std::slice::from_ref(&self.solid.solid),
+            fields: &[&field],
+            extent: &extent,
+        };
+        write_density(self.directory, body, &section(outcome, native))
+    }
 }
 
 /// The cut along the axis and the principal axis nearest to it before.

@@ -8,6 +8,7 @@ use crate::balance::solve::SolveEnd;
 use crate::balance::spin::{SpinContrast, SpinSolution, SpinState, combined};
 use crate::cli::failure::Failure;
 use crate::cli::mass_report::{figure, rows};
+use crate::cli::modifiers::ModifiersReport;
 
 /// What came of a wish.
 #[derive(Clone, Debug)]
@@ -110,6 +111,8 @@ pub(crate) struct SpinReport {
     native: Native,
     #[serde(skip_serializing_if = "Option::is_none")]
     formula: Option<FormulaReport>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    modifiers: Option<SpinModifiers>,
     basis: BasisReport,
     multipliers: Vec<f64>,
     iterations: usize,
@@ -141,6 +144,15 @@ struct Native {
 /// The field as the formula that it is written as, by eight times the points.
 #[derive(Debug, Serialize)]
 struct FormulaReport {
+    distance: f64,
+    angle_degrees: f64,
+}
+
+/// The field as bodies for slicers.
+#[derive(Debug, Serialize)]
+struct SpinModifiers {
+    #[serde(flatten)]
+    bodies: ModifiersReport,
     distance: f64,
     angle_degrees: f64,
 }
@@ -190,6 +202,7 @@ impl SpinReport {
                 distance: state.distance,
                 angle_degrees: state.angle_degrees,
             }),
+            modifiers: None,
             basis: BasisReport {
                 kind: outcome.basis,
                 count: outcome.count,
@@ -198,6 +211,16 @@ impl SpinReport {
             iterations: outcome.solution.iterations,
             evaluations: outcome.solution.evaluations + outcome.contrast.evaluations,
         }
+    }
+
+    /// With the bodies that were written.
+    pub(crate) fn with(self, modifiers: Option<(ModifiersReport, SpinState)>) -> Self {
+        let modifiers = modifiers.map(|(bodies, state)| SpinModifiers {
+            bodies,
+            distance: state.distance,
+            angle_degrees: state.angle_degrees,
+        });
+        Self { modifiers, ..self }
     }
 
     pub(crate) fn json(&self) -> Result<String, Failure> {
@@ -232,6 +255,11 @@ impl SpinReport {
         if let Some(formula) = &self.formula {
             line("formula's distance", &[formula.distance]);
             line("formula's angle", &[formula.angle_degrees]);
+        }
+        if let Some(modifiers) = &self.modifiers {
+            line("modifiers' distance", &[modifiers.distance]);
+            line("modifiers' angle", &[modifiers.angle_degrees]);
+            text += &modifiers.bodies.table();
         }
         if let Some(certificate) = &self.certificate {
             text += &format!("{:<26}{}\n", "certificate", certificate.polynomial);

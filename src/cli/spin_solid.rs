@@ -204,15 +204,10 @@ impl SpinSolid {
 fn united(solids: &[Solid]) -> Result<Solid, String> {
     let mut all = SurfaceMesh::default();
     for solid in solids {
-        let first = all.vertices.len() as u32;
-        let boundary = match solid {
-            Solid::Surface(surface, _) => surface.mesh(),
-            Solid::Tets(tets, _) => &tets.mesh().boundary(),
-        };
-        all.vertices.extend(&boundary.vertices);
-        let moved = boundary.triangles.iter();
-        all.triangles
-            .extend(moved.map(|triangle| triangle.map(|vertex| vertex + first)));
+        match solid {
+            Solid::Surface(surface, _) => all.append(surface.mesh()),
+            Solid::Tets(tets, _) => all.append(&tets.mesh().boundary()),
+        }
     }
     let (surface, report) = validate_surface(&all).map_err(|refusal| refusal.to_string())?;
     if let Some(reason) = report.no_domain() {

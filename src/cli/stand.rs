@@ -6,12 +6,15 @@ use std::time::Instant;
 use clap::{Args, ValueEnum};
 use nalgebra::{Point3, Vector3};
 
+use crate::balance::dual::DensityRange;
+use crate::balance::modifiers::of_ramp;
 use crate::balance::solid::SolidBalance;
 use crate::balance::stand::{StandGoal, StandPlan, stand};
 use crate::balance::support::{Ground, Support};
 use crate::cli::failure::{Failure, print};
 use crate::cli::mass_notes::notes_of_parts;
 use crate::cli::mass_report::positive;
+use crate::cli::modifiers::{ModifiersReport, modifier_count, modifier_files, write_modifiers};
 use crate::cli::options::Common;
 use crate::cli::output::OutputRule;
 use crate::cli::spin::density_range;
@@ -71,6 +74,10 @@ pub(crate) struct StandOptions {
     /// Write field.json, report.json, log.jsonl, density.vtu and a picture of a cut there
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    /// Also write the field there as up to N closed slabs of one density each, for slicers to take as
+    /// modifier meshes: STL files, and one 3MF with the part and their fillings
+    #[arg(long, value_name = "N", requires = "out", value_parser = modifier_count)]
+    modifiers: Option<usize>,
     /// Replace files that DIR holds
     #[arg(long)]
     force: bool,
@@ -124,6 +131,8 @@ pub(crate) fn run(options: &StandOptions, common: Common) -> Result<(), Failure>
     };
     let seconds = watch.elapsed().as_secs_f64();
     let report = StandReport::new(body, &plan, &standing, seconds)?;
+    let modifiers = options.write_modifiers(&surfaces, &report)?;
+    let report = report.with(modifiers);
     if let Some(folder) = &options.out {
         let files = StandFiles {
             folder,
@@ -169,7 +178,36 @@ impl StandOptions {
             force: self.force,
             option: "--out",
         };
-        rule.check(&stand_files(folder))
+        let mut files = stand_files(folder);
+        if let Some(count) = self.modifiers {
+            files.extend(modifier_files(folder, count));
+        }
+        rule.check(&files)
+    }
+
+    /// Writes the field as slabs.
+    fn write_modifiers(
+        &self,
+        surfaces: &[SurfaceMesh],
+        report: &StandReport,
+    ) -> Result<Option<ModifiersReport>, Failure> {
+        let (Some(folder), Some(count), Some(field)) = (&self.out, self.modifiers, report.field())
+        else {
+            return Ok(None);
+        };
+        let mut part = SurfaceMesh::default();
+        for surface in surfaces {
+            part.append(surface);
+        }
+        let range = DensityRange {
+            low: field.low,
+            high: field.high.unwrap_or(f64::INFINITY),
+            prefer: field.low,
+        };
+        let bodies = of_ramp(&part, &range, field.value, &field.gradient.into(), count);
+        let greatest = bodies.iter().map(|body| body.density).fold(0.0, f64::max);
+        let solid_density = field.high.unwrap_or(greatest);
+        write_modifiers(folder, &part, &bodies, solid_density).map(Some)
     }
 
     fn plan(&self, surfaces: &[SurfaceMesh]) -> Result<StandPlan, Failure> {

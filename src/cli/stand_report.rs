@@ -9,6 +9,7 @@ use crate::balance::stand::{RANGE_ROOM, StandField, StandGoal, StandPlan, Standi
 use crate::balance::support::Support;
 use crate::cli::failure::Failure;
 use crate::cli::mass_report::{figure, rows};
+use crate::cli::modifiers::ModifiersReport;
 use crate::mass::body::Body;
 use crate::mass::density::SolidDensity;
 use crate::mass::weigh::weigh_surface;
@@ -62,6 +63,8 @@ pub(crate) struct StandReport {
     field: Option<ClampReport>,
     #[serde(skip_serializing_if = "Option::is_none")]
     sensitivity: Option<Sensitivity>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    modifiers: Option<ModifiersReport>,
     support: SupportReport,
     native: NativeReport,
     multipliers: Vec<f64>,
@@ -161,6 +164,7 @@ impl StandReport {
             prefer: field.map_or(plan.prefer.unwrap_or(range[0]), |field| field.range.prefer),
             field: field.map(|field| clamp_report(field, &middle)),
             sensitivity: field.map(|field| sensitivity(body.balance, field)),
+            modifiers: None,
             support: SupportReport::of(plan),
             native: NativeReport {
                 volume: whole.mass,
@@ -175,6 +179,11 @@ impl StandReport {
             contrast_evaluations: standing.contrast.evaluations,
             seconds,
         })
+    }
+
+    /// With the bodies that were written.
+    pub(crate) fn with(self, modifiers: Option<ModifiersReport>) -> Self {
+        Self { modifiers, ..self }
     }
 
     /// The field.
@@ -260,6 +269,9 @@ impl StandReport {
         if let Some(Certificate { point, normal }) = self.certificate {
             line("least contrast's plane", &point);
             line("… heavy towards", &normal);
+        }
+        if let Some(modifiers) = &self.modifiers {
+            text += &modifiers.table();
         }
         text + &self.notes()
     }

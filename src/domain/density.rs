@@ -8,11 +8,12 @@ use crate::domain::density_power::{PowerIntegral, over_regions, over_tetrahedron
 use crate::domain::density_region::DensityRegion;
 use crate::domain::error::DomainError;
 use crate::domain::shape::{DomainShape, PieceScratch};
-use crate::domain::shape_integrator::{ShapeIntegrator, clip_to_box};
+use crate::domain::shape_integrator::{ShapeIntegrator, clip_to_box, clip_to_planes};
 use crate::domain::tet_mesh::IndexedTets;
 use crate::geometry::brep::Piece;
 use crate::geometry::polyhedron::Polyhedron;
 use crate::integrals::polynomial::Polynomial;
+use crate::integrals::series::Monomials;
 use crate::mesh::tets::{TetMesh, tet_volume};
 
 /// The power of the density whose integral gives the least energy of order 1 in space: D/(D+p).
@@ -44,9 +45,12 @@ impl Density {
     ) -> Result<Self, DomainError> {
         let whole = ShapeIntegrator::new(shape);
         let middle = *whole.middle();
-        let masses = regions
-            .iter()
-            .map(|region| whole.mass_within(&region.bounds, &middle, &region.about(&middle)));
+        let masses = regions.iter().map(|region| {
+            let density = region.about(&middle);
+            let monomials = Monomials::up_to(density.degree());
+            let within = (&region.bounds, &region.planes[..]);
+            whole.mass_of_terms(within, &middle, &density, &monomials)
+        });
         let mean = masses.sum::<f64>() / shape.volume();
         if !(mean.is_normal() && mean > 0.0) {
             return Err(DomainError::Density {
@@ -142,12 +146,16 @@ impl Density {
         for region in regions.iter().filter(near) {
             let (bounds, density) = (&region.bounds, region.about(site));
             let mut weigh = |sign: f64, piece: Piece<'_>| visit(sign, piece, Some(&density));
-            if bounds.contains(&around.min) && bounds.contains(&around.max) {
+            let is_whole = region.planes.is_empty();
+            if is_whole && bounds.contains(&around.min) && bounds.contains(&around.max) {
                 return shape.pieces(site, cell, scratch, &mut weigh);
             }
             let mut part = std::mem::take(&mut scratch.part);
             part.assign_translated(cell, &Vector3::zeros());
-            if clip_to_box(&mut part, site, bounds, &mut scratch.clip) {
+            let clip = &mut scratch.clip;
+            if clip_to_box(&mut part, site, bounds, clip)
+                && clip_to_planes(&mut part, site, &region.planes, clip)
+            {
                 shape.signed_pieces(site, &part, false, scratch, &mut weigh);
             }
             scratch.part = part;

@@ -35,7 +35,7 @@ const MOST_TERMS: u32 = 400;
 const LEFT_OUT: f64 = 1e-12;
 
 /// Nodes along an axis.
-const NODES: usize = 4;
+pub(crate) const NODES: usize = 4;
 
 /// An integral and an estimate of its error, both absolute.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -158,7 +158,7 @@ fn interpolated<'a>(
         terms.push((powers.map(|power| power as u32), value / scale));
     });
     let polynomial = Polynomial::from_terms(terms);
-    let value = whole.mass_of_terms(&bounds, &center, &polynomial, monomials);
+    let value = whole.mass_of_terms((&bounds, &region.planes), &center, &polynomial, monomials);
     // The last two coefficients, of which one may vanish by symmetry, stand for all that follow.
     let share = last.sum() / greatest.max(f64::MIN_POSITIVE);
     Part {
@@ -173,7 +173,7 @@ fn interpolated<'a>(
 }
 
 /// Calls with all powers below [`NODES`].
-fn each(mut visit: impl FnMut([usize; 3])) {
+pub(crate) fn each(mut visit: impl FnMut([usize; 3])) {
     for number in 0..NODES.pow(3) {
         visit([
             number / (NODES * NODES),
@@ -184,13 +184,13 @@ fn each(mut visit: impl FnMut([usize; 3])) {
 }
 
 /// Chebyshev's nodes in [−1, 1].
-fn nodes() -> [f64; NODES] {
+pub(crate) fn nodes() -> [f64; NODES] {
     let node = |k: usize| (std::f64::consts::PI * (k as f64 + 0.5) / NODES as f64).cos();
     std::array::from_fn(node)
 }
 
 /// From values in the nodes to coefficients of powers, along an axis: by divided differences.
-fn along(values: &mut [[[f64; NODES]; NODES]; NODES], axis: usize) {
+pub(crate) fn along(values: &mut [[[f64; NODES]; NODES]; NODES], axis: usize) {
     let at = nodes();
     each(|mut place| {
         if place[axis] != 0 {

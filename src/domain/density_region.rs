@@ -14,6 +14,7 @@ use crate::domain::error::DomainError;
 use crate::domain::shape::DomainShape;
 use crate::domain::shape_integrator::ShapeIntegrator;
 use crate::geometry::bounds::Bounds;
+use crate::geometry::half_space::HalfSpace;
 use crate::integrals::bernstein::Bernstein;
 use crate::integrals::polynomial::Polynomial;
 
@@ -27,19 +28,25 @@ const HIGHEST_DEGREE: u32 = 8;
 const SIZE_HALVINGS: u32 = 24;
 
 /// The largest number of boxes: every cell is compared with each of them.
-const MOST_REGIONS: usize = 4096;
+pub(crate) const MOST_REGIONS: usize = 4096;
 
-/// A box, open to infinity where it ends with the domain, and the density there.
+/// A box, open to infinity where it ends with the domain, cut by planes, and the density there.
 #[derive(Clone, Debug)]
 pub(crate) struct DensityRegion {
     pub(crate) bounds: Bounds<3>,
+    /// The region lies in all of these.
+    pub(crate) planes: Vec<HalfSpace>,
     density: RegionDensity,
+    /// No less than the density in the region.
+    greatest: f64,
 }
 
 /// A density in a box.
 #[derive(Clone, Debug)]
 enum RegionDensity {
     Polynomial(Arc<Polynomial>),
+    /// A polynomial in y − center.
+    Around(Arc<Polynomial>, Point3<f64>),
     /// The parabola in the size through size^−exponent at the ends of `range` and in its middle.
     OfSize {
         size: Arc<Polynomial>,
@@ -51,15 +58,46 @@ enum RegionDensity {
 impl DensityRegion {
     /// All of space.
     pub(crate) fn everywhere(density: Polynomial) -> Self {
-        let density = RegionDensity::Polynomial(Arc::new(density));
-        let bounds = everywhere();
-        Self { bounds, density }
+        Self::within(everywhere(), Vec::new(), density, f64::INFINITY)
+    }
+
+    /// The part of a box that lies in half-spaces; there the density is at most `greatest`.
+    pub(crate) fn within(
+        bounds: Bounds<3>,
+        planes: Vec<HalfSpace>,
+        density: Polynomial,
+        greatest: f64,
+    ) -> Self {
+        Self {
+            bounds,
+            planes,
+            density: RegionDensity::Polynomial(Arc::new(density)),
+            greatest,
+        }
+    }
+
+    /// A box in which the density is a polynomial in y − `center` of at most `greatest`.
+    pub(crate) fn around(
+        bounds: Bounds<3>,
+        center: Point3<f64>,
+        density: Polynomial,
+        greatest: f64,
+    ) -> Self {
+        Self {
+            bounds,
+            planes: Vec::new(),
+            density: RegionDensity::Around(Arc::new(density), center),
+            greatest,
+        }
     }
 
     /// The density as a polynomial in y − `origin`.
     pub(crate) fn about(&self, origin: &Point3<f64>) -> Polynomial {
         match &self.density {
             RegionDensity::Polynomial(polynomial) => polynomial.relative_to(origin),
+            RegionDensity::Around(polynomial, center) => {
+                polynomial.relative_to(&Point3::from(origin - center))
+            }
             RegionDensity::OfSize {
                 size,
                 range,
@@ -73,8 +111,9 @@ impl DensityRegion {
         match &self.density {
             RegionDensity::Polynomial(polynomial) => {
                 let within = self.bounds.intersection(bounds);
-                Bernstein::new(polynomial, &within).range()[1]
+                Bernstein::new(polynomial, &within).range()[1].min(self.greatest)
             }
+            RegionDensity::Around(..) => self.greatest,
             // The parabola falls with the size.
             RegionDensity::OfSize {
                 range, exponent, ..
@@ -84,7 +123,7 @@ impl DensityRegion {
 }
 
 /// The box that is all of space.
-fn everywhere() -> Bounds<3> {
+pub(crate) fn everywhere() -> Bounds<3> {
     let Bounds { min, max } = Bounds::empty();
     Bounds { min: max, max: min }
 }
@@ -119,7 +158,12 @@ pub(crate) fn regions(
                 range,
                 exponent,
             };
-            regions.push(DensityRegion { bounds, density });
+            regions.push(DensityRegion {
+                bounds,
+                planes: Vec::new(),
+                density,
+                greatest: f64::INFINITY,
+            });
             continue;
         }
         if low.is_nan() || low <= 0.0 {

@@ -127,6 +127,15 @@ impl WeightedDomain {
         let density = Density::by_regions(domain.shape(), regions)?;
         Ok(Self { domain, density })
     }
+
+    /// `domain` with a density given in regions that fill space.
+    pub(crate) fn by_regions(
+        domain: Box<dyn Domain>,
+        regions: Vec<DensityRegion>,
+    ) -> Result<Self, DomainError> {
+        let density = Density::by_regions(domain.shape(), regions)?;
+        Ok(Self { domain, density })
+    }
 }
 
 impl TetSolid {

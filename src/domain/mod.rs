@@ -1,7 +1,7 @@
 //! Domains of sites, of which every cell's part is a signed sum of pieces.
 //!
 //! A [`domain`] is a [`shape`], perhaps with a [`density`] beside it, also one that follows from a
-//! wanted size of cells ([`density_region`]); [`density_sign`] finds where one is negative,
+//! wanted size of cells ([`density_region`]); [`density_fit`] approximates any other; [`density_sign`] finds where one is negative,
 //! [`density_power`] integrates its powers. [`cuboid`] and [`convex`] are convex shapes, [`tri_surface`] those bounded
 //! by triangles, [`tet_mesh`] those filled with tetrahedra, [`planar`] the domains of the plane.
 //! [`facet_kind`] gives facet labels their meaning.
@@ -10,6 +10,7 @@ pub(crate) mod candidates;
 pub(crate) mod convex;
 pub(crate) mod cuboid;
 pub(crate) mod density;
+pub(crate) mod density_fit;
 pub(crate) mod density_power;
 pub(crate) mod density_region;
 pub(crate) mod density_sign;

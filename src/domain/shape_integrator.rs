@@ -35,17 +35,19 @@ impl<'a> ShapeIntegrator<'a> {
         }
     }
 
-    /// Visits the signed pieces of what the shape and the box have in common, in coordinates relative
-    /// to `origin`.
+    /// Visits the signed pieces of what the shape, the box and the half-spaces have in common, in
+    /// coordinates relative to `origin`.
     fn pieces_within(
         &self,
-        bounds: &Bounds<3>,
+        (bounds, planes): (&Bounds<3>, &[HalfSpace]),
         origin: &Point3<f64>,
         visit: &mut dyn FnMut(f64, Piece<'_>),
     ) {
         let (mut part, mut scratch) = (Polyhedron::default(), PieceScratch::default());
         part.assign_translated(&self.start, &(self.middle - origin));
-        if clip_to_box(&mut part, origin, bounds, &mut scratch.clip) {
+        if clip_to_box(&mut part, origin, bounds, &mut scratch.clip)
+            && clip_to_planes(&mut part, origin, planes, &mut scratch.clip)
+        {
             let shape = self.shape;
             shape.signed_pieces(origin, &part, false, &mut scratch, visit);
         }
@@ -59,19 +61,19 @@ impl<'a> ShapeIntegrator<'a> {
         density: &Polynomial,
     ) -> f64 {
         let monomials = Monomials::up_to(density.degree());
-        self.mass_of_terms(bounds, origin, density, &monomials)
+        self.mass_of_terms((bounds, &[]), origin, density, &monomials)
     }
 
-    /// The same where all terms are in `monomials`.
+    /// The same within half-spaces too, where all terms are in `monomials`.
     pub(crate) fn mass_of_terms(
         &self,
-        bounds: &Bounds<3>,
+        within: (&Bounds<3>, &[HalfSpace]),
         origin: &Point3<f64>,
         density: &Polynomial,
         monomials: &Monomials,
     ) -> f64 {
         let mut mass = 0.0;
-        self.pieces_within(bounds, origin, &mut |sign, piece| {
+        self.pieces_within(within, origin, &mut |sign, piece| {
             mass += sign * mass_of_piece(piece, density, monomials);
         });
         mass
@@ -93,7 +95,7 @@ impl<'a> ShapeIntegrator<'a> {
     /// nothing is in common.
     pub(crate) fn points_within(&self, bounds: &Bounds<3>) -> Vec<Point3<f64>> {
         let mut points = Vec::new();
-        self.pieces_within(bounds, &self.middle, &mut |_, piece| {
+        self.pieces_within((bounds, &[]), &self.middle, &mut |_, piece| {
             let vertices = piece.vertices();
             let sum: Vector3<f64> = vertices.iter().map(|vertex| vertex.coords).sum();
             let inner = sum / vertices.len().max(1) as f64;
@@ -128,4 +130,18 @@ pub(crate) fn clip_to_box(
         }
     }
     true
+}
+
+/// Clips `part`, in coordinates relative to `site`, to half-spaces, and returns whether anything is left.
+pub(crate) fn clip_to_planes(
+    part: &mut Polyhedron,
+    site: &Point3<f64>,
+    planes: &[HalfSpace],
+    scratch: &mut ClipScratch,
+) -> bool {
+    let label = FacetKind::Inner.label();
+    planes.iter().all(|plane| {
+        let side = plane.translated(&-site.coords);
+        clip(part, &side, label, scratch) != Clip::Emptied
+    })
 }

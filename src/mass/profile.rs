@@ -5,6 +5,7 @@
 //! triangles of the surface ([`layers`](crate::mass::layers)); tetrahedra have their boundary.
 
 use crate::geometry::moments::Moments;
+use crate::integrals::polynomial::Polynomial;
 use crate::mass::layers::{Layer, layered_moments};
 use nalgebra::{Point3, Vector3};
 
@@ -128,6 +129,37 @@ impl Profile {
     /// The breaks (s, density), s ascending.
     pub(crate) fn breaks(&self) -> &[[f64; 2]] {
         &self.breaks
+    }
+
+    /// The density's growth beyond the break before layer `number`, up to the next.
+    fn slope_in(&self, number: usize) -> f64 {
+        match (
+            number.checked_sub(1).map(|before| self.breaks[before]),
+            self.breaks.get(number),
+        ) {
+            (Some([from, low]), Some([to, high])) => (high - low) / (to - from),
+            (Some(_), None) => self.tail_slope,
+            (None, _) => 0.0,
+        }
+    }
+
+    /// The density of the layer before break `number`, or after the last, as a polynomial.
+    pub(crate) fn linear_in(&self, number: usize) -> Polynomial {
+        let [place, value] = self.breaks[number.saturating_sub(1)];
+        let slope = self.slope_in(number);
+        let gradient = self.direction * slope;
+        Polynomial::linear(value - slope * place, &gradient)
+    }
+
+    /// The greatest density in that layer; infinite where it grows without end.
+    pub(crate) fn greatest_in(&self, number: usize) -> f64 {
+        let value = |number: usize| self.breaks[number][1];
+        match number {
+            0 => value(0),
+            _ if number < self.breaks.len() => value(number - 1).max(value(number)),
+            _ if self.tail_slope > 0.0 => f64::INFINITY,
+            _ => value(number - 1),
+        }
     }
 
     /// The density at a point.

@@ -214,6 +214,8 @@ impl Scene {
         if let Sites::File(file) = &self.sites {
             files.push(file.clone());
         }
+        let field = self.density.as_ref().and_then(SceneDensity::file);
+        files.extend(field.map(Path::to_owned));
         files
     }
 
@@ -226,6 +228,9 @@ impl Scene {
     pub(crate) fn anchor(&mut self, folder: &Path) {
         self.domain.anchor(folder);
         self.sites.anchor(folder);
+        if let Some(density) = &mut self.density {
+            density.anchor(folder);
+        }
         if let Some(frames) = &mut self.frames {
             frames.anchor(folder);
         }

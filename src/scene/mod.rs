@@ -11,6 +11,7 @@
 //! from files ([`site_file`], [`npy`], `xyz`), unless `memory` has no room for them. [`run`] carries a
 //! scene out.
 
+pub(crate) mod background;
 pub mod density;
 pub mod description;
 pub mod domain;
