@@ -2,8 +2,8 @@
 //!
 //! With an axis through o along the unit vector e, u and v across it, and z = e·(y − o): the center of mass
 //! lies on the axis where ∫ d u = ∫ d v = 0, and the axis is then a principal one where ∫ d u z = ∫ d v z = 0
-//! (shifts of z add multiples of the first two). It has the largest moment where ∫ d (w² − (z − h)²) ≥ 0 for
-//! every unit vector w across it, h the height of the center.
+//! (shifts of z add multiples of the first two). It has the largest moment where ∫ d (t² − (z − h)²) ≥ 0 for
+//! every unit vector t across it, h the height of the center.
 
 use nalgebra::{Matrix3, Point3, Unit, Vector3};
 
@@ -61,13 +61,13 @@ impl Condition {
         }
     }
 
-    /// The same condition, both sides times a positive `factor`.
-    pub(crate) fn times(&self, factor: f64) -> Self {
+    /// The same φ, measured from another point.
+    pub(crate) fn seen_from(&self, about: &Point3<f64>) -> Self {
+        let arm = about - self.about;
         Self {
-            constant: self.constant * factor,
-            gradient: self.gradient * factor,
-            quadratic: self.quadratic * factor,
-            wanted: self.wanted * factor,
+            about: *about,
+            constant: self.at(about),
+            gradient: self.gradient + self.quadratic * arm * 2.0,
             ..self.clone()
         }
     }
@@ -76,6 +76,31 @@ impl Condition {
     pub(crate) fn at(&self, point: &Point3<f64>) -> f64 {
         let arm = point - self.about;
         self.constant + self.gradient.dot(&arm) + arm.dot(&(self.quadratic * arm))
+    }
+
+    /// φ as a polynomial of the coordinates, as text.
+    pub(crate) fn text(&self) -> String {
+        let centered = |axis: usize| match self.about[axis] {
+            0.0 => ["x", "y", "z"][axis].to_owned(),
+            middle if middle < 0.0 => format!("({} + {})", ["x", "y", "z"][axis], -middle),
+            middle => format!("({} - {middle})", ["x", "y", "z"][axis]),
+        };
+        let mut text = format!("{}", self.constant);
+        let mut add = |factor: f64, names: &[usize]| {
+            if factor != 0.0 {
+                let sign = if factor < 0.0 { '-' } else { '+' };
+                let names: Vec<_> = names.iter().map(|&axis| centered(axis)).collect();
+                text += &format!(" {sign} {}*{}", factor.abs(), names.join("*"));
+            }
+        };
+        for axis in 0..3 {
+            add(self.gradient[axis], &[axis]);
+        }
+        for (one, other) in [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)] {
+            let twice = if one == other { 1.0 } else { 2.0 };
+            add(twice * self.quadratic[(one, other)], &[one, other]);
+        }
+        text
     }
 
     /// ∫ d φ of a body whose `moments` are measured from `origin`.
@@ -111,11 +136,6 @@ impl SpinAxis {
         })
     }
 
-    /// The point of the line nearest to `point`.
-    pub(crate) fn nearest(&self, point: &Point3<f64>) -> Point3<f64> {
-        self.at(self.height(point))
-    }
-
     /// How far along the line `point` lies from `through`.
     pub(crate) fn height(&self, point: &Point3<f64>) -> f64 {
         (point - self.through).dot(&self.along)
@@ -124,18 +144,6 @@ impl SpinAxis {
     /// The point of the line at a height.
     pub(crate) fn at(&self, height: f64) -> Point3<f64> {
         self.through + self.along.as_ref() * height
-    }
-
-    /// The distance of `point` from the line.
-    pub(crate) fn distance(&self, point: &Point3<f64>) -> f64 {
-        let [first, second] = self.offsets(point);
-        first.hypot(second)
-    }
-
-    /// How far `point` lies from the line along the two directions across it.
-    pub(crate) fn offsets(&self, point: &Point3<f64>) -> [f64; 2] {
-        self.across
-            .map(|direction| direction.dot(&(point - self.through)))
     }
 
     /// The same line, with `through` moved to a height.
@@ -174,13 +182,16 @@ impl SpinAxis {
         }
     }
 
-    /// ∫ d (w² − z²) ≥ 0 for the unit vector w = cos α u + sin α v: the moment about the line is no less
-    /// than that about the axis across it and w through `through`.
-    pub(crate) fn stable_against(&self, angle: f64) -> Condition {
-        let [first, second] = self.across;
-        let across = first * angle.cos() + second * angle.sin();
-        let along = self.along.as_ref();
-        self.quadratic(across * across.transpose() - along * along.transpose())
+    /// With the unit vectors t = cos α u + sin α v and w across it: the moment about the line exceeds that
+    /// about the line along t through `through` by a `share` of it, ∫ d (t² + w² − (1 + share)(w² + z²)) ≥ 0.
+    pub(crate) fn stable_against(&self, angle: f64, share: f64) -> Condition {
+        let [u, v] = self.across;
+        let (sine, cosine) = angle.sin_cos();
+        let (t, w) = (u * cosine + v * sine, v * cosine - u * sine);
+        let square = |vector: &Vector3<f64>| vector * vector.transpose();
+        let about_t = square(&w) + square(self.along.as_ref());
+        let about_line = square(&t) + square(&w);
+        self.quadratic(about_line - about_t * (1.0 + share))
             .at_least()
     }
 

@@ -22,6 +22,13 @@ pub(crate) struct DensityRange {
     pub(crate) prefer: f64,
 }
 
+impl DensityRange {
+    /// The density within the bounds that is nearest to this one.
+    pub(crate) fn clamp(&self, density: f64) -> f64 {
+        density.max(self.low).min(self.high)
+    }
+}
+
 /// The dual at multipliers λ, of d = clamp(d₀ + Σ λ_k φ_k, lo, hi).
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct DualPoint {

@@ -7,9 +7,17 @@
 //! are conditions. [`dual`] says what a solver needs of a body for that, [`solve`] finds the multipliers,
 //! [`contrast`] the least range of densities that suffices, with the proof; [`quadratic`] is a step of both.
 
+pub(crate) mod bases;
 pub(crate) mod conditions;
 pub(crate) mod contrast;
 pub(crate) mod dual;
 pub(crate) mod elements;
+pub(crate) mod modifiers;
+pub(crate) mod nearest;
 pub(crate) mod quadratic;
+pub(crate) mod sine_fit;
+pub(crate) mod solid;
 pub(crate) mod solve;
+pub(crate) mod spin;
+pub(crate) mod stand;
+pub(crate) mod support;

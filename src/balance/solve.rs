@@ -11,7 +11,7 @@ use crate::balance::dual::{Balance, DensityRange, DualPoint, Relation};
 use crate::balance::quadratic::minimize_quadratic;
 
 /// Residuals of this share of d₀ ∫|φ_k| are rounding: the goal.
-const RESIDUAL_GOAL: f64 = 1e-14;
+const RESIDUAL_GOAL: f64 = 1e-13;
 
 /// Where no step leads further, residuals up to this share will do.
 const RESIDUAL_ENOUGH: f64 = 1e-10;

@@ -7,7 +7,9 @@ use clap::{CommandFactory, Parser, Subcommand};
 
 use crate::cli::failure::Failure;
 use crate::cli::options::Common;
-use crate::cli::{bench, cpu_features, describe, fragments, mass, measure, mesh, plot, relax};
+use crate::cli::{
+    bench, cpu_features, describe, fragments, mass, measure, mesh, plot, relax, spin, stand,
+};
 
 /// Relaxes point sets under the Chebyshev norm until their Voronoi cells are near-cubic.
 ///
@@ -27,6 +29,8 @@ enum Command {
     Measure(measure::MeasureOptions),
     Mass(mass::MassOptions),
     Mesh(mesh::MeshOptions),
+    Spin(spin::SpinOptions),
+    Stand(stand::StandOptions),
     Plot(plot::PlotOptions),
     Fragments(fragments::FragmentsOptions),
     Bench(bench::BenchOptions),
@@ -60,6 +64,8 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
         Command::Measure(options) => measure::run(options),
         Command::Mass(options) => mass::run(options),
         Command::Mesh(options) => mesh::run(options, common),
+        Command::Spin(options) => spin::run(options, common),
+        Command::Stand(options) => stand::run(options, common),
         Command::Plot(options) => plot::run(options, common),
         Command::Fragments(options) => fragments::run(options, common),
         Command::Bench(options) => bench::run(options, common.threads),

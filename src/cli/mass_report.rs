@@ -43,8 +43,8 @@ pub(crate) struct MassProperties {
 /// A line in space.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct AxisMoment {
-    through: Point3<f64>,
-    along: Vector3<f64>,
+    pub(crate) through: Point3<f64>,
+    pub(crate) along: Vector3<f64>,
 }
 
 impl MassProperties {
@@ -95,7 +95,7 @@ impl MassProperties {
     }
 }
 
-fn rows(matrix: &Matrix3<f64>) -> [[f64; 3]; 3] {
+pub(crate) fn rows(matrix: &Matrix3<f64>) -> [[f64; 3]; 3] {
     [0, 1, 2].map(|row| [0, 1, 2].map(|column| matrix[(row, column)]))
 }
 

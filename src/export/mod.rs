@@ -7,4 +7,6 @@ pub(crate) mod poly_mesh;
 #[cfg(feature = "scene")]
 pub mod run;
 pub mod sites;
+pub(crate) mod stl;
+pub(crate) mod three_mf;
 pub mod vtu;

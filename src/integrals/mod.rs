@@ -42,3 +42,4 @@ pub(crate) mod radial;
 pub mod reference;
 pub mod series;
 pub mod simplex;
+pub(crate) mod sine_jet;

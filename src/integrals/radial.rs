@@ -104,7 +104,7 @@ impl RadialKind {
     }
 
     /// g₀, g₁ and g₂ at R.
-    fn along_ray(&self, radius: f64) -> [f64; 3] {
+    pub(crate) fn along_ray(&self, radius: f64) -> [f64; 3] {
         match self {
             Self::Sine { k } => {
                 let sines = sine_integrals(k * radius);

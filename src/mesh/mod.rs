@@ -7,6 +7,7 @@
 //! Nothing here but `formats` touches files: `formats::read::load` reads, validates and puts
 //! the file's name into every message.
 
+pub(crate) mod bores;
 pub(crate) mod contacts;
 pub(crate) mod cut;
 pub mod edges;
@@ -23,6 +24,7 @@ pub(crate) mod repair;
 pub mod report;
 pub mod shapes;
 pub mod similarity;
+pub(crate) mod slabs;
 pub mod surface;
 pub(crate) mod surface_distance;
 pub mod tets;

@@ -16,6 +16,15 @@ pub struct SurfaceMesh {
 }
 
 impl SurfaceMesh {
+    /// Adds the triangles of another surface.
+    pub(crate) fn append(&mut self, other: &Self) {
+        let first = self.vertices.len() as u32;
+        self.vertices.extend(&other.vertices);
+        let moved = other.triangles.iter();
+        self.triangles
+            .extend(moved.map(|triangle| triangle.map(|vertex| vertex + first)));
+    }
+
     /// The corners of a triangle.
     #[must_use]
     pub fn corners(&self, triangle: usize) -> [Point3<f64>; 3] {

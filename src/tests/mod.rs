@@ -33,4 +33,6 @@ pub(crate) mod quadrature;
 mod relax;
 mod sites;
 mod solids;
+mod spin;
+mod stand;
 mod voronoi;

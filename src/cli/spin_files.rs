@@ -1,0 +1,215 @@
+//! The files of `chebloyd spin`: the field, the report, the log.
+
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+
+use crate::balance::spin::SpinState;
+use crate::cli::density_files::{DensityBody, Section, center_mark, density_files, write_density};
+use crate::cli::failure::{Failure, write_file};
+use crate::cli::spin_report::{Outcome, SpinReport};
+use crate::cli::spin_solid::{SpinElements, SpinSolid};
+use crate::domain::shape::DomainShape;
+use crate::geometry::half_space::HalfSpace;
+use crate::mesh::surface::SurfaceMesh;
+use crate::plot::density_cut::{Mark, MarkShape, NATIVE, OBTAINED, WANTED};
+use crate::plot::patches::PlaneCut;
+use crate::scene::domain::SceneDomain;
+use crate::scene::field::Field;
+use crate::scene::field_file::{FieldBounds, FieldDensity, FieldFile, FieldFormula};
+use crate::scene::mesh_domain::MeshDomain;
+
+/// The solid of several files as one.
+const SOLID: &str = "solid.off";
+
+/// What the command writes.
+const FILES: [&str; 4] = ["field.json", "report.json", "log.jsonl", SOLID];
+
+/// Principal axes nearer to the axis than this (degrees) span no plane with it worth showing.
+const LEAST_TILT: f64 = 0.1;
+
+/// The files of a directory that the command may write.
+pub(crate) fn spin_files(directory: &Path) -> Vec<PathBuf> {
+    let mut files = density_files(directory);
+    files.extend(FILES.map(|name| directory.join(name)));
+    files
+}
+
+/// A line of the log.
+#[derive(Debug, Serialize)]
+struct LogLine {
+    iteration: usize,
+    residual: f64,
+    dual_value: f64,
+}
+
+/// What is written of a run, and where.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SpinFiles<'a> {
+    pub(crate) directory: &'a Path,
+    pub(crate) solid: &'a SpinSolid,
+    pub(crate) elements: &'a SpinElements,
+}
+
+impl SpinFiles<'_> {
+    /// Writes the report and the log, and where there is a field, the field and its pictures.
+    pub(crate) fn write(
+        &self,
+        outcome: &Outcome,
+        native: &SpinState,
+        report: &SpinReport,
+    ) -> Result<(), Failure> {
+        let directory = self.directory.display();
+        fs::create_dir_all(self.directory)
+            .map_err(|error| Failure::run(format!("cannot make {directory}: {error}")))?;
+        let log = outcome.solution.variance.log.iter().map(|step| {
+            serde_json::to_string(&LogLine {
+                iteration: step.iteration,
+                residual: step.residual,
+                dual_value: step.value,
+            })
+        });
+        let log: Vec<String> = log.collect::<Result<_, _>>().map_err(Failure::run)?;
+        self.write_text("log.jsonl", &(log.join("\n") + "\n"))?;
+        if outcome.is_met() {
+            let field = field(self.solid, self.elements, outcome, self.domain()?);
+            let json = serde_json::to_string_pretty(&field).map_err(Failure::run)?;
+            self.write_text("field.json", &(json + "\n"))?;
+            self.draw(outcome, native)?;
+        }
+        self.write_text("report.json", &report.json()?)
+    }
+
+    fn write_text(&self, name: &str, text: &str) -> Result<(), Failure> {
+        let path = self.directory.join(name);
+        write_file(&path, |file| file.write_all(text.as_bytes())).map_err(Failure::run)
+    }
+
+    /// The domain for the field file; several files become one beside it.
+    fn domain(&self) -> Result<SceneDomain, Failure> {
+        if let Some(domain) = &self.solid.scene_domain {
+            return Ok(domain.clone());
+        }
+        self.write_text(SOLID, &off(self.solid.domain.surface()))?;
+        Ok(SceneDomain::Surface(MeshDomain {
+            file: SOLID.into(),
+            scale_to: None,
+        }))
+    }
+
+    /// Writes `density.vtu` and the picture of a cut along the axis.
+    fn draw(&self, outcome: &Outcome, native: &SpinState) -> Result<(), Failure> {
+        let values = outcome.solution.densities.clone();
+        let field = match self.elements {
+            SpinElements::Cells(sites, _) => Field::Cells {
+                sites: sites.clone(),
+                values,
+            },
+            SpinElements::Vertices(_) => Field::Vertices(values),
+            SpinElements::Points(..) => return Ok(()),
+        };
+        let extent = self.solid.domain.bounds();
+        let body = DensityBody {
+            solids: std::slice::from_ref(&self.solid.solid),
+            fields: &[&field],
+            extent: &extent,
+        };
+        write_density(self.directory, body, &section(outcome, native))
+    }
+}
+
+/// The cut along the axis and the principal axis nearest to it before.
+fn section(outcome: &Outcome, native: &SpinState) -> Section {
+    let axis = &outcome.axis;
+    let [before, after] = [native, &outcome.state].map(|state| state.body.center_of_mass());
+    let tilt = axis.along.cross(&native.nearest_axis);
+    let lift = axis.along.cross(&(before - axis.through));
+    let normal = if native.angle_degrees > LEAST_TILT {
+        tilt
+    } else {
+        lift
+    };
+    let normal = normal.try_normalize(0.0).unwrap_or(axis.across[0]);
+    let line = |name: &str, color, through, along, dashed| Mark {
+        name: name.to_owned(),
+        color,
+        shape: MarkShape::Line {
+            through,
+            along,
+            dashed,
+        },
+    };
+    let angle = format!(
+        "nearest principal axis before, {:.3}° off",
+        native.angle_degrees
+    );
+    let wanted = *axis.along.as_ref();
+    let obtained = outcome.state.nearest_axis;
+    Section {
+        cut: PlaneCut::new(HalfSpace {
+            normal,
+            offset: normal.dot(&axis.through.coords),
+        }),
+        title: "A density that spins about the axis".to_owned(),
+        marks: vec![
+            line("axis", WANTED, axis.through, wanted, false),
+            line(&angle, NATIVE, before, native.nearest_axis, true),
+            line(
+                "nearest principal axis after",
+                OBTAINED,
+                after,
+                obtained,
+                true,
+            ),
+            center_mark("center of volume", NATIVE, &before),
+            center_mark("center of mass", OBTAINED, &after),
+        ],
+    }
+}
+
+/// The field as a file.
+fn field(
+    solid: &SpinSolid,
+    elements: &SpinElements,
+    outcome: &Outcome,
+    domain: SceneDomain,
+) -> FieldFile {
+    let values = outcome.solution.densities.clone();
+    let density = match elements {
+        SpinElements::Cells(sites, _) => FieldDensity::Cells {
+            sites: sites.iter().map(|&site| site.into()).collect(),
+            values,
+            domain,
+        },
+        SpinElements::Vertices(_) => FieldDensity::Vertices { values },
+        SpinElements::Points(..) => FieldDensity::Clamp {
+            low: outcome.range.low,
+            high: Some(outcome.range.high).filter(|high| high.is_finite()),
+            of: FieldFormula::Polynomial(outcome.formula().text()),
+        },
+    };
+    let bounds = solid.domain.bounds();
+    FieldFile {
+        schema: None,
+        density,
+        bounds: Some(FieldBounds {
+            min: bounds.min.into(),
+            max: bounds.max.into(),
+        }),
+    }
+}
+
+/// A surface as an OFF file, every coordinate to the last bit.
+fn off(surface: &SurfaceMesh) -> String {
+    let (vertices, triangles) = (&surface.vertices, &surface.triangles);
+    let mut text = format!("OFF\n{} {} 0\n", vertices.len(), triangles.len());
+    for vertex in vertices {
+        text += &format!("{} {} {}\n", vertex.x, vertex.y, vertex.z);
+    }
+    for [a, b, c] in triangles {
+        text += &format!("3 {a} {b} {c}\n");
+    }
+    text
+}
