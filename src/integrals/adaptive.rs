@@ -2,7 +2,7 @@
 //! small.
 //!
 //! Every piece has two estimates, of a rule and of a lower one; their difference counts as the error of
-//! the better one. Errors add without regard to sign. Pieces are halved in rounds, all that have to be
+//! the better one, or a share of what halving changed, if that is more. Errors add without regard to sign. Pieces are halved in rounds, all that have to be
 //! in parallel, and sums run in the pieces' order: the bits do not depend on the number of threads.
 
 use nalgebra::{Point3, Vector3};
@@ -48,6 +48,15 @@ impl MomentErrors {
             mass: self.mass + other.mass,
             first: self.first + other.first,
             inertia: self.inertia + other.inertia,
+        }
+    }
+
+    /// The larger ones.
+    fn or_more(&self, other: &Self) -> Self {
+        Self {
+            mass: self.mass.max(other.mass),
+            first: self.first.max(other.first),
+            inertia: self.inertia.max(other.inertia),
         }
     }
 
@@ -142,12 +151,18 @@ pub(crate) struct Goal {
 /// The share of the tolerance that pieces which are not halved may have together.
 const LEFT: f64 = 0.5;
 
+/// So many pieces there are at least: what is small against a piece may escape both of its rules.
+const LEAST: usize = 512;
+
 /// The sum over `pieces`, halved until the goal is reached or there are too many.
 pub(crate) fn integrate<P: AdaptivePiece>(
     mut pieces: Vec<P>,
     goal: Goal,
     estimate: &(impl Fn(&P) -> Estimate + Sync),
 ) -> AdaptiveIntegral {
+    while pieces.len() < LEAST.min(goal.most / 2) {
+        pieces = pieces.iter().flat_map(P::halves).collect();
+    }
     let mut estimates: Vec<Estimate> = pieces.par_iter().map(estimate).collect();
     loop {
         let sum = total(&estimates);
@@ -165,10 +180,11 @@ pub(crate) fn integrate<P: AdaptivePiece>(
             .par_iter()
             .map(|&place| {
                 let parts = pieces[place as usize].halves();
-                parts.map(|part| {
+                let own = parts.map(|part| {
                     let own = estimate(&part);
                     (part, own)
-                })
+                });
+                with_change(own, &estimates[place as usize])
             })
             .collect();
         for (place, [first, second]) in worst.into_iter().zip(halved) {
@@ -177,6 +193,20 @@ pub(crate) fn integrate<P: AdaptivePiece>(
             estimates.push(second.1);
         }
     }
+}
+
+/// The share of a change by halving that counts as error of either half, if that is more than its own:
+/// where a density jumps or bends, both rules of a pair may miss the same.
+const CHANGE: f64 = 0.5;
+
+/// Halves whose errors are at least a share of how much halving changed their sum.
+fn with_change<P>(halves: [(P, Estimate); 2], whole: &Estimate) -> [(P, Estimate); 2] {
+    let sum = halves[0].1.moments + halves[1].1.moments;
+    let change = MomentErrors::between(&sum, &whole.moments).times(CHANGE);
+    halves.map(|(part, own)| {
+        let errors = own.errors.or_more(&change);
+        (part, Estimate { errors, ..own })
+    })
 }
 
 /// The places of the worst pieces, in ascending order: so many that the others' errors are a share of the

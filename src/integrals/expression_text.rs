@@ -19,7 +19,7 @@ use crate::integrals::expression::{BINARY, DEEPEST, Expression, ExpressionStep, 
 
 /// Why a text is no formula.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum ExpressionError {
+pub(crate) enum ExpressionError {
     /// Something else is expected there.
     #[error("column {column}: expected {expected}, found {found}")]
     Unexpected {

@@ -21,14 +21,14 @@ use crate::integrals::adaptive::{
 
 /// A density that depends on the distance ρ from a point.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Radial {
+pub(crate) struct Radial {
     pub(crate) point: Point3<f64>,
     pub(crate) kind: RadialKind,
 }
 
 /// How it depends on the distance.
 #[derive(Clone, Debug, PartialEq)]
-pub enum RadialKind {
+pub(crate) enum RadialKind {
     /// sin(kρ) + 1 (\[BL\] eq. 5).
     Sine {
         /// k (1/L).

@@ -217,9 +217,11 @@ impl PlaneCut {
     pub(crate) fn axis_names(&self) -> [String; 2] {
         [self.right, self.up].map(|direction| {
             let is_axis = |axis: &usize| direction[*axis] > 1.0 - 1e-12;
-            match (0..3).find(is_axis) {
-                Some(axis) => ["x", "y", "z"][axis].to_owned(),
-                None => {
+            let is_opposite = |axis: &usize| direction[*axis] < 1e-12 - 1.0;
+            match ((0..3).find(is_axis), (0..3).find(is_opposite)) {
+                (Some(axis), _) => ["x", "y", "z"][axis].to_owned(),
+                (None, Some(axis)) => ["−x", "−y", "−z"][axis].to_owned(),
+                (None, None) => {
                     let [x, y, z] = <[f64; 3]>::from(direction);
                     format!("along ({x:.3}, {y:.3}, {z:.3})")
                 }

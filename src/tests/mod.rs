@@ -8,6 +8,7 @@ mod cubes;
 mod density;
 mod energy;
 mod export;
+mod fields;
 mod fragments;
 mod frames;
 mod gcode;
