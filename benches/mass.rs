@@ -6,6 +6,7 @@
 //! (`PYTHON=… cargo bench --bench mass` to choose one), `benches/mass_numpy.py` runs the same
 //! formulas on the same number of tetrahedra beside it.
 
+use chebloyd::integrals::half_space::{CutPlane, CuttableSolid};
 use chebloyd::integrals::mesh_moments;
 use chebloyd::integrals::mesh_moments::LinearDensity;
 use chebloyd::mass::density::{Ramp, SolidDensity};
@@ -34,6 +35,7 @@ fn main() {
     one.install(|| {
         let linear = tetrahedra_rows(55);
         numpy_row(linear);
+        half_space_rows(100);
         surface_rows("closed surface of 198 450 triangles (buddha: 198 736)", 315);
         surface_rows("closed surface of 2 000 000 triangles", 1000);
     });
@@ -100,6 +102,29 @@ fn surface_rows(name: &str, side: u32) {
     row("  density 1 + 2*x - 0.5*y*z", count, &|| {
         mesh_moments::polynomial(&vertices, &triangles, &quadratic, &ORIGIN).mass
     });
+}
+
+/// Moments of the part above a plane, beside those of the whole; the plane halves the solid.
+fn half_space_rows(side: u32) {
+    let (vertices, triangles) = torus(side);
+    let count = triangles.len();
+    println!("closed surface of {count} triangles, above planes");
+    let whole = row("  the whole: volume, center, inertia", count, &|| {
+        mesh_moments::constant(&vertices, &triangles, &ORIGIN).mass
+    });
+    let solid = CuttableSolid::new(&vertices, &triangles);
+    let mut worst = 0.0_f64;
+    for (name, offset) in [("a tenth", 0.9), ("half", 0.0), ("nine tenths", -0.9)] {
+        let normal = Vector3::new(0.8, 0.5, 0.3);
+        let plane = CutPlane { normal, offset };
+        let above = row(
+            &format!("  {name} above: volume, center, second"),
+            count,
+            &|| solid.above(&plane).mass,
+        );
+        worst = worst.max(above / whole);
+    }
+    println!("  above / whole = {worst:.2} at most");
 }
 
 /// Prints a row and returns nanoseconds per item.

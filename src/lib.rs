@@ -67,6 +67,8 @@
 //! | … for p = 1 | | `energy::sums_linear` |
 //! | … for any p | | `energy::sums_power` |
 //! | … with a density | | `energy::sums_polynomial` |
+//! | \[BL\] section 3.2 | densities that stand, least variance | `balance::stand`, `balance::solve` |
+//! | … its clamped ramp | moments above planes, in layers | [`integrals::half_space`], [`mass::profile`] |
 //! | \[BL\] section 3.4 | moments of a print's beads | `gcode::bead`, `gcode::weigh` |
 //! | \[BL\] section 3.5 | Lloyd's move | `relax::lloyd` |
 //! | … its future work | L∞ Voronoi cells | `voronoi::linf`, `relax::linf` |

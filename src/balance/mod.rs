@@ -6,6 +6,8 @@
 //! clamp(d₀ + Σ λ_k φ_k, lo, hi), whose multipliers λ maximize a concave dual of as many variables as there
 //! are conditions. [`dual`] says what a solver needs of a body for that, [`solve`] finds the multipliers,
 //! [`contrast`] the least range of densities that suffices, with the proof; [`quadratic`] is a step of both.
+//! Bodies: [`solid`], by half-space moments of surfaces, and [`elements`]. Wishes: [`stand`] on a
+//! [`support`], with the [`nearest`] center where it cannot be met, and [`spin`].
 
 pub(crate) mod bases;
 pub(crate) mod conditions;
@@ -15,6 +17,7 @@ pub(crate) mod elements;
 pub(crate) mod modifiers;
 pub(crate) mod nearest;
 pub(crate) mod quadratic;
+pub(crate) mod sensitivity;
 pub(crate) mod sine_fit;
 pub(crate) mod solid;
 pub(crate) mod solve;

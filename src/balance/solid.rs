@@ -10,7 +10,7 @@ use crate::balance::conditions::Condition;
 use crate::balance::dual::{Balance, DensityRange, DualPoint, Relation};
 use crate::geometry::bounds::Bounds;
 use crate::geometry::moments::Moments;
-use crate::integrals::half_space::{CutPlane, CuttableSolid};
+use crate::integrals::half_space::{CutPlane, CuttableSolid, ThreeMoments};
 use crate::mesh::surface::SurfaceMesh;
 
 /// β + w·r, r measured from the middle of a body.
@@ -108,6 +108,21 @@ impl<'a> SolidBalance<'a> {
             };
         };
         self.sum(|solid| solid.above(&plane))
+    }
+
+    /// The moments of where a form is positive, up to degree three.
+    pub(crate) fn above_to_third(&self, form: &AffineForm) -> ThreeMoments {
+        // Of a constant: all or nothing, by a plane beyond the body.
+        let plane = self.plane(form).unwrap_or(CutPlane {
+            normal: Vector3::x(),
+            offset: self.middle.x - form.value.signum() * (1.0 + 4.0 * self.half.norm()),
+        });
+        let mut sum = ThreeMoments::default();
+        for solid in &self.solids {
+            let above = solid.above_to_third(&plane);
+            sum = sum + above.translated(&(solid.middle - self.middle));
+        }
+        sum
     }
 
     /// The moments of where a form is zero.

@@ -25,8 +25,8 @@ const MOST_HALVINGS: usize = 30;
 /// Armijo's share of the rise that the slope promises.
 const RISE_SHARE: f64 = 1e-4;
 
-/// The share of the whole body's curvature that is added to that of the slab.
-const LEAST_RIDGE: f64 = 1e-13;
+/// The shares of the whole body's curvature that are added to that of the slab, tried in this order.
+const RIDGES: [f64; 5] = [0.0, 1e-13, 1e-9, 1e-5, 1e-1];
 
 /// From this step on multipliers are tried as a proof that nothing meets the conditions.
 const FIRST_PROOF: usize = 6;
@@ -187,8 +187,7 @@ impl<'a, B: Balance> DualNewton<'a, B> {
 
     /// One accepted step; `false` if there is none.
     fn step(&mut self, residual: f64) -> bool {
-        let mut ridge = LEAST_RIDGE;
-        while ridge < 10.0 {
+        for ridge in RIDGES {
             let goal = self.model_maximizer(ridge);
             if self.search(&goal, residual) {
                 return true;
@@ -196,7 +195,6 @@ impl<'a, B: Balance> DualNewton<'a, B> {
             if residual <= RESIDUAL_ENOUGH {
                 return false;
             }
-            ridge *= 1e4;
         }
         false
     }

@@ -1,6 +1,7 @@
 //! `chebloyd stand`: a density with which a solid stands.
 
 use std::path::PathBuf;
+use std::time::Instant;
 
 use clap::{Args, ValueEnum};
 use nalgebra::{Point3, Vector3};
@@ -40,7 +41,7 @@ pub(crate) struct StandOptions {
     #[arg(long, value_name = "X,Y,Z", default_value = "z", value_parser = up, allow_hyphen_values = true)]
     up: Vector3<f64>,
     /// What touches the ground: the vertices up to this share of the height
-    #[arg(long, value_name = "SHARE", default_value = "0.01", value_parser = share,
+    #[arg(long, value_name = "SHARE", default_value = "0.01", value_parser = share, allow_hyphen_values = true,
           conflicts_with_all = ["polygon", "point", "target"])]
     contact: f64,
     /// Stand on the convex hull of the points in this file: two coordinates across up a line, or three
@@ -53,19 +54,19 @@ pub(crate) struct StandOptions {
     #[arg(long, value_name = "X,Y,Z", value_parser = target, allow_hyphen_values = true)]
     target: Option<[Option<f64>; 3]>,
     /// How far inside the support's edges the center stays
-    #[arg(long, value_name = "L", default_value = "0", value_parser = not_negative)]
+    #[arg(long, value_name = "L", default_value = "0", value_parser = not_negative, allow_hyphen_values = true)]
     margin: f64,
     /// Stand on ground tilted so far in any direction
-    #[arg(long, value_name = "DEGREES", default_value = "0", value_parser = degrees)]
+    #[arg(long, value_name = "DEGREES", default_value = "0", value_parser = degrees, allow_hyphen_values = true)]
     tilt: f64,
     /// The least and the greatest density; HI may be inf [default: 1 to the least contrast times 1.5]
-    #[arg(long, value_name = "LO,HI", value_parser = density_range)]
+    #[arg(long, value_name = "LO,HI", value_parser = density_range, allow_hyphen_values = true)]
     range: Option<[f64; 2]>,
     /// The density that the field stays near to [default: LO]
-    #[arg(long, value_name = "D0", value_parser = positive)]
+    #[arg(long, value_name = "D0", value_parser = positive, allow_hyphen_values = true)]
     prefer: Option<f64>,
     /// Also the mass; without --range all densities are scaled to it
-    #[arg(long, value_name = "M", value_parser = positive)]
+    #[arg(long, value_name = "M", value_parser = positive, allow_hyphen_values = true)]
     mass: Option<f64>,
     /// Which of the densities that stand
     #[arg(long, value_enum, default_value = "least-variance")]
@@ -119,6 +120,7 @@ pub(crate) fn run(options: &StandOptions, common: Common) -> Result<(), Failure>
     if balance.whole.mass.is_nan() || balance.whole.mass <= 0.0 {
         return Err(Failure::input("the solids have no volume"));
     }
+    let watch = Instant::now();
     let standing = stand(&balance, &plan).map_err(|error| match error.is_of_input() {
         true => Failure::input(error),
         false => Failure::run(error),
@@ -127,7 +129,8 @@ pub(crate) fn run(options: &StandOptions, common: Common) -> Result<(), Failure>
         surfaces: &surfaces,
         balance: &balance,
     };
-    let report = StandReport::new(body, &plan, &standing)?;
+    let seconds = watch.elapsed().as_secs_f64();
+    let report = StandReport::new(body, &plan, &standing, seconds)?;
     let modifiers = options.write_modifiers(&surfaces, &report)?;
     let report = report.with(modifiers);
     if let Some(folder) = &options.out {

@@ -3,6 +3,7 @@
 use nalgebra::Point3;
 use serde::Serialize;
 
+use crate::balance::sensitivity::ClampDerivatives;
 use crate::balance::solid::{AffineForm, SolidBalance};
 use crate::balance::stand::{RANGE_ROOM, StandField, StandGoal, StandPlan, Standing};
 use crate::balance::support::Support;
@@ -35,6 +36,8 @@ pub(crate) struct StandReport {
     /// Given LO and the mass.
     #[serde(skip_serializing_if = "Option::is_none")]
     least_high: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    wanted_mass: Option<f64>,
     mass: Option<f64>,
     center_of_mass: Option<[f64; 3]>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -59,6 +62,8 @@ pub(crate) struct StandReport {
     #[serde(skip_serializing_if = "Option::is_none")]
     field: Option<ClampReport>,
     #[serde(skip_serializing_if = "Option::is_none")]
+    sensitivity: Option<Sensitivity>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     modifiers: Option<ModifiersReport>,
     support: SupportReport,
     native: NativeReport,
@@ -67,6 +72,8 @@ pub(crate) struct StandReport {
     iterations: usize,
     evaluations: usize,
     contrast_evaluations: usize,
+    /// Of solving, without reading and writing.
+    seconds: f64,
 }
 
 /// A plane: what is heavy lies on the side of the normal.
@@ -83,6 +90,16 @@ pub(crate) struct ClampReport {
     pub(crate) high: Option<f64>,
     pub(crate) value: f64,
     pub(crate) gradient: [f64; 3],
+}
+
+/// How the center of mass moves with the field's low and high end, its value everywhere, and its gradient
+/// about the middle of the body's box (row: coordinate of the center, column: component of the gradient).
+#[derive(Clone, Copy, Debug, Serialize)]
+struct Sensitivity {
+    center_by_low: [f64; 3],
+    center_by_high: [f64; 3],
+    center_by_value: [f64; 3],
+    center_by_gradient: [[f64; 3]; 3],
 }
 
 #[derive(Clone, Debug, Serialize)]
@@ -107,6 +124,7 @@ impl StandReport {
         body: StandBody<'_>,
         plan: &StandPlan,
         standing: &Standing,
+        seconds: f64,
     ) -> Result<Self, Failure> {
         let middle = body.balance.middle;
         let (whole, native) = (&body.balance.whole, native_center(body.balance));
@@ -130,6 +148,7 @@ impl StandReport {
             least_contrast: finite(contrast),
             outside_hull: contrast.is_infinite(),
             least_high: standing.least_high.and_then(finite),
+            wanted_mass: plan.mass,
             mass: weighed.as_ref().map(|body| body.mass),
             center_of_mass: center.map(Into::into),
             nearest_center: nearest.map(|nearest| nearest.center.into()),
@@ -144,6 +163,7 @@ impl StandReport {
             range_chosen: plan.range.is_none(),
             prefer: field.map_or(plan.prefer.unwrap_or(range[0]), |field| field.range.prefer),
             field: field.map(|field| clamp_report(field, &middle)),
+            sensitivity: field.map(|field| sensitivity(body.balance, field)),
             modifiers: None,
             support: SupportReport::of(plan),
             native: NativeReport {
@@ -157,6 +177,7 @@ impl StandReport {
             iterations: solution.map_or(standing.contrast.iterations, |s| s.iterations()),
             evaluations: solution.map_or(0, |s| s.evaluations),
             contrast_evaluations: standing.contrast.evaluations,
+            seconds,
         })
     }
 
@@ -183,17 +204,26 @@ impl StandReport {
         }
         let [low, high] = self.range.map(|end| end.unwrap_or(f64::INFINITY));
         let asked = format!("no density between {low} and {high} does this");
-        let needed = match (self.least_contrast, self.least_high) {
-            (None, _) => "no contrast suffices: what is asked lies outside the solid's convex hull"
-                .to_owned(),
-            (Some(least), None) => {
-                format!("it takes a contrast of {least:.9} (greatest density to least)")
-            }
-            (Some(least), Some(high)) => format!(
-                "with this mass and LO it takes HI {high:.9} (for any mass a contrast of {least:.9})"
+        let volume = self.native.volume;
+        if let Some(mass) = self.wanted_mass
+            && !(low * volume..=high * volume).contains(&mass)
+        {
+            let (least, most) = (low * volume, high * volume);
+            return Some(format!("{asked}: it weighs {least} to {most}, not {mass}"));
+        }
+        Some(match (self.least_contrast, self.least_high) {
+            (None, _) => format!(
+                "{asked}, nor does any other: what is asked lies outside the solid's convex hull"
             ),
-        };
-        Some(format!("{asked}; {needed}; widen --range or ask for less"))
+            (Some(least), None) => format!(
+                "{asked}; it takes a contrast of {least:.9} (greatest density to least): widen --range, \
+                 or ask for less"
+            ),
+            (Some(least), Some(high)) => format!(
+                "{asked}; with this LO and this mass it takes HI {high:.9}, for any mass a contrast of \
+                 {least:.9}: widen --range, or ask for less"
+            ),
+        })
     }
 
     pub(crate) fn json(&self) -> Result<String, Failure> {
@@ -315,6 +345,18 @@ fn clamp_report(field: &StandField, middle: &Point3<f64>) -> ClampReport {
         high: finite(field.range.high),
         value: field.form.value - gradient.dot(&middle.coords),
         gradient: gradient.into(),
+    }
+}
+
+fn sensitivity(body: &SolidBalance<'_>, field: &StandField) -> Sensitivity {
+    let derivatives = ClampDerivatives::of(body, &field.form, &field.range);
+    let moments = body.clamped(&field.form, &field.range);
+    let [low, high, value] = derivatives.center(&moments).map(Into::into);
+    Sensitivity {
+        center_by_low: low,
+        center_by_high: high,
+        center_by_value: value,
+        center_by_gradient: rows(&derivatives.center_by_gradient(&moments)),
     }
 }
 

@@ -31,25 +31,25 @@ use crate::integrals::pairwise::sum_by_halves;
 
 /// A plane: normal·y = offset; above it is where normal·y is greater.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct CutPlane {
+pub struct CutPlane {
     /// Across the plane, of any length.
-    pub(crate) normal: Vector3<f64>,
+    pub normal: Vector3<f64>,
     /// normal·y on it.
-    pub(crate) offset: f64,
+    pub offset: f64,
 }
 
 /// A solid within a closed surface, ready to be cut by planes; all moments are measured from `middle`.
 #[derive(Clone, Debug)]
-pub(crate) struct CuttableSolid<'a> {
+pub struct CuttableSolid<'a> {
     vertices: &'a [Point3<f64>],
     triangles: &'a [[u32; 3]],
     /// The middle of the bounding box.
-    pub(crate) middle: Point3<f64>,
+    pub middle: Point3<f64>,
     /// Half of the box's edges.
     reach: Vector3<f64>,
     precision: Precision,
     /// The moments of the whole solid.
-    pub(crate) whole: Moments,
+    pub whole: Moments,
 }
 
 /// ∫ y⊗y⊗y of a body (L⁶ at density 1), the ten entries that differ.
@@ -145,7 +145,12 @@ enum Passage {
 
 impl<'a> CuttableSolid<'a> {
     /// A solid by its closed surface, oriented outward.
-    pub(crate) fn new(vertices: &'a [Point3<f64>], triangles: &'a [[u32; 3]]) -> Self {
+    ///
+    /// # Panics
+    ///
+    /// If a triangle names a vertex that is not there.
+    #[must_use]
+    pub fn new(vertices: &'a [Point3<f64>], triangles: &'a [[u32; 3]]) -> Self {
         let used = triangles.iter().flatten().map(|&v| &vertices[v as usize]);
         let bounds = Bounds::of(used);
         let middle = if triangles.is_empty() {
@@ -164,7 +169,8 @@ impl<'a> CuttableSolid<'a> {
     }
 
     /// The moments of the part above a plane.
-    pub(crate) fn above(&self, plane: &CutPlane) -> Moments {
+    #[must_use]
+    pub fn above(&self, plane: &CutPlane) -> Moments {
         let apex = match self.passage(plane) {
             Passage::Below => return self.whole,
             Passage::Above => return Moments::default(),
@@ -206,7 +212,8 @@ impl<'a> CuttableSolid<'a> {
     }
 
     /// The moments ∫ 1, y, y yᵀ dA of the section by a plane.
-    pub(crate) fn section(&self, plane: &CutPlane) -> Moments {
+    #[must_use]
+    pub fn section(&self, plane: &CutPlane) -> Moments {
         let Passage::Through(apex) = self.passage(plane) else {
             return Moments::default();
         };

@@ -32,7 +32,7 @@ mod double_double;
 pub(crate) mod expression;
 pub(crate) mod expression_text;
 mod formula;
-pub(crate) mod half_space;
+pub mod half_space;
 pub mod lanes;
 pub mod mesh_moments;
 pub mod pairwise;
