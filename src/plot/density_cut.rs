@@ -75,9 +75,9 @@ const SPACES: [f64; 3] = [78.0, 40.0, 52.0];
 const BAR_GAP: f64 = 18.0;
 const LEGEND_LINE: f64 = 19.0;
 /// Rectangles along the longer side.
-const STEPS: f64 = 280.0;
+const STEPS: f64 = 240.0;
 /// Colors told apart: neighbors of one color are one rectangle.
-const COLORS: f64 = 96.0;
+const COLORS: f64 = 64.0;
 /// The margin around section and marks, as a share of their extent.
 const MARGIN: f64 = 0.05;
 const OUTLINE: Stroke = Stroke::solid(Color::INK, 1.2);
@@ -95,8 +95,8 @@ pub(crate) fn density_cut(input: &DensityCut<'_>) -> Figure {
         widest.fold(max.x + BAR_GAP + BAR_SPACE, f64::max),
         max.y + SPACES[2] + LEGEND_LINE * named.clone().count() as f64,
     );
-    let values = Raster::of(input, &panel);
-    let scale = values.scale(&contours);
+    let values = Raster::of(input, &panel, &contours);
+    let scale = values.scale();
     values.draw(&mut figure, &panel, &scale);
     let place =
         |contour: &Vec<Point2<f64>>| contour.iter().map(|p| panel.place(p.x, p.y)).collect();
@@ -158,11 +158,12 @@ struct Raster {
     columns: usize,
     /// Row by row from above; where one is NaN, a neighbor's.
     values: Vec<f64>,
-    places: Vec<Point2<f64>>,
+    /// Whether the middles lie within the section.
+    inside: Vec<bool>,
 }
 
 impl Raster {
-    fn of(input: &DensityCut<'_>, panel: &Panel) -> Self {
+    fn of(input: &DensityCut<'_>, panel: &Panel, contours: &[Vec<Point2<f64>>]) -> Self {
         let (width, height) = (panel.x.max - panel.x.min, panel.y.max - panel.y.min);
         let side = width.max(height) / STEPS;
         let [columns, rows] = [width, height].map(|length| (length / side).ceil() as usize);
@@ -181,14 +182,14 @@ impl Raster {
         Self {
             columns,
             values: values.collect(),
-            places,
+            inside: places.par_iter().map(|at| holds(contours, at)).collect(),
         }
     }
 
     /// The scale over the values within the section.
-    fn scale(&self, contours: &[Vec<Point2<f64>>]) -> ColorScale {
-        let pairs = self.places.iter().zip(&self.values);
-        let inside = pairs.filter(|(place, value)| value.is_finite() && holds(contours, place));
+    fn scale(&self) -> ColorScale {
+        let pairs = self.inside.iter().zip(&self.values);
+        let inside = pairs.filter(|(is_inside, value)| **is_inside && value.is_finite());
         let ends = inside.fold(None, |ends: Option<[f64; 2]>, (_, &value)| {
             let [low, high] = ends.unwrap_or([value; 2]);
             Some([low.min(value), high.max(value)])
@@ -200,6 +201,16 @@ impl Raster {
             min,
             max: max.max(min + least),
         }
+    }
+
+    /// Whether a square or one of its neighbors has its middle in the section; others are not seen.
+    fn is_near(&self, row: usize, column: usize) -> bool {
+        let rows = row.saturating_sub(1)..(row + 2).min(self.inside.len() / self.columns);
+        let columns = column.saturating_sub(1)..(column + 2).min(self.columns);
+        rows.into_iter().any(|row| {
+            let line = &self.inside[row * self.columns..][..self.columns];
+            line[columns.clone()].contains(&true)
+        })
     }
 
     /// Every run of one color reaches to the frame's right side, every row a little downward: so no
@@ -218,7 +229,7 @@ impl Raster {
             let mut last = f64::INFINITY;
             for (column, &value) in values.iter().enumerate() {
                 let color = step(value).clamp(0.0, COLORS);
-                if color.total_cmp(&last).is_eq() {
+                if color.total_cmp(&last).is_eq() || !self.is_near(row, column) {
                     continue;
                 }
                 last = color;
@@ -307,17 +318,17 @@ fn draw_mark(figure: &mut Figure, panel: &Panel, cut: &PlaneCut, mark: &Mark) {
         } => {
             let [start, end] = [placed(through), placed(&(through + along.normalize()))];
             if let Some([from, to]) = across(panel.frame, start, end - start) {
-                figure.line(from, to, line_stroke(mark.color, *dashed));
+                draw_line(figure, [from, to], mark.color, *dashed);
             }
         }
     }
 }
 
-fn line_stroke(color: Color, dashed: bool) -> Stroke {
-    Stroke {
-        color,
-        width: 1.8,
-        dash: dashed.then_some([7.0, 4.0]),
+/// A line with dark edges, so that bright ones are seen on white.
+fn draw_line(figure: &mut Figure, [from, to]: [Point2<f64>; 2], color: Color, dashed: bool) {
+    let dash = dashed.then_some([7.0, 4.0]);
+    for (width, color) in [(3.2, Color::INK), (1.8, color)] {
+        figure.line(from, to, Stroke { color, width, dash });
     }
 }
 
@@ -362,9 +373,7 @@ fn draw_legend(figure: &mut Figure, corner: Point2<f64>, mark: &Mark) {
     match &mark.shape {
         MarkShape::Point(_) => disc(figure, sign, mark.color),
         MarkShape::Polygon(_) => figure.line(left, right, Stroke::solid(mark.color, 3.0)),
-        MarkShape::Line { dashed, .. } => {
-            figure.line(left, right, line_stroke(mark.color, *dashed));
-        }
+        MarkShape::Line { dashed, .. } => draw_line(figure, [left, right], mark.color, *dashed),
     }
     let beside = Point2::new(corner.x + 34.0, corner.y + 0.36 * LABEL_SIZE);
     figure.text(beside, &mark.name, LABEL_SIZE, Anchor::Start);
