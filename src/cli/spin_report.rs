@@ -71,16 +71,20 @@ impl Outcome {
         } else {
             "no contrast suffices: the solid lies on one side of what is asked".to_owned()
         };
-        match self.solution.variance.end {
-            SolveEnd::Met => None,
-            SolveEnd::Refuted => Some(format!(
+        // The least contrast has a proof of its own.
+        let is_refuted = self.solution.variance.end == SolveEnd::Refuted || least * low > high;
+        if self.is_met() {
+            None
+        } else if is_refuted {
+            Some(format!(
                 "no density between {low} and {high} does this; {needed}; widen --range"
-            )),
-            SolveEnd::Undecided => Some(format!(
+            ))
+        } else {
+            Some(format!(
                 "no density was found between {low} and {high}; {needed}, which the range's contrast \
                  {:.6} is too near; widen --range",
                 high / low
-            )),
+            ))
         }
     }
 }
