@@ -48,7 +48,7 @@ pub(crate) struct MassOptions {
     density: Vec<String>,
     /// What a part weighs, its density scaled to that; once for each part, or NAME=M for a file or a group.
     /// `_` leaves a part to its density
-    #[arg(long, value_name = "[NAME=]M")]
+    #[arg(long, value_name = "[NAME=]M", allow_hyphen_values = true)]
     mass: Vec<String>,
     /// Where a file is placed: 16 numbers of a 4×4 matrix, row by row, or a file with them; once for all or
     /// once for each, `_` for a file that stays. Mirrors and scalings are fine; densities are functions of
@@ -328,6 +328,10 @@ fn run_gcode(file: &Path, options: &MassOptions) -> Result<(), Failure> {
     }
     if !options.density.is_empty() {
         let message = "--density is for solids; for G-code there is --material-density";
+        return Err(Failure::input(format!("{name}: {message}")));
+    }
+    if options.si || !options.place.is_empty() {
+        let message = "--place and --si are for solids; a print is in mm where its file puts it";
         return Err(Failure::input(format!("{name}: {message}")));
     }
     if options.mass.len() > 1 {

@@ -158,22 +158,7 @@ impl SolidReport {
         if let Some(units) = &self.units {
             text += &format!("{:<24}  {units}\n", "units");
         }
-        if !self.parts.is_empty() {
-            text += &format!(
-                "{:<24}{:>20}{:>20}{:>20}{:>60}  density\n",
-                "part", "volume", "surface area", "mass", "center of mass"
-            );
-        }
-        for part in &self.parts {
-            text += &row(
-                &part.file,
-                &part.totals,
-                part.density.as_deref().unwrap_or("(by groups)"),
-            );
-            for group in &part.groups {
-                text += &row(&format!("  {}", group.name), &group.totals, &group.density);
-            }
-        }
+        text += &self.parts_table();
         for note in &self.notes {
             text += &format!("note: {note}\n");
         }
@@ -181,10 +166,39 @@ impl SolidReport {
     }
 }
 
-/// A line of the table of parts and groups.
-fn row(name: &str, totals: &MassTotals, density: &str) -> String {
+impl SolidReport {
+    /// A line for every part and every group; nothing where there is one part.
+    fn parts_table(&self) -> String {
+        let mut rows = Vec::new();
+        for part in &self.parts {
+            let density = part.density.as_deref().unwrap_or("(by groups)");
+            rows.push((part.file.clone(), row(&part.totals, density)));
+            for group in &part.groups {
+                rows.push((
+                    format!("  {}", group.name),
+                    row(&group.totals, &group.density),
+                ));
+            }
+        }
+        let widths = rows.iter().map(|(name, _)| name.chars().count());
+        let Some(width) = widths.max().map(|widest| widest.max(24)) else {
+            return String::new();
+        };
+        let mut text = format!(
+            "{:<width$}{:>20}{:>20}{:>20}{:>60}  density\n",
+            "part", "volume", "surface area", "mass", "center of mass"
+        );
+        for (name, figures) in rows {
+            text += &format!("{name:<width$}{figures}\n");
+        }
+        text
+    }
+}
+
+/// A line of the table of parts and groups without its name.
+fn row(totals: &MassTotals, density: &str) -> String {
     let area = totals.surface_area.map_or(String::new(), figure);
     let [volume, mass] = [totals.volume, totals.mass].map(figure);
     let center = totals.center_of_mass.map(figure).concat();
-    format!("{name:<24}{volume}{area:>20}{mass}{center}  {density}\n")
+    format!("{volume}{area:>20}{mass}{center}  {density}")
 }
