@@ -70,19 +70,16 @@ impl DrawCells<2> for Plane {
     ) -> Result<(), Box<dyn Error>> {
         let colors = Colors::of(cells, range);
         let diagram = PlaneDiagram::new(&self.domain, sites)?;
-        let mut file = VtuWriter::new(&directory.file("cells.vtu"));
-        let mut patches = Vec::with_capacity(sites.len());
+        let (mut file, mut patches) = (VtuWriter::new(&directory.file("cells.vtu")), Vec::new());
         for (site, (cell, figures)) in diagram.cells.iter().zip(cells).enumerate() {
-            for piece in cell.pieces() {
-                let corners = piece.translated(&cell.site.coords);
-                let shell = Shell::polygon(corners.vertices());
-                file.push(&geometry(site, shell, figures))?;
+            for corners in cell.outlines() {
+                file.push(&geometry(site, Shell::polygon(&corners), figures))?;
             }
             patches.push(flat_patch(cell, Colors::value(figures)));
         }
         file.finish()?;
-        let names = ["x", "y"].map(str::to_owned);
-        let figure = picture(&patches, colors.scale(), "Cells and their sites", &names);
+        let (title, names) = ("Cells and their sites", ["x", "y"].map(str::to_owned));
+        let figure = picture(&patches, colors.scale(), title, &names);
         save_svg(&figure, patches.len(), directory)?;
         save_png(&png(&figure, PNG_SCALE)?, directory)
     }
