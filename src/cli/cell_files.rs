@@ -76,11 +76,9 @@ impl DrawCells<2> for Plane {
         let mut file = wanted.cells_file.then(|| VtuWriter::new(&path));
         let mut patches = Vec::with_capacity(sites.len());
         for (site, (cell, figures)) in diagram.cells.iter().zip(cells).enumerate() {
-            for piece in cell.pieces() {
-                let corners = piece.translated(&cell.site.coords);
-                if let Some(file) = &mut file {
-                    let shell = Shell::polygon(corners.vertices());
-                    file.push(&geometry(site, shell, figures))?;
+            if let Some(file) = &mut file {
+                for corners in cell.outlines() {
+                    file.push(&geometry(site, Shell::polygon(&corners), figures))?;
                 }
             }
             patches.push(flat_patch(cell, Colors::value(figures)));
@@ -89,8 +87,8 @@ impl DrawCells<2> for Plane {
         if !wanted.pictures {
             return Ok(());
         }
-        let names = ["x", "y"].map(str::to_owned);
-        let figure = picture(&patches, colors.scale(), "Cells and their sites", &names);
+        let (title, names) = ("Cells and their sites", ["x", "y"].map(str::to_owned));
+        let figure = picture(&patches, colors.scale(), title, &names);
         save_svg(&figure, patches.len(), directory)?;
         save_png(&png(&figure, PNG_SCALE)?, directory)
     }

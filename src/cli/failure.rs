@@ -69,6 +69,12 @@ pub(crate) fn write_file(
         .map_err(|error| format!("cannot write {}: {error}", path.display()))
 }
 
+/// The refusal of a number that no site has.
+pub(crate) fn no_site(site: usize, count: usize) -> Failure {
+    let message = format!("there is no site {site} among {count}; the first is 0");
+    Failure::input(message)
+}
+
 /// Which of the extensions a file's name has, without regard to case.
 pub(crate) fn format_of<const N: usize>(
     path: &Path,

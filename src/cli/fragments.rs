@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use nalgebra::{Point3, Rotation3, Vector3};
 
-use crate::cli::failure::{Failure, format_of, print, write_file};
+use crate::cli::failure::{Failure, format_of, no_site, print, write_file};
 use crate::cli::fragments_plane::draw_fragments;
 use crate::cli::options::{Common, SceneOptions, print_notes, space};
 use crate::cli::output::OutputRule;
@@ -101,12 +101,7 @@ fn write_in_space(options: &FragmentsOptions, scene: &Scene, format: &str) -> Re
     print_notes(&placed.notes);
     let sites = placed.sites;
     let site = options.site.unwrap_or_else(|| middle(&space, &sites));
-    let position = *sites.get(site).ok_or_else(|| {
-        let count = sites.len();
-        Failure::input(format!(
-            "there is no site {site} among {count}; the first is 0"
-        ))
-    })?;
+    let position = *sites.get(site).ok_or_else(|| no_site(site, sites.len()))?;
     let wanted = Wanted {
         site: (!options.all).then_some(site),
         spec: energy_spec(scene),
@@ -115,8 +110,7 @@ fn write_in_space(options: &FragmentsOptions, scene: &Scene, format: &str) -> Re
     let cells = parts(&space, &sites, wanted)?;
     match cells.first() {
         Some((_, parts)) if format != "vtu" => {
-            let path = (options.output.as_path(), format);
-            draw(path, site, &position, parts)
+            draw((&options.output, format), site, &position, parts)
         }
         _ => export(&options.output, &space, &sites, &cells),
     }

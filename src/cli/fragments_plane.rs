@@ -6,7 +6,7 @@ use std::path::Path;
 use nalgebra::Point2;
 
 use crate::cli::cell_files::PNG_SCALE;
-use crate::cli::failure::{Failure, write_file};
+use crate::cli::failure::{Failure, no_site, write_file};
 use crate::energy::planar::visit;
 use crate::plot::planar_fragments::{FlatCell, FlatTriangle, fragments_figure};
 use crate::plot::png::png;
@@ -28,9 +28,7 @@ pub(crate) fn draw_fragments(
     let sites = plane.place(scene).map_err(Failure::input)?;
     let number = site.unwrap_or_else(|| middle(&plane, &sites));
     if number >= sites.len() {
-        let count = sites.len();
-        let message = format!("there is no site {number} among {count}; the first is 0");
-        return Err(Failure::input(message));
+        return Err(no_site(number, sites.len()));
     }
     let diagram = PlaneDiagram::new(&plane.domain, &sites).map_err(Failure::input)?;
     let figure = fragments_figure(&flat_cell(&plane, &diagram.cells[number], number));
@@ -49,13 +47,11 @@ fn middle(plane: &Plane, sites: &[Point2<f64>]) -> usize {
     nearest.unwrap_or_default()
 }
 
-fn flat_cell(plane: &Plane, cell: &PlaneCell, number: usize) -> FlatCell {
-    let domain = &plane.domain;
-    let energy = CellInPlane { domain, cell }.energy(1).at_site();
+/// The triangles of all pieces; those before pieces beside the site, which count as negative, left out.
+fn triangles(cell: &PlaneCell) -> Vec<FlatTriangle> {
     let mut triangles = Vec::new();
     for piece in cell.pieces() {
         visit(piece, &Point2::origin(), |triangle| {
-            // Pieces beside the site count the triangles before them as negative.
             if triangle.signed_area() > 0.0 {
                 triangles.push(FlatTriangle {
                     axis: triangle.axis,
@@ -65,6 +61,13 @@ fn flat_cell(plane: &Plane, cell: &PlaneCell, number: usize) -> FlatCell {
             }
         });
     }
+    triangles
+}
+
+fn flat_cell(plane: &Plane, cell: &PlaneCell, number: usize) -> FlatCell {
+    let domain = &plane.domain;
+    let energy = CellInPlane { domain, cell }.energy(1).at_site();
+    let triangles = triangles(cell);
     FlatCell {
         caption: format!("site {number}: energy {energy:.6e}"),
         sum: format!("the sum over {} triangles", triangles.len()),

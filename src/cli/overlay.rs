@@ -41,19 +41,21 @@ pub(crate) fn read_overlay(path: &Path) -> Result<Overlay, Failure> {
     Ok(overlay)
 }
 
+/// The number in a field; none in one that is empty or not there.
+fn value(field: Option<&str>) -> Result<Option<f64>, String> {
+    let Some(field) = field.filter(|field| !field.is_empty()) else {
+        return Ok(None);
+    };
+    let value = field.parse::<f64>().ok().filter(|value| value.is_finite());
+    let refused = || format!("`{field}` is no finite number");
+    value.map(Some).ok_or_else(refused)
+}
+
 /// Adds the points of a line whose columns are at `places`.
 fn add_line(overlay: &mut Overlay, places: [Option<usize>; 3], line: &str) -> Result<(), String> {
     let fields: Vec<&str> = line.split(',').map(str::trim).collect();
-    let value = |place: Option<usize>| -> Result<Option<f64>, String> {
-        let field = place.and_then(|place| fields.get(place)).copied();
-        let Some(field) = field.filter(|field| !field.is_empty()) else {
-            return Ok(None);
-        };
-        let value = field.parse::<f64>().ok().filter(|value| value.is_finite());
-        let refused = || format!("`{field}` is no finite number");
-        value.map(Some).ok_or_else(refused)
-    };
-    let [iteration, energy, movement] = places.map(value);
+    let field = |place: Option<usize>| fields.get(place?).copied();
+    let [iteration, energy, movement] = places.map(|place| value(field(place)));
     let (iteration, energy, movement) = (iteration?, energy?, movement?);
     let iteration = iteration.filter(|iteration| *iteration >= 0.0);
     let iteration = iteration.ok_or("there is no iteration of zero or more")?;

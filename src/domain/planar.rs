@@ -124,21 +124,17 @@ impl PlaneDomain {
         let farthest = if farthest > 0.0 { farthest } else { 1.0 };
         let is_open = |it: &ConvexPolygon| it.edges().any(|edge| edge.label == Label::MAX);
         let cut = |reach: f64| intersect(&unit, &square(&Point2::origin(), reach * farthest));
-        let mut rough = ConvexPolygon::default();
-        for reach in REACHES {
-            rough = cut(reach);
-            if !rough.is_empty() && !is_open(&rough) {
-                break;
-            }
-        }
-        if is_open(&rough) {
+        let cuts = REACHES.map(cut);
+        let bounded = cuts.iter().find(|it| !it.is_empty() && !is_open(it));
+        let rough = bounded.unwrap_or(&cuts[REACHES.len() - 1]);
+        if is_open(rough) {
             return Err(PlaneDomainError::Unbounded);
         }
-        // The first cut met corners far away and lost digits; the second starts close by.
-        let bounds = rough.bounds();
         if rough.is_empty() {
             return Err(PlaneDomainError::no_area(&Vector2::zeros()));
         }
+        // The first cut met corners far away and lost digits; the second starts close by.
+        let bounds = rough.bounds();
         let close = square(&bounds.center(), bounds.extent().amax());
         Self::of(intersect(&unit, &close))
     }
@@ -314,24 +310,17 @@ impl PlaneDomain {
         site: &Point2<f64>,
         step: &Vector2<f64>,
     ) -> Option<(f64, Vector2<f64>)> {
+        let slack = ON_WALL * self.bounds.extent().amax();
         let ahead = self.sides.iter().filter_map(|side| {
             let along = side.end - side.start;
             let normal = Vector2::new(along.y, -along.x).try_normalize(0.0)?;
             let (climb, room) = (normal.dot(step), normal.dot(&(side.start - site)));
-            // A side of a convex domain is a wall along all of its line.
-            let passes = |t: f64| {
-                let from_start = site + step * t - side.start;
-                let place = from_start.dot(&along) / along.norm_squared();
-                self.is_convex() || (-ON_WALL..=1.0 + ON_WALL).contains(&place)
-            };
-            let slack = ON_WALL * self.bounds.extent().amax();
-            let room = if room > -slack {
-                room.max(0.0)
-            } else {
-                return None;
-            };
+            let room = Some(room).filter(|room| *room > -slack)?.max(0.0);
             let share = room / climb;
-            (climb > room && passes(share)).then_some((share, normal))
+            let place = (site + step * share - side.start).dot(&along) / along.norm_squared();
+            // A side of a convex domain is a wall along all of its line.
+            let passes = self.is_convex() || (-ON_WALL..=1.0 + ON_WALL).contains(&place);
+            (climb > room && passes).then_some((share, normal))
         });
         ahead.min_by(|a, b| a.0.total_cmp(&b.0))
     }

@@ -26,15 +26,30 @@ pub(crate) struct Trapezoids {
     pub(crate) sides: Vec<PolygonEdge>,
 }
 
-/// A side of the polygon as it was given; its label counts all sides of all loops.
+/// A side of the polygon as it was given.
 #[derive(Clone, Copy, Debug)]
 struct Side {
     lower: Point2<f64>,
     upper: Point2<f64>,
-    label: Label,
+    /// Counted through all loops.
+    number: usize,
 }
 
 impl Side {
+    /// The side run upward, or to the right, or the other way.
+    fn directed(&self, is_forward: bool) -> PolygonEdge {
+        let (start, end) = match is_forward {
+            true => (self.lower, self.upper),
+            false => (self.upper, self.lower),
+        };
+        let label = self.label();
+        PolygonEdge { start, end, label }
+    }
+
+    fn label(&self) -> Label {
+        FacetKind::Wall(self.number as u32).label()
+    }
+
     fn is_level(&self) -> bool {
         self.lower.y >= self.upper.y
     }
@@ -65,66 +80,52 @@ fn sides(loops: &[Vec<Point2<f64>>]) -> Vec<Side> {
         Side {
             lower: *lower,
             upper: *upper,
-            label: FacetKind::Wall(number as u32).label(),
+            number,
         }
     };
     numbered.map(side).collect()
 }
 
-/// The points that an odd number of `loops` go around, which must not cross.
-pub(crate) fn trapezoids(loops: &[Vec<Point2<f64>>]) -> Trapezoids {
-    let sides = sides(loops);
+/// The heights of all corners, upward.
+fn heights(loops: &[Vec<Point2<f64>>]) -> Vec<f64> {
     let mut heights: Vec<f64> = loops.iter().flatten().map(|corner| corner.y).collect();
     heights.sort_by(f64::total_cmp);
     heights.dedup();
+    heights
+}
+
+/// The points that an odd number of `loops` go around, which must not cross.
+pub(crate) fn trapezoids(loops: &[Vec<Point2<f64>>]) -> Trapezoids {
+    let sides = sides(loops);
+    let heights = heights(loops);
     let mut sweep = Sweep {
         sides: &sides,
+        open: Vec::new(),
         pieces: Vec::new(),
         faces: BTreeSet::new(),
     };
-    // The left and the right side of trapezoids, and where they begin.
-    let mut open: Vec<(usize, usize, f64)> = Vec::new();
     for slab in heights.windows(2) {
         let pairs = sweep.pairs(slab[0], slab[1]);
-        let goes_on = |(left, right, _): &(usize, usize, f64)| pairs.contains(&(*left, *right));
-        let (mut kept, closed): (Vec<_>, Vec<_>) = open.into_iter().partition(goes_on);
-        for (left, right, from) in closed {
-            sweep.close(left, right, [from, slab[0]]);
-        }
-        for (left, right) in pairs {
-            if !kept.iter().any(|(l, r, _)| (*l, *r) == (left, right)) {
-                kept.push((left, right, slab[0]));
-            }
-        }
-        open = kept;
+        sweep.go_on(&pairs, slab[0]);
     }
-    let top = heights.last().copied().unwrap_or_default();
-    for (left, right, from) in open {
-        sweep.close(left, right, [from, top]);
-    }
-    let faces = sweep.faces;
-    let directed = |(side, is_forward): (usize, bool)| {
-        let Side {
-            lower,
-            upper,
-            label,
-        } = sides[side];
-        let (start, end) = if is_forward {
-            (lower, upper)
-        } else {
-            (upper, lower)
-        };
-        PolygonEdge { start, end, label }
-    };
+    sweep.go_on(&[], heights.last().copied().unwrap_or_default());
+    let faces = sweep.faces.iter();
     Trapezoids {
+        sides: faces
+            .map(|(side, is_forward)| sides[*side].directed(*is_forward))
+            .collect(),
         pieces: sweep.pieces,
-        sides: faces.into_iter().map(directed).collect(),
     }
 }
+
+/// Where a side of a trapezoid begins and ends, and its label.
+type LabelledSide = (Point2<f64>, Point2<f64>, Label);
 
 /// Trapezoids in the making.
 struct Sweep<'a> {
     sides: &'a [Side],
+    /// The left and the right side of trapezoids that are not closed yet, and where they begin.
+    open: Vec<(usize, usize, f64)>,
     pieces: Vec<ConvexPolygon>,
     /// Sides with the polygon on their left when run upward, or to the right (true), or the other way.
     faces: BTreeSet<(usize, bool)>,
@@ -144,28 +145,36 @@ impl Sweep<'_> {
         pairs.map(|pair| (pair[0].1, pair[1].1)).collect()
     }
 
+    /// Closes the trapezoids whose sides are not among `pairs`, at a height, and opens those that are new.
+    fn go_on(&mut self, pairs: &[(usize, usize)], height: f64) {
+        let goes_on = |(left, right, _): &(usize, usize, f64)| pairs.contains(&(*left, *right));
+        let open = std::mem::take(&mut self.open).into_iter();
+        let (mut kept, closed): (Vec<_>, Vec<_>) = open.partition(goes_on);
+        for (left, right, from) in closed {
+            self.close(left, right, [from, height]);
+        }
+        for &(left, right) in pairs {
+            if !kept.iter().any(|(l, r, _)| (*l, *r) == (left, right)) {
+                kept.push((left, right, height));
+            }
+        }
+        self.open = kept;
+    }
+
     /// Adds the trapezoid between two sides and two heights.
     fn close(&mut self, left: usize, right: usize, [from, to]: [f64; 2]) {
         let [l, r] = [left, right].map(|side| self.sides[side]);
-        let mut corners = Vec::new();
-        let mut labels = Vec::new();
-        let mut run = |start: Point2<f64>, end: Point2<f64>, label: Label| {
-            if start != end {
-                corners.push(start);
-                labels.push(label);
-            }
-        };
-        for (start, end, label) in self.level(l.at(from), r.at(from), true) {
-            run(start, end, label);
-        }
-        run(r.at(from), r.at(to), r.label);
-        for (start, end, label) in self.level(l.at(to), r.at(to), false).into_iter().rev() {
-            run(end, start, label);
-        }
-        run(l.at(to), l.at(from), l.label);
+        let mut around = self.level(l.at(from), r.at(from), true);
+        around.push((r.at(from), r.at(to), r.label()));
+        let top = self.level(l.at(to), r.at(to), false).into_iter().rev();
+        around.extend(top.map(|(start, end, label)| (end, start, label)));
+        around.push((l.at(to), l.at(from), l.label()));
+        around.retain(|(start, end, _)| start != end);
         self.faces.insert((left, false));
         self.faces.insert((right, true));
-        if corners.len() > 2 {
+        if around.len() > 2 {
+            let corners = around.iter().map(|(start, ..)| *start);
+            let labels = around.iter().map(|(.., label)| *label);
             self.pieces
                 .push(ConvexPolygon::from_corners(corners, labels));
         }
@@ -178,22 +187,22 @@ impl Sweep<'_> {
         left: Point2<f64>,
         right: Point2<f64>,
         is_bottom: bool,
-    ) -> Vec<(Point2<f64>, Point2<f64>, Label)> {
+    ) -> Vec<LabelledSide> {
         let inner = FacetKind::Inner.label();
         let walls = self.sides.iter().enumerate();
-        let mut walls: Vec<(f64, f64, usize)> = walls
-            .filter(|(_, side)| side.is_level() && side.lower.y.total_cmp(&left.y).is_eq())
-            .map(|(number, side)| (side.lower.x.max(left.x), side.upper.x.min(right.x), number))
-            .filter(|(from, to, _)| from < to)
-            .collect();
+        let part = |(number, side): (usize, &Side)| {
+            let is_here = side.is_level() && side.lower.y.total_cmp(&left.y).is_eq();
+            let (from, to) = (side.lower.x.max(left.x), side.upper.x.min(right.x));
+            (is_here && from < to).then_some((from, to, number))
+        };
+        let mut walls: Vec<(f64, f64, usize)> = walls.filter_map(part).collect();
         walls.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let mut parts = Vec::new();
-        let mut at = left;
+        let (mut parts, mut at) = (Vec::new(), left);
         for (from, to, number) in walls {
             let [from, to] = [from, to].map(|x| Point2::new(x, left.y));
             self.faces.insert((number, is_bottom));
             parts.push((at, from, inner));
-            parts.push((from, to, self.sides[number].label));
+            parts.push((from, to, self.sides[number].label()));
             at = to;
         }
         parts.push((at, right, inner));
@@ -215,13 +224,9 @@ pub(crate) fn refuse_crossings(loops: &[Vec<Point2<f64>>]) -> Result<(), PlaneDo
         for first in 0..second {
             if bounds[first].overlaps(&bounds[second]) && cross(&sides[first], &sides[second]) {
                 let near = bounds[first].intersection(&bounds[second]).center();
-                let number = |side: usize| match FacetKind::of(sides[side].label) {
-                    FacetKind::Wall(number) => number as usize,
-                    _ => side,
-                };
                 return Err(PlaneDomainError::Crossing {
-                    first: number(first),
-                    second: number(second),
+                    first: sides[first].number,
+                    second: sides[second].number,
                     x: near.x,
                     y: near.y,
                 });

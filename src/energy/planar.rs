@@ -20,7 +20,7 @@
 //! along (±1, ±1), on which ds = √2 dl: where it leaves the polygon at distance l it contributes
 //! l^p, where it enters −l^p.
 
-use nalgebra::{Matrix2, Point2, Vector2};
+use nalgebra::{Point2, Vector2};
 
 use crate::geometry::polygon::ConvexPolygon;
 use crate::integrals::simplex::linear_power;
@@ -73,19 +73,14 @@ pub(crate) fn energy_with_derivatives(
     center: &Point2<f64>,
     order: u32,
 ) -> Evaluation<2> {
-    let mut energy = Evaluation {
-        value: 0.0,
-        gradient: Vector2::zeros(),
-        hessian: Matrix2::zeros(),
-    };
-    let p = f64::from(order);
+    let (mut energy, p) = (Evaluation::default(), f64::from(order));
     visit(polygon, center, |triangle| {
         let (axis, slope) = (triangle.axis, triangle.sign * p);
         energy.value += power_integral(&triangle, order);
         energy.gradient[axis] -= slope * power_integral(&triangle, order.saturating_sub(1));
-        if order > 1 {
-            energy.hessian[(axis, axis)] += p * (p - 1.0) * power_integral(&triangle, order - 2);
-        }
+        let second = order.checked_sub(2);
+        let second = second.map_or(0.0, |power| power_integral(&triangle, power));
+        energy.hessian[(axis, axis)] += p * (p - 1.0) * second;
     });
     visit_interfaces(polygon, center, |cut, turn, w| {
         let weight = power_of(reach(cut), order).copysign(turn);

@@ -142,8 +142,9 @@ impl<'a> PlaneCellEnergy<'a> {
                 weight += part.0;
                 first += part.1;
             });
+            let label = edge.label;
             visit(EdgeIntegrals {
-                label: edge.label,
+                label,
                 weight,
                 first,
             });

@@ -43,17 +43,15 @@ impl WeightedSums {
         (center, terms): (&Point2<f64>, &PlaneTerms),
         order: u32,
     ) -> Evaluation<2> {
-        let mut energy = Evaluation::default();
-        let p = f64::from(order);
+        let (mut energy, p) = (Evaluation::default(), f64::from(order));
         visit(polygon, center, |triangle| {
             self.monomials.fill([&triangle.start, &triangle.end]);
             let integral = |power| self.over_triangle(&triangle, terms, power);
             let axis = triangle.axis;
             energy.value += integral(order);
             energy.gradient[axis] -= triangle.sign * p * integral(order - 1);
-            if order > 1 {
-                energy.hessian[(axis, axis)] += p * (p - 1.0) * integral(order - 2);
-            }
+            let second = order.checked_sub(2).map_or(0.0, integral);
+            energy.hessian[(axis, axis)] += p * (p - 1.0) * second;
         });
         visit_interfaces(polygon, center, |cut, turn, w| {
             let weight = p * along_ray(terms, cut, order);

@@ -106,11 +106,10 @@ pub(crate) fn convergence_of(
     let last = groups.iter().map(RunGroup::last_iteration);
     let last = last.fold(0.0, f64::max);
     let overlays: Vec<_> = overlays.iter().map(|overlay| overlay.up_to(last)).collect();
-    let rows = if groups.len() == 1 && overlays.is_empty() {
-        Vec::new()
-    } else {
-        legend_rows(groups, &overlays)
-    };
+    let is_alone =
+        groups.iter().map(|group| group.logs.len()).sum::<usize>() == 1 && overlays.is_empty();
+    let groups_named = if is_alone { &[] } else { groups };
+    let rows = legend_rows(groups_named, &overlays);
     let height = match rows.len() {
         0 => LEGEND_TOP - 8.0,
         rows => LEGEND_TOP + LEGEND_ROW * (rows - 1) as f64 + 18.0,
@@ -221,19 +220,17 @@ fn energy_axis(
     if let Some([low, high]) = axis.range {
         return Axis::within(low, high);
     }
-    let (low, high) = range(curves).unwrap_or((100.0, 130.0));
+    let (mut low, mut high) = range(curves).unwrap_or((100.0, 130.0));
     let least = low.max(100.0 + LEAST_EXCESS);
-    let is_squares = reference == Some(EnergyReference::EqualCubes);
+    let is_bounded = reference == Some(EnergyReference::EqualCubes);
     let falls = (high - 100.0) > ENERGY_LOGARITHMIC_FROM * (least - 100.0);
-    if is_squares && falls && !axis.is_linear {
+    if is_bounded && falls && !axis.is_linear {
         return Axis::logarithmic_above(100.0, least, high);
     }
     let reaches_optimum = low > 100.0 && low - 100.0 < TO_OPTIMUM * (high - 100.0);
-    let (low, high) = if reaches_optimum || axis.is_linear {
-        (low.min(100.0), high.max(100.0))
-    } else {
-        (low, high)
-    };
+    if reaches_optimum || axis.is_linear {
+        (low, high) = (low.min(100.0), high.max(100.0));
+    }
     // Space for the optimum's name under its line.
     Axis::linear(low - 0.05 * (high - low), high)
 }
@@ -286,27 +283,22 @@ const PALE: f64 = 0.72;
 /// The parts of a curve that the panel's axis holds, each up to the axis' ends.
 fn within(curve: &CurvePoints, panel: &Panel) -> Vec<CurvePoints> {
     let (min, max) = (panel.y.min, panel.y.max);
+    let holds = |(_, y): &(f64, f64)| (min..=max).contains(y);
     let mut parts = vec![CurvePoints::new()];
-    let mut last: Option<(f64, f64)> = None;
-    for &(x, y) in curve {
-        let is_inside = (min..=max).contains(&y);
-        if let Some((before, height)) = last
-            && is_inside != (min..=max).contains(&height)
-        {
-            let outside = if is_inside { height } else { y };
+    for (k, point) in curve.iter().enumerate() {
+        let before = k.checked_sub(1).map(|k| curve[k]);
+        let crossed = before.filter(|before| holds(before) != holds(point));
+        let Some(part) = parts.last_mut() else { break };
+        part.extend(crossed.map(|(x, y)| {
+            let outside = if holds(point) { y } else { point.1 };
             let end = outside.clamp(min, max);
-            let share = (end - height) / (y - height);
-            let crossing = (before + share * (x - before), end);
-            if let Some(part) = parts.last_mut() {
-                part.push(crossing);
-            }
+            (x + (end - y) / (point.1 - y) * (point.0 - x), end)
+        }));
+        if holds(point) {
+            part.push(*point);
+        } else if !part.is_empty() {
+            parts.push(CurvePoints::new());
         }
-        match parts.last_mut() {
-            Some(part) if is_inside => part.push((x, y)),
-            Some(part) if !part.is_empty() => parts.push(CurvePoints::new()),
-            _ => {}
-        }
-        last = Some((x, y));
     }
     parts.retain(|part| !part.is_empty());
     parts

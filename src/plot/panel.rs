@@ -207,16 +207,13 @@ fn draw_bar(
     scale: &ColorScale,
     is_upright: bool,
 ) -> Axis {
+    let size = end - start;
     for step in 0..BAR_STEPS {
         // Every step reaches up to the far end, so that no seam shows between two.
         let share = step as f64 / BAR_STEPS as f64;
-        let rest = if is_upright {
-            [start, Point2::new(end.x, end.y - share * (end.y - start.y))]
-        } else {
-            [
-                Point2::new(start.x + share * (end.x - start.x), start.y),
-                end,
-            ]
+        let rest = match is_upright {
+            true => [start, Point2::new(end.x, end.y - share * size.y)],
+            false => [Point2::new(start.x + share * size.x, start.y), end],
         };
         let value = scale.min + (share + 0.5 / BAR_STEPS as f64) * (scale.max - scale.min);
         figure.rectangle(rest, Some(scale.color(value)), None);
@@ -243,12 +240,16 @@ fn draw_arrows(
     };
     let ends = [(low, scale.min), (high, scale.max)].into_iter();
     for (((base, outward), value), _) in ends.zip(clipped).filter(|(_, is)| *is) {
-        let tip = nalgebra::center(&base[0], &base[1]) + outward * ARROW;
-        figure.shapes.push(Shape::Path {
-            contours: vec![vec![base[0], base[1], tip]],
-            closed: true,
-            fill: Some(scale.color(value)),
-            stroke: Some(TICK_LINE),
-        });
+        draw_arrow(figure, base, outward * ARROW, scale.color(value));
     }
+}
+
+fn draw_arrow(figure: &mut Figure, base: [Point2<f64>; 2], to_tip: Vector2<f64>, color: Color) {
+    let tip = nalgebra::center(&base[0], &base[1]) + to_tip;
+    figure.shapes.push(Shape::Path {
+        contours: vec![vec![base[0], base[1], tip]],
+        closed: true,
+        fill: Some(color),
+        stroke: Some(TICK_LINE),
+    });
 }

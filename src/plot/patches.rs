@@ -126,10 +126,8 @@ fn draw_patches(figure: &mut Figure, panel: &Panel, patches: &[Patch], scale: &C
 
 /// The frame around all patches, with axes of one scale.
 fn panel(patches: &[Patch]) -> Panel {
-    let corners = patches
-        .iter()
-        .flat_map(|patch| patch.contours.iter().flatten());
-    let mut bounds = Bounds::of(corners);
+    let contours = patches.iter().flat_map(|patch| &patch.contours);
+    let mut bounds = Bounds::of(contours.flatten());
     if patches.is_empty() || !bounds.extent().iter().all(|length| length.is_finite()) {
         bounds = Bounds::from_corners([0.0; 2], [1.0; 2]);
     }

@@ -222,8 +222,10 @@ fn draw_triangles(
         let corners = [Point2::origin(), ends[0], ends[1]];
         let whole = ConvexPolygon::from_corners(corners, [Label::MAX; 3]);
         let moved = |polygon: &ConvexPolygon| polygon.translated(&(outward * explosion));
-        for band in (1..=BANDS).rev() {
-            let share = f64::from(band) / f64::from(BANDS);
+        for share in (1..=BANDS)
+            .rev()
+            .map(|band| f64::from(band) / f64::from(BANDS))
+        {
             let mut near = whole.clone();
             let (normal, offset) = (outward, share * farthest);
             near.clip(&HalfPlane { normal, offset }, Label::MAX);

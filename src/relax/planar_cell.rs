@@ -189,13 +189,17 @@ impl<'a> CellInPlane<'a> {
             center_energy: found.energy,
             facets: edges.facets(volume),
             chebyshev: self.chebyshev(),
-            relative_density: if volume > 0.0 {
-                moments.mass / (volume * self.mean_density())
-            } else {
-                1.0
-            },
+            relative_density: self.relative_density(moments.mass, volume),
             cubeness: squareness(self.cell.pieces(), volume),
             axis_aligned: edges.axis_aligned(),
+        }
+    }
+
+    fn relative_density(&self, mass: f64, volume: f64) -> f64 {
+        if volume > 0.0 {
+            mass / (volume * self.mean_density())
+        } else {
+            1.0
         }
     }
 

@@ -97,6 +97,13 @@ impl PlaneCell {
         }
     }
 
+    /// The corners of the pieces in the domain's coordinates, counter-clockwise.
+    pub(crate) fn outlines(&self) -> impl Iterator<Item = Vec<Point2<f64>>> + '_ {
+        let place = |corner: &Point2<f64>| corner + self.site.coords;
+        let pieces = self.pieces().iter();
+        pieces.map(move |piece| piece.vertices().iter().map(place).collect())
+    }
+
     /// The area of the cell's part in the domain (L²).
     pub(crate) fn area(&self) -> f64 {
         self.pieces().iter().map(ConvexPolygon::area).sum()
