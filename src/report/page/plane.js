@@ -14,7 +14,7 @@ class PlaneView {
     this.home();
   }
 
-  /// Patches { cell, loops, color, dot } in a frame [[u, v], [u, v]], and the names of its axes.
+  /// Patches { cell, loops, rims, color, dot } in a frame [[u, v], [u, v]], and the names of its axes.
   show(patches, frame, names) {
     this.patches = patches;
     this.frame = frame;
@@ -66,19 +66,31 @@ class PlaneView {
     context.setTransform(fineness, 0, 0, fineness, 0, 0);
     context.clearRect(0, 0, width, height);
     const side = this.scale() * Math.sqrt(this.area() / Math.max(this.patches.length, 1));
-    context.lineWidth = clamp(0.02 * side, 0.2, 1.2);
-    context.strokeStyle = "#222";
+    const rimWidth = clamp(0.02 * side, 0.2, 1.2);
     context.lineJoin = "round";
-    for (const patch of this.patches) {
+    context.lineCap = "round";
+    const path = (lines, isClosed) => {
       context.beginPath();
-      for (const loop of patch.loops) {
-        loop.forEach((point, k) => (k === 0 ? context.moveTo(...this.place(point)) : context.lineTo(...this.place(point))));
-        context.closePath();
+      for (const line of lines) {
+        line.forEach((point, k) => (k === 0 ? context.moveTo(...this.place(point)) : context.lineTo(...this.place(point))));
+        if (isClosed) context.closePath();
       }
+    };
+    for (const patch of this.patches) {
       const color = patch.cell === this.chosen ? patch.color.map((part) => Math.round(0.5 * (part + 255))) : patch.color;
       context.fillStyle = webColor(color);
+      context.strokeStyle = context.fillStyle;
+      context.lineWidth = 0.7;
+      path(patch.loops, true);
       context.fill("evenodd");
-      if (this.outlines) context.stroke();
+      // No seam shows between parts of a cell.
+      if (patch.loops.length > 1 || !this.outlines) context.stroke();
+    }
+    context.strokeStyle = "#222";
+    context.lineWidth = rimWidth;
+    for (const patch of this.outlines ? this.patches : []) {
+      path(patch.rims, false);
+      context.stroke();
     }
     const radius = clamp(0.05 * side, 0.4, 3);
     for (const patch of this.patches) {

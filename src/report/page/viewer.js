@@ -246,7 +246,8 @@ class CellViewer {
       if (shown[cell] === 0 || (cut && !meets(cells, cell, cut.axis, cut.place))) continue;
       const loops = cut ? sectionLoops(cells, cell, cut.axis, cut.place) : cells.facesOf[cell].map((face) => faceLoop(cells, face));
       const dot = cut ? null : [cells.sites[3 * cell], cells.sites[3 * cell + 1]];
-      if (loops.length > 0) patches.push({ cell, loops, color: colors[cell], dot });
+      const rims = cut ? loops.map((loop) => [...loop, loop[0]]) : cells.facesOf[cell].flatMap((face) => faceRims(cells, face));
+      if (loops.length > 0) patches.push({ cell, loops, rims, color: colors[cell], dot });
     }
     this.view.show(patches, frame, [u, v]);
   }
@@ -418,6 +419,15 @@ class CellViewer {
     const head = cell < 0 ? "point at a cell, or tap it" : `site ${siteNumbers[cell]}${cell === this.pinned ? " (held)" : ""}`;
     this.facts.replaceChildren(element("dt", { class: "head" }, head), element("dd", {}), ...rows);
   }
+}
+
+/// The lines along a face in the plane but for edges between two parts of one cell.
+function faceRims(cells, face) {
+  const loop = faceLoop(cells, face);
+  const start = cells.starts[face];
+  const isLine = loop.map((_, k) => cells.smooth[start + k] === 0);
+  if (isLine.every(Boolean)) return [[...loop, loop[0]]];
+  return loop.map((point, k) => [point, loop[(k + 1) % loop.length]]).filter((_, k) => isLine[k]);
 }
 
 /// A face's corners in the plane.
