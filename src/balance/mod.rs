@@ -15,3 +15,4 @@ pub(crate) mod elements;
 pub(crate) mod quadratic;
 pub(crate) mod solve;
 pub(crate) mod spin;
+pub(crate) mod support;

@@ -7,7 +7,10 @@ use clap::{CommandFactory, Parser, Subcommand};
 
 use crate::cli::failure::Failure;
 use crate::cli::options::Common;
-use crate::cli::{bench, cpu_features, describe, fragments, mass, measure, mesh, plot, relax};
+use crate::cli::{
+    bench, cpu_features, describe, fragments, mass, measure, mesh, plot, print, print_options,
+    relax,
+};
 
 /// Relaxes point sets under the Chebyshev norm until their Voronoi cells are near-cubic.
 ///
@@ -28,6 +31,7 @@ enum Command {
     Mass(mass::MassOptions),
     Mesh(mesh::MeshOptions),
     Plot(plot::PlotOptions),
+    Print(Box<print_options::PrintOptions>),
     Fragments(fragments::FragmentsOptions),
     Bench(bench::BenchOptions),
     Schema(describe::SchemaOptions),
@@ -61,6 +65,7 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
         Command::Mass(options) => mass::run(options),
         Command::Mesh(options) => mesh::run(options, common),
         Command::Plot(options) => plot::run(options, common),
+        Command::Print(options) => print::run(options, common),
         Command::Fragments(options) => fragments::run(options, common),
         Command::Bench(options) => bench::run(options, common.threads),
         Command::Schema(options) => describe::schema(options),

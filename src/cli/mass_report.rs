@@ -43,8 +43,8 @@ pub(crate) struct MassProperties {
 /// A line in space.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct AxisMoment {
-    through: Point3<f64>,
-    along: Vector3<f64>,
+    pub(crate) through: Point3<f64>,
+    pub(crate) along: Vector3<f64>,
 }
 
 impl MassProperties {

@@ -405,12 +405,7 @@ impl<W: Write> Modulator<'_, W> {
     }
 
     /// F of a piece; notes the time that it adds.
-    fn speed(
-        &mut self,
-        here: &MoveText<'_>,
-        printed: &Printed,
-        stretch: &Stretch,
-    ) -> Option<f64> {
+    fn speed(&mut self, here: &MoveText<'_>, printed: &Printed, stretch: &Stretch) -> Option<f64> {
         let said = self.feed.said().filter(|said| *said > 0.0)?;
         let length = printed.bead.path.length();
         let mm_per_second = here.before.unit / 60.0;

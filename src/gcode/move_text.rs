@@ -88,7 +88,13 @@ impl<'a> MoveText<'a> {
     }
 
     /// The line of a piece: words of `targets`, then E, then F where it must be said.
-    pub(crate) fn piece(&self, is_first: bool, targets: Edits, e: &str, speed: Option<f64>) -> Vec<u8> {
+    pub(crate) fn piece(
+        &self,
+        is_first: bool,
+        targets: Edits,
+        e: &str,
+        speed: Option<f64>,
+    ) -> Vec<u8> {
         let mut rewrite = Rewrite::new(self.line.text, self.command);
         for (place, words) in targets {
             rewrite.put(place, words);
@@ -99,7 +105,9 @@ impl<'a> MoveText<'a> {
             Some(speed) if !is_first || said != Some(speed) => {
                 rewrite.put(self.place(b'F'), format!("F{speed}"));
             }
-            None if !is_first && said.is_some() => rewrite.put(self.with_blank(b'F'), String::new()),
+            None if !is_first && said.is_some() => {
+                rewrite.put(self.with_blank(b'F'), String::new())
+            }
             _ => {}
         }
         if is_first {

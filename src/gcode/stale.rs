@@ -132,9 +132,16 @@ fn with_seconds(text: &str, added: f64) -> Option<String> {
     if text.trim_start().starts_with("TIME") {
         let (range, number, decimals) = number_in(text)?;
         let seconds = (number + added).max(0.0);
-        return Some(format!("{}{seconds:.decimals$}{}", &text[..range.start], &text[range.end..]));
+        return Some(format!(
+            "{}{seconds:.decimals$}{}",
+            &text[..range.start],
+            &text[range.end..]
+        ));
     }
-    let parts: Vec<_> = text.split(';').map(|part| with_duration(part, added)).collect();
+    let parts: Vec<_> = text
+        .split(';')
+        .map(|part| with_duration(part, added))
+        .collect();
     Some(parts.join(";"))
 }
 
@@ -191,11 +198,20 @@ mod tests {
     #[test]
     fn totals_are_corrected_as_each_slicer_writes_them() {
         for (line, corrected) in [
-            (" filament used [mm] = 2645.53", Some(" filament used [mm] = 1984.15")),
-            (" filament used [mm] = 100.00, 50.00", Some(" filament used [mm] = 50.00, 50.00")),
+            (
+                " filament used [mm] = 2645.53",
+                Some(" filament used [mm] = 1984.15"),
+            ),
+            (
+                " filament used [mm] = 100.00, 50.00",
+                Some(" filament used [mm] = 50.00, 50.00"),
+            ),
             (" total filament used [g] = 0.00", None),
             (" filament_used = no number", None),
-            (" total filament length [mm] : 10.0", Some(" total filament length [mm] : 7.5")),
+            (
+                " total filament length [mm] : 10.0",
+                Some(" total filament length [mm] : 7.5"),
+            ),
             ("Filament used: 2m", Some("Filament used: 2m")),
             ("Filament used: 2.50m", Some("Filament used: 1.88m")),
             ("TIME:6666", Some("TIME:6736")),
@@ -208,7 +224,10 @@ mod tests {
                 " model printing time: 59m 0s; total estimated time: 1d 0h 59m 30s",
                 Some(" model printing time: 1h 0m 10s; total estimated time: 1d 1h 0m 40s"),
             ),
-            ("   Build time: 1 hour 4 minutes", Some("   Build time: 1 hour 4 minutes (as sliced, before chebloyd print)")),
+            (
+                "   Build time: 1 hour 4 minutes",
+                Some("   Build time: 1 hour 4 minutes (as sliced, before chebloyd print)"),
+            ),
             ("TYPE:FILL", None),
         ] {
             let got = change().corrected(line.as_bytes(), 10.0);
@@ -221,7 +240,10 @@ mod tests {
     fn without_change_nothing_is_stale() {
         let mut change = Change::default();
         change.add(0, [60.0, 60.0]);
-        assert_eq!(change.corrected(b" filament used [mm] = 2645.53", 0.0), None);
+        assert_eq!(
+            change.corrected(b" filament used [mm] = 2645.53", 0.0),
+            None
+        );
         assert_eq!(change.corrected(b"Build time: 3", 0.0), None);
     }
 }

@@ -125,4 +125,3 @@ impl Deposit {
         self.count = 0;
     }
 }
-

@@ -15,5 +15,6 @@ pub(crate) mod font;
 pub(crate) mod panel;
 pub(crate) mod patches;
 pub(crate) mod png;
+pub(crate) mod print_layer;
 pub(crate) mod svg;
 pub(crate) mod z_buffer;

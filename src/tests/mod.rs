@@ -11,6 +11,7 @@ mod export;
 mod fragments;
 mod frames;
 mod gcode;
+mod gcode_print;
 mod gcode_rewrite;
 mod geometry;
 mod integrals;
