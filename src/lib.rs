@@ -68,6 +68,7 @@
 //! | … for any p | | `energy::sums_power` |
 //! | … with a density | | `energy::sums_polynomial` |
 //! | \[BL\] section 3.4 | moments of a print's beads | `gcode::bead`, `gcode::weigh` |
+//! | … infill of varying density | | `gcode::flow`, `gcode::modulate` |
 //! | \[BL\] section 3.5 | Lloyd's move | `relax::lloyd` |
 //! | … its future work | L∞ Voronoi cells | `voronoi::linf`, `relax::linf` |
 //! | \[BL\] Fig. 12 | the six fragments | `energy::fragments` |

@@ -13,16 +13,11 @@ use crate::gcode::flow::{FieldFlow, Flow, PieceFlow};
 use crate::scene::field::GivenField;
 
 pub(crate) fn run(options: &PrintOptions, common: Common) -> Result<(), Failure> {
-    let given = match &options.density {
-        Some(text) => Some(
-            GivenField::read(text)
-                .map_err(|error| Failure::input(format!("--density: {error}")))?,
-        ),
-        None => None,
-    };
-    if given.is_some() && options.balance.prefer.is_some() {
-        return Err(Failure::input("--prefer is for --stand and --spin"));
+    if let Some((option, owner)) = options.misplaced() {
+        return Err(Failure::input(format!("{option} is for {owner}")));
     }
+    let given = options.density.as_deref().map(GivenField::read).transpose();
+    let given = given.map_err(|error| Failure::input(format!("--density: {error}")))?;
     check_outputs(options, given.as_ref())?;
     let mut task = Task::open(options)?;
     let outcome = match (given, &options.density) {

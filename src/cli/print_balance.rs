@@ -24,6 +24,13 @@ const AMPLE: f64 = 1.5;
 /// Without --range no multiplier is below this: less does not hold together.
 const THINNEST: f64 = 0.1;
 
+/// … and for the greatest tilt none is above this.
+const WIDEST: f64 = 2.0;
+
+/// The greatest tilt that is tried, and how closely it is found (degrees).
+const STEEPEST: f64 = 89.0;
+const TILT_STEP: f64 = 0.01;
+
 /// Half-spaces of --stable that are tried.
 const MOST_CUTS: usize = 40;
 
@@ -119,47 +126,95 @@ impl Pieces {
     }
 }
 
+/// A solution under the conditions so far.
+struct Trial {
+    conditions: Vec<Condition>,
+    solution: LeastVariance,
+    multipliers: Vec<f64>,
+    /// Of all solutions so far.
+    iterations: usize,
+}
+
+impl Trial {
+    fn of(pieces: &Pieces, conditions: Vec<Condition>, range: &DensityRange) -> Self {
+        let elements = pieces.under(&conditions);
+        let solution = least_variance(&elements, range);
+        Self {
+            multipliers: elements.densities(range, &solution.multipliers),
+            iterations: solution.iterations(),
+            conditions,
+            solution,
+        }
+    }
+
+    /// Adds the half-space of --stable that is violated most, and solves again; `false` if none is.
+    fn cut(&mut self, pieces: &Pieces, wish: &Wish, share: f64, range: &DensityRange) -> bool {
+        if self.solution.end != SolveEnd::Met {
+            return false;
+        }
+        let Some(cut) = wish.cut(&pieces.weights(&self.multipliers), share) else {
+            return false;
+        };
+        let mut conditions = std::mem::take(&mut self.conditions);
+        conditions.push(cut);
+        let before = self.iterations;
+        *self = Self::of(pieces, conditions, range);
+        self.iterations += before;
+        true
+    }
+}
+
+impl Needs {
+    /// What it takes, in words.
+    fn text(&self, low: f64) -> String {
+        let least = self.growth;
+        let about_one = if least < 1.0 {
+            format!("it takes multipliers of 1 ± {least:.4}")
+        } else if least.is_finite() {
+            format!("even 0 to 2 would be too little (1 ± {least:.4} is needed)")
+        } else {
+            "no range about 1 suffices".to_owned()
+        };
+        if !self.contrast.is_finite() {
+            return about_one;
+        }
+        let (greatest, contrast) = (low * self.contrast, self.contrast);
+        format!(
+            "{about_one}; with {low} as the least, {greatest:.4} as the greatest (a contrast of \
+             {contrast:.4})"
+        )
+    }
+}
+
 impl Balanced {
     /// Solves for the pieces of a print.
     pub(crate) fn solve(task: &mut Task<'_>) -> Result<Self, Failure> {
         let (options, most) = (&task.options.balance, task.filling.limit());
-        let wish = Wish::of(task)?;
+        let mut wish = Wish::of(task)?;
         let pieces = Pieces::of(task)?;
-        let mut conditions = wish.conditions();
         let ones = vec![1.0; pieces.moments.len()];
         let sliced = wish.state(&pieces.weights(&ones));
-        let growth = pieces.needs(&conditions, 0.0).growth;
+        let growth = pieces.needs(&wish.conditions(), 0.0).growth;
         let (range, mut notes) = chosen_range(task, growth, most)?;
-        notes.extend(wish.note());
-        let mut solution = least_variance(&pieces.under(&conditions), &range);
-        let mut iterations = solution.iterations();
-        let mut multipliers = pieces
-            .under(&conditions)
-            .densities(&range, &solution.multipliers);
-        for _ in 0..MOST_CUTS {
-            let Some(cut) = options.stable.and_then(|share| {
-                wish.cut(&pieces.weights(&multipliers), share)
-                    .filter(|_| solution.end == SolveEnd::Met)
-            }) else {
-                break;
-            };
-            conditions.push(cut);
-            solution = least_variance(&pieces.under(&conditions), &range);
-            iterations += solution.iterations();
-            multipliers = pieces
-                .under(&conditions)
-                .densities(&range, &solution.multipliers);
+        if options.goal == Some(Goal::MostStable) {
+            steepen(&mut wish, &pieces, &range)?;
         }
-        let needs = pieces.needs(&conditions, range.low);
-        let refusal = refusal(&solution, &range, &needs, &pieces, most);
+        notes.extend(wish.note());
+        let mut trial = Trial::of(&pieces, wish.conditions(), &range);
+        for _ in 0..options.stable.map_or(0, |_| MOST_CUTS) {
+            if !trial.cut(&pieces, &wish, options.stable.unwrap_or_default(), &range) {
+                break;
+            }
+        }
+        let needs = pieces.needs(&trial.conditions, range.low);
         Ok(Self {
-            multipliers,
+            refusal: refusal(&trial.solution, &range, &needs, &pieces, most),
+            multipliers: trial.multipliers,
             limits: [range.low, range.high],
             notes,
-            refusal,
             already: sliced.is_some_and(|state| state.holds),
             wish,
-            iterations,
+            iterations: trial.iterations,
             needs,
         })
     }
@@ -167,13 +222,11 @@ impl Balanced {
     /// Rows of the table, of the part that was obtained.
     pub(crate) fn lines(&self, obtained: &Weights) -> Vec<(&'static str, String)> {
         let mut lines = Vec::new();
-        if let Some(state) = self.state(obtained) {
-            lines.extend(
-                state
-                    .figures
-                    .iter()
-                    .map(|&(name, value)| (name, format!("{value:.6}"))),
-            );
+        let figures = self
+            .state(obtained)
+            .map_or(Vec::new(), |state| state.figures);
+        for (name, value) in figures {
+            lines.push((name, format!("{value:.6}")));
         }
         let least = self.needs.growth;
         lines.push(("least range", format!("1 ± {least:.6}")));
@@ -189,12 +242,12 @@ impl Balanced {
         let mut map = Map::new();
         let number = |value: f64| value.is_finite().then_some(value);
         map.insert("feasible".into(), json!(self.refusal.is_none()));
-        map.insert("stands_as_sliced".into(), json!(self.already));
+        map.insert("stands".into(), json!(self.already));
         if let Some(state) = self.state(obtained) {
             for (name, value) in state.figures {
                 map.insert(name.replace(' ', "_"), json!(value));
             }
-            map.insert("stands".into(), json!(state.holds));
+            map.insert("holds".into(), json!(state.holds));
         }
         map.insert("least_range".into(), json!(number(self.needs.growth)));
         map.insert("least_contrast".into(), json!(number(self.needs.contrast)));
@@ -203,24 +256,45 @@ impl Balanced {
     }
 }
 
+/// Raises the tilt to the greatest within `range`, by bisection.
+fn steepen(wish: &mut Wish, pieces: &Pieces, range: &DensityRange) -> Result<(), Failure> {
+    let Wish::Stand(support, [margin, tilt]) = wish else {
+        return Err(Failure::input(
+            "--goal most-stable is for what stands on a contact, not over a --point or at a --target",
+        ));
+    };
+    let stands = |degrees: f64| {
+        let elements = pieces.under(&support.conditions(*margin, degrees));
+        least_variance(&elements, range).end == SolveEnd::Met
+    };
+    let (mut low, mut high) = (*tilt, STEEPEST);
+    while stands(low) && high - low > TILT_STEP {
+        let middle = (low + high) / 2.0;
+        if stands(middle) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    *tilt = low;
+    Ok(())
+}
+
 /// The range that is asked for, or an ample one.
 fn chosen_range(
     task: &Task<'_>,
     growth: f64,
     most: f64,
 ) -> Result<(DensityRange, Vec<String>), Failure> {
-    let mut notes = Vec::new();
     let options = &task.options.balance;
+    let mut notes = Vec::new();
     let [low, high] = match task.options.range {
         Some([low, high]) => [low, high.min(most)],
+        None if options.goal == Some(Goal::MostStable) => [THINNEST, most.min(WIDEST)],
         None => {
-            let reach = if options.goal == Goal::LeastContrast {
-                growth * (1.0 + 1e-6)
-            } else {
-                growth * AMPLE
-            };
-            let low = (1.0 - reach).max(THINNEST);
-            let high = (1.0 + reach).min(most);
+            let is_least = options.goal == Some(Goal::LeastContrast);
+            let reach = growth * if is_least { 1.0 + 1e-6 } else { AMPLE };
+            let [low, high] = [(1.0 - reach).max(THINNEST), (1.0 + reach).min(most)];
             notes.push(format!(
                 "multipliers run from {low:.4} to {high:.4}: the least range that suffices is 1 ± {growth:.4}"
             ));
@@ -252,26 +326,13 @@ fn refusal(
     let DensityRange { low, high, .. } = *range;
     let varying: f64 = pieces.moments.iter().map(|piece| piece.mass).sum();
     let fixed = 100.0 * pieces.fixed.mass / (pieces.fixed.mass + varying);
-    let takes = if needs.growth.is_finite() {
-        format!("it takes multipliers of 1 ± {:.4}", needs.growth)
-    } else {
-        "no range about 1 suffices".to_owned()
-    };
-    let contrast = if needs.contrast.is_finite() {
-        let greatest = low * needs.contrast;
-        format!(
-            ", or from {low} up to {greatest:.4} (a contrast of {:.4})",
-            needs.contrast
-        )
-    } else {
-        String::new()
-    };
+    let takes = needs.text(low);
     let found = match solution.end {
         SolveEnd::Refuted => "no multipliers",
         _ => "no multipliers were found that",
     };
     Some(format!(
-        "{found} between {low} and {high:.4} do this: {takes}{contrast}; full filling ends them at \
+        "{found} between {low} and {high:.4} do this: {takes}; full filling ends them at \
          {most:.4}; {fixed:.1} % of the part is walls and skins, which stay. Nothing is written. Widen \
          --range, or slice with fewer walls and solid layers, or with more infill so that low multipliers \
          have room"

@@ -63,8 +63,16 @@ impl Bins {
             .clamp(1.0, MOST_BINS);
         Self {
             axis,
-            from: bounds.min[axis],
+            from: (bounds.min[axis] * 1e3).round() / 1e3,
             volumes: vec![0.0; count as usize],
+        }
+    }
+
+    /// The same bins without volume.
+    fn emptied(&self) -> Self {
+        Self {
+            volumes: vec![0.0; self.volumes.len()],
+            ..*self
         }
     }
 
@@ -182,20 +190,28 @@ pub(crate) fn profile_axis(options: &PrintOptions, bounds: &Bounds<3>) -> usize 
 
 /// Writes the report of the file that was written; `wanted` are the flow's volumes.
 pub(crate) fn write(directory: &Path, task: &mut Task<'_>, wanted: &Bins) -> Result<(), Failure> {
-    let options = task.options;
-    let mut sliced = Bins {
-        volumes: vec![0.0; wanted.volumes.len()],
-        ..wanted.clone()
-    };
-    let mut obtained = sliced.clone();
-    let infill = task.infill.clone();
+    let (sliced, z) = sliced(task, wanted.emptied())?;
+    let (obtained, strips) = obtained(task, wanted.emptied(), z)?;
+    let bins = joined(wanted, &sliced, &obtained);
+    fs::create_dir_all(directory)
+        .map_err(|error| Failure::run(format!("cannot make {}: {error}", directory.display())))?;
+    let axis = ["x", "y", "z"][wanted.axis];
+    let title = format!("the layer at z = {z:.3} mm");
+    write_picture(directory, "layer", &layer(&strips, &title))?;
+    write_picture(directory, "profile", &profile(&bins, axis))?;
+    write_tables(directory, axis, &bins)
+}
+
+/// The infill as sliced, and the nozzle's height in the layer to show.
+fn sliced(task: &mut Task<'_>, mut bins: Bins) -> Result<(Bins, f64), Failure> {
     let middle = task.part.bounds.center().z;
-    let z = options.report_layer.unwrap_or(middle);
+    let z = task.options.report_layer.unwrap_or(middle);
+    let infill = task.infill.clone();
     let (source, survey, given) = task.source()?;
     let mut nearest = f64::INFINITY;
-    each_bead(source, survey, given.clone(), &mut |name, printed| {
+    each_bead(source, survey, given, &mut |name, printed| {
         if infill.has(name) {
-            sliced.add_bead(printed);
+            bins.add_bead(printed);
             let height = printed.bead.path.last_z();
             if (height - z).abs() < (nearest - z).abs() {
                 nearest = height;
@@ -203,31 +219,26 @@ pub(crate) fn write(directory: &Path, task: &mut Task<'_>, wanted: &Bins) -> Res
         }
     })
     .map_err(Failure::run)?;
-    let mut strips = LayerStrips {
-        z: nearest,
-        strips: Vec::new(),
-    };
-    let mut file = File::open(&options.output).map_err(Failure::run)?;
+    Ok((bins, nearest))
+}
+
+/// The infill of the written file, and the beads of its layer at `z`.
+fn obtained(task: &mut Task<'_>, mut bins: Bins, z: f64) -> Result<(Bins, Vec<Strip>), Failure> {
+    let infill = task.infill.clone();
+    let (_, _, given) = task.source()?;
+    let strips = Vec::new();
+    let mut layer = LayerStrips { z, strips };
+    let mut file = File::open(&task.options.output).map_err(Failure::run)?;
     let survey = examine(&mut file).map_err(Failure::run)?;
     each_bead(&mut file, survey, given, &mut |name, printed| {
         let is_infill = infill.has(name);
         if is_infill {
-            obtained.add_bead(printed);
+            bins.add_bead(printed);
         }
-        strips.add(printed, is_infill);
+        layer.add(printed, is_infill);
     })
     .map_err(Failure::run)?;
-    let bins = joined(wanted, &sliced, &obtained);
-    fs::create_dir_all(directory)
-        .map_err(|error| Failure::run(format!("cannot make {}: {error}", directory.display())))?;
-    let axis = ["x", "y", "z"][wanted.axis];
-    write_picture(
-        directory,
-        "layer",
-        &layer(&strips.strips, &format!("the layer at z = {nearest:.3} mm")),
-    )?;
-    write_picture(directory, "profile", &profile(&bins, axis))?;
-    write_tables(directory, axis, &bins)
+    Ok((bins, layer.strips))
 }
 
 fn joined(wanted: &Bins, sliced: &Bins, obtained: &Bins) -> Vec<Bin> {
@@ -251,43 +262,49 @@ fn write_picture(directory: &Path, name: &str, figure: &Figure) -> Result<(), Fa
 }
 
 fn write_tables(directory: &Path, axis: &'static str, bins: &[Bin]) -> Result<(), Failure> {
-    let mut csv = "from,to,as_sliced,wanted,obtained\n".to_owned();
-    for bin in bins {
-        let Bin {
-            from,
-            to,
-            as_sliced,
-            wanted,
-            obtained,
-        } = bin;
-        csv += &format!("{from},{to},{as_sliced},{wanted},{obtained}\n");
-    }
-    let mean = bins.iter().map(|bin| bin.wanted).sum::<f64>() / bins.len() as f64;
-    let errors = || {
-        bins.iter()
-            .map(|bin| 100.0 * (bin.obtained - bin.wanted) / mean)
-    };
-    let squares: f64 = errors().map(|error| error * error).sum();
-    let json = ProfileJson {
-        axis,
-        bin: BIN,
-        bins: bins
-            .iter()
-            .map(|bin| BinJson {
-                from: bin.from,
-                to: bin.to,
-                as_sliced: bin.as_sliced,
-                wanted: bin.wanted,
-                obtained: bin.obtained,
-            })
-            .collect(),
-        rms_percent: (squares / bins.len() as f64).sqrt(),
-        max_percent: errors().map(f64::abs).fold(0.0, f64::max),
-    };
-    let json = serde_json::to_string_pretty(&json).map_err(Failure::run)? + "\n";
-    for (name, text) in [("profile.csv", csv), ("profile.json", json)] {
+    let json = serde_json::to_string_pretty(&ProfileJson::of(axis, bins)).map_err(Failure::run)?;
+    for (name, text) in [("profile.csv", csv(bins)), ("profile.json", json + "\n")] {
         let path = directory.join(name);
         write_file(&path, |file| file.write_all(text.as_bytes())).map_err(Failure::run)?;
     }
     Ok(())
+}
+
+fn csv(bins: &[Bin]) -> String {
+    let mut csv = "from,to,as_sliced,wanted,obtained\n".to_owned();
+    for bin in bins {
+        let (sliced, wanted, obtained) = (bin.as_sliced, bin.wanted, bin.obtained);
+        csv += &format!("{},{},{sliced},{wanted},{obtained}\n", bin.from, bin.to);
+    }
+    csv
+}
+
+impl ProfileJson {
+    fn of(axis: &'static str, bins: &[Bin]) -> Self {
+        let mean = bins.iter().map(|bin| bin.wanted).sum::<f64>() / bins.len() as f64;
+        let errors = || {
+            let off = |bin: &Bin| 100.0 * (bin.obtained - bin.wanted) / mean;
+            bins.iter().map(off)
+        };
+        let squares: f64 = errors().map(|error| error * error).sum();
+        Self {
+            axis,
+            bin: BIN,
+            bins: bins.iter().map(BinJson::of).collect(),
+            rms_percent: (squares / bins.len() as f64).sqrt(),
+            max_percent: errors().map(f64::abs).fold(0.0, f64::max),
+        }
+    }
+}
+
+impl BinJson {
+    fn of(bin: &Bin) -> Self {
+        Self {
+            from: bin.from,
+            to: bin.to,
+            as_sliced: bin.as_sliced,
+            wanted: bin.wanted,
+            obtained: bin.obtained,
+        }
+    }
 }

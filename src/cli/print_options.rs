@@ -114,44 +114,43 @@ pub(crate) struct BalanceOptions {
     /// Find the multipliers with which the print spins about --axis: its center on it, it principal
     #[arg(long, requires = "axis")]
     pub(crate) spin: bool,
-    /// stand: the direction up when it stands
-    #[arg(long, value_name = "X,Y,Z", requires = "stand", value_parser = direction,
-          allow_hyphen_values = true, default_value = "z")]
-    pub(crate) up: Vector3<f64>,
+    /// stand: the direction up when it stands: x, -z, … or a vector [default: z]
+    #[arg(long, value_name = "X,Y,Z", value_parser = direction, allow_hyphen_values = true)]
+    pub(crate) up: Option<Vector3<f64>>,
     /// stand: what lies within this share of the height above the lowest place touches the ground
     /// [default: the beads of the part's first layer]
-    #[arg(long, value_name = "SHARE", requires = "stand", value_parser = share)]
+    #[arg(long, value_name = "SHARE", value_parser = share)]
     pub(crate) contact: Option<f64>,
     /// stand: corners of what it stands on, `x,y` lines, instead of the contact's hull
-    #[arg(long, value_name = "FILE", requires = "stand", conflicts_with_all = ["contact", "point", "target"])]
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["contact", "point", "target"])]
     pub(crate) polygon: Option<PathBuf>,
     /// stand: on a point, or hung from it: the center over (X, Y)
-    #[arg(long, value_name = "X,Y", requires = "stand", value_parser = two, allow_hyphen_values = true,
+    #[arg(long, value_name = "X,Y", value_parser = two, allow_hyphen_values = true,
           conflicts_with_all = ["contact", "target"])]
     pub(crate) point: Option<[f64; 2]>,
     /// stand: the center itself; `_` leaves a coordinate free, as in 97,_,_
-    #[arg(long, value_name = "X,Y,Z", requires = "stand", value_parser = target, allow_hyphen_values = true,
+    #[arg(long, value_name = "X,Y,Z", value_parser = target, allow_hyphen_values = true,
           conflicts_with = "contact")]
     pub(crate) target: Option<[Option<f64>; 3]>,
-    /// stand: how far within the contact's hull the center must lie (mm)
-    #[arg(long, value_name = "MM", requires = "stand", value_parser = finite, default_value = "0",
-          allow_hyphen_values = true)]
-    pub(crate) margin: f64,
-    /// stand: by how many degrees the ground may tilt to any side
-    #[arg(long, value_name = "DEGREES", requires = "stand", value_parser = tilt, default_value = "0")]
-    pub(crate) tilt: f64,
-    /// stand: the multipliers nearest to --prefer within --range, or those of the least range that suffices
-    #[arg(long, value_name = "GOAL", requires = "stand", value_enum, default_value_t = Goal::LeastVariance)]
-    pub(crate) goal: Goal,
+    /// stand: how far within the contact's hull the center must lie (mm) [default: 0]
+    #[arg(long, value_name = "MM", value_parser = finite, allow_hyphen_values = true)]
+    pub(crate) margin: Option<f64>,
+    /// stand: by how many degrees the ground may tilt to any side [default: 0]
+    #[arg(long, value_name = "DEGREES", value_parser = tilt)]
+    pub(crate) tilt: Option<f64>,
+    /// stand: the multipliers nearest to --prefer within --range, those of the least range that suffices,
+    /// or those for the greatest tilt that --range allows [default: least-variance]
+    #[arg(long, value_name = "GOAL", value_enum)]
+    pub(crate) goal: Option<Goal>,
     /// spin: a point and a direction
-    #[arg(long, value_name = "PX,PY,PZ,DX,DY,DZ", requires = "spin", value_parser = axis,
+    #[arg(long, value_name = "PX,PY,PZ,DX,DY,DZ", value_parser = axis,
           allow_hyphen_values = true)]
     pub(crate) axis: Option<AxisMoment>,
     /// spin: also the place of the center along the axis: its distance from the axis's point
-    #[arg(long, value_name = "Z", requires = "spin", value_parser = finite, allow_hyphen_values = true)]
+    #[arg(long, value_name = "Z", value_parser = finite, allow_hyphen_values = true)]
     pub(crate) center_at: Option<f64>,
     /// spin: also the axis's moment the largest, by this share of the others (without a number 0.01)
-    #[arg(long, value_name = "SHARE", requires = "spin", num_args = 0..=1, require_equals = true,
+    #[arg(long, value_name = "SHARE", num_args = 0..=1, require_equals = true,
           default_missing_value = STABLE_SHARE, value_parser = share)]
     pub(crate) stable: Option<f64>,
     /// stand, spin: the multiplier that pieces stay near to [default: 1, as sliced]
@@ -165,9 +164,59 @@ pub(crate) enum Goal {
     LeastVariance,
     /// The least range about 1
     LeastContrast,
+    /// The greatest tilt
+    MostStable,
+}
+
+impl BalanceOptions {
+    /// An option that is given where it has no meaning, and what it is for.
+    fn misplaced(&self) -> Option<(&'static str, &'static str)> {
+        let of_stand = [
+            (self.up.is_some(), "--up"),
+            (self.contact.is_some(), "--contact"),
+            (self.polygon.is_some(), "--polygon"),
+            (self.point.is_some(), "--point"),
+            (self.target.is_some(), "--target"),
+            (self.margin.is_some(), "--margin"),
+            (self.tilt.is_some(), "--tilt"),
+            (self.goal.is_some(), "--goal"),
+        ];
+        let of_spin = [
+            (self.axis.is_some(), "--axis"),
+            (self.center_at.is_some(), "--center-at"),
+            (self.stable.is_some(), "--stable"),
+        ];
+        let of_both = [(self.prefer.is_some(), "--prefer")];
+        let first = |options: &[(bool, &'static str)], is_asked: bool, owner| {
+            let given = options.iter().find(|(is_given, _)| *is_given && !is_asked);
+            given.map(|(_, name)| (*name, owner))
+        };
+        first(&of_stand, self.stand, "--stand")
+            .or(first(&of_spin, self.spin, "--spin"))
+            .or(first(
+                &of_both,
+                self.stand || self.spin,
+                "--stand and --spin",
+            ))
+    }
 }
 
 impl PrintOptions {
+    /// An option that is given where it has no meaning, and what it is for.
+    pub(crate) fn misplaced(&self) -> Option<(&'static str, &'static str)> {
+        let of_field = [
+            (self.relative_to.is_some(), "--relative-to"),
+            (self.place.is_some(), "--place"),
+            (self.clip, "--clip"),
+        ];
+        let is_given = |(is_given, _): &&(bool, &str)| *is_given && self.density.is_none();
+        let of_field = of_field
+            .iter()
+            .find(is_given)
+            .map(|(_, name)| (*name, "--density"));
+        self.balance.misplaced().or(of_field)
+    }
+
     pub(crate) fn pace(&self) -> Pace {
         Pace {
             keep_flow: self.keep == Keep::Flow,

@@ -111,12 +111,12 @@ impl PrintOutcome {
         let off = center(&self.wanted)
             .zip(center(&self.as_planned))
             .map_or(f64::NAN, |(wanted, planned)| (wanted - planned).norm());
-        let filled = if high < self.filling.limit() {
+        let filled = if above == 0 || high < self.filling.limit() {
             String::new()
         } else {
             let percent = 100.0 / self.filling.limit();
             format!(
-                "; above {high:.4} a place would be filled to more than 100 % ({percent:.1} % as sliced, by {})",
+                "; above {high:.4} a place would be filled to more than 100 % ({percent:.1} % as sliced, {})",
                 self.filling.source
             )
         };
@@ -293,12 +293,47 @@ fn share(body: Option<Body>) -> Option<Share> {
     })
 }
 
+impl<'a> InfillJson<'a> {
+    fn of(outcome: &'a PrintOutcome) -> Self {
+        Self {
+            types: &outcome.infill,
+            wanted: share(outcome.wanted.infill),
+            obtained: share(outcome.obtained.infill),
+            as_sliced: share(outcome.sliced.infill),
+        }
+    }
+}
+
+impl MultiplierJson {
+    fn of(outcome: &PrintOutcome) -> Self {
+        let planned = &outcome.planned;
+        let [least, greatest] = [0, 1].map(|end| planned.extremes.map(|ends| ends[end]));
+        Self {
+            least,
+            greatest,
+            mean: planned.written.mass / planned.sliced.mass,
+            limits: outcome.limits.map(|end| end.is_finite().then_some(end)),
+        }
+    }
+}
+
+impl ClippedJson {
+    fn of(planned: &Modulated) -> Self {
+        let [below, above] = planned.clipped;
+        let [added_volume, removed_volume] = planned.clipped_volume;
+        Self {
+            below,
+            above,
+            added_volume,
+            removed_volume,
+        }
+    }
+}
+
 impl<'a> PrintJson<'a> {
     fn of(outcome: &'a PrintOutcome) -> Self {
         let planned = &outcome.planned;
-        let [least, greatest] = [0, 1].map(|end| planned.extremes.map(|ends| ends[end]));
-        let [below, above] = planned.clipped;
-        let [added_volume, removed_volume] = planned.clipped_volume;
+        let balanced = outcome.balanced.as_ref();
         Self {
             input: &outcome.input,
             output: &outcome.output,
@@ -307,34 +342,16 @@ impl<'a> PrintJson<'a> {
             obtained: properties(outcome.obtained.part),
             as_sliced: properties(outcome.sliced.part),
             center_error: outcome.off(),
-            infill: InfillJson {
-                types: &outcome.infill,
-                wanted: share(outcome.wanted.infill),
-                obtained: share(outcome.obtained.infill),
-                as_sliced: share(outcome.sliced.infill),
-            },
+            infill: InfillJson::of(outcome),
             fixed_share: planned.fixed.mass / (planned.fixed.mass + planned.sliced.mass),
-            multiplier: MultiplierJson {
-                least,
-                greatest,
-                mean: planned.written.mass / planned.sliced.mass,
-                limits: outcome.limits.map(|end| end.is_finite().then_some(end)),
-            },
+            multiplier: MultiplierJson::of(outcome),
             filling: outcome.filling,
-            balance: outcome
-                .balanced
-                .as_ref()
-                .map(|one| one.json(&outcome.obtained)),
+            balance: balanced.map(|one| one.json(&outcome.obtained)),
             step: outcome.step,
             pieces: planned.pieces,
             moves: planned.moves,
             moves_changed: planned.changed,
-            clipped: ClippedJson {
-                below,
-                above,
-                added_volume,
-                removed_volume,
-            },
+            clipped: ClippedJson::of(planned),
             speeds: planned.speeds,
             seconds_added: planned.change.seconds,
             error: outcome.refusal.as_deref(),

@@ -20,9 +20,9 @@ impl Filling {
     /// What is given stands above what the file says, and that above what was measured.
     pub(crate) fn of(given: Option<f64>, said: Option<f64>, measured: Option<f64>) -> Self {
         let known = [
-            (given, "--filling"),
-            (said, "the file's settings"),
-            (measured, "measured"),
+            (given, "by --filling"),
+            (said, "by the file's settings"),
+            (measured, "as measured"),
         ];
         let found = known.into_iter().find(|(share, _)| share.is_some());
         let (share, source) = found.unwrap_or((None, "unknown"));

@@ -57,7 +57,7 @@ impl Wish {
         if let Some(target) = options.target {
             return Ok(Self::Target(target));
         }
-        let upright = Upright::new(&options.up);
+        let upright = Upright::new(&options.up.unwrap_or_else(Vector3::z));
         let upright = upright.ok_or_else(|| Failure::input("--up: the direction has no length"))?;
         match options.point {
             Some(point) => Ok(Self::Over(upright, point.into())),
@@ -80,7 +80,8 @@ impl Wish {
                  --point",
             )
         })?;
-        Ok(Self::Stand(support, [options.margin, options.tilt]))
+        let [margin, tilt] = [options.margin, options.tilt].map(Option::unwrap_or_default);
+        Ok(Self::Stand(support, [margin, tilt]))
     }
 
     pub(crate) fn conditions(&self) -> Vec<Condition> {

@@ -11,6 +11,11 @@
 //! layers     heights of beads, from marks or from differences of z
 //! reader     the whole file once more: beads with their heights, types, tools and objects
 //! weigh      their moments, summed
+//! part       the part on the bed: its box, its first layer, its infill; filling: how full that is
+//! flow       what multiplies the flow of pieces of infill: a field, or numbers found for them
+//! modulate   the file written anew, line by line, with that flow
+//!   move_text, rewrite, pace    lines in pieces; words and checksums; F
+//!   stale                       what comments say about the whole print
 //! ```
 //!
 //! Memory does not grow with the file: one line, and one sum for each combination of type, tool and

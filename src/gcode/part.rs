@@ -91,36 +91,38 @@ pub(crate) fn contacts<R: Read + Seek>(
     share: f64,
 ) -> Result<(f64, Vec<Point3<f64>>), GcodeError> {
     let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
-    let mut each = |source: &mut R, visit: &mut dyn FnMut(Point3<f64>)| {
-        each_bead(
-            source,
-            survey.clone(),
-            given.clone(),
-            &mut |name, printed| {
-                if is_part(name) || infill.has(name) {
-                    let top = printed.bead.path.last_z();
-                    let half = printed.bead.width(printed.height) / 2.0;
-                    for corner in corners(&printed.bead, half) {
-                        visit(Point3::new(corner.x, corner.y, top));
-                        visit(Point3::new(corner.x, corner.y, top - printed.height));
-                    }
-                }
-            },
-        )
-    };
-    each(source, &mut |point| {
-        let height = up.dot(&point.coords);
-        low = low.min(height);
-        high = high.max(height);
-    })?;
-    let most = low + share * (high - low) + SAME;
     let mut points = Vec::new();
-    each(source, &mut |point| {
-        if up.dot(&point.coords) <= most {
-            points.push(point);
-        }
+    each_bead(
+        source,
+        survey.clone(),
+        given.clone(),
+        &mut |name, printed| {
+            for point in ends(name, printed, infill) {
+                let height = up.dot(&point.coords);
+                low = low.min(height);
+                high = high.max(height);
+            }
+        },
+    )?;
+    let most = low + share * (high - low) + SAME;
+    each_bead(source, survey, given, &mut |name, printed| {
+        let near = |point: &Point3<f64>| up.dot(&point.coords) <= most;
+        points.extend(ends(name, printed, infill).into_iter().filter(near));
     })?;
     Ok((low, points))
+}
+
+/// The corners of a bead of the part, above and below.
+fn ends(name: &str, printed: &Printed, infill: &InfillTypes) -> Vec<Point3<f64>> {
+    if !(is_part(name) || infill.has(name)) {
+        return Vec::new();
+    }
+    let top = printed.bead.path.last_z();
+    let half = printed.bead.width(printed.height) / 2.0;
+    let corners = corners(&printed.bead, half).into_iter();
+    let heights = [top, top - printed.height];
+    let both = |corner: Point2<f64>| heights.map(|z| Point3::new(corner.x, corner.y, z));
+    corners.flat_map(both).collect()
 }
 
 /// The sums of a reading.

@@ -32,58 +32,80 @@ const FIXED: Color = Color::hex(0xc4_c8_cc);
 const WANTED: Color = Color::hex(0x00_72_b2);
 const OBTAINED: Color = Color::hex(0xd5_5e_00);
 
-/// The beads of a layer; infill colored by width.
-pub(crate) fn layer(strips: &[Strip], title: &str) -> Figure {
-    let corners = || strips.iter().flat_map(corners_of).flatten();
-    let low = corners()
-        .reduce(|low, corner| low.inf(&corner))
-        .unwrap_or_default();
-    let high = corners()
-        .reduce(|high, corner| high.sup(&corner))
-        .unwrap_or_default();
-    let size: Vector2<f64> = (high - low).map(|side| side.max(1e-6));
-    let room = WIDTH - 2.0 * MARGIN - BAR_SPACE - 16.0;
-    let scale = (room / size.x).min(HEIGHTS[1] / size.y);
-    let height = (size.y * scale).max(HEIGHTS[0]);
-    let mut figure = Figure::new(WIDTH, height + TITLE_SPACE + MARGIN);
-    let left = MARGIN + (room - size.x * scale) / 2.0;
-    let top = TITLE_SPACE + (height - size.y * scale) / 2.0;
-    let place = |point: Point2<f64>| {
-        Point2::new(
-            left + (point.x - low.x) * scale,
-            top + (high.y - point.y) * scale,
-        )
-    };
-    let widths = strips
-        .iter()
-        .filter(|strip| strip.is_infill)
-        .map(|strip| strip.width);
-    let colors = ColorScale::fitting("width of infill (mm)", widths);
-    figure.text(
-        Point2::new(MARGIN + room / 2.0, 28.0),
-        title,
-        TITLE_SIZE,
-        Anchor::Middle,
-    );
-    for infill in [true, false] {
-        for strip in strips.iter().filter(|strip| strip.is_infill == infill) {
-            let fill = if infill {
-                colors.color(strip.width)
-            } else {
-                FIXED
-            };
-            if let Some(corners) = corners_of(strip) {
-                figure.shapes.push(Shape::Path {
-                    contours: vec![corners.map(place).to_vec()],
-                    closed: true,
-                    fill: Some(fill),
-                    stroke: None,
-                });
-            }
+/// Where a layer lies on the sheet.
+#[derive(Clone, Copy, Debug)]
+struct LayerFrame {
+    low: Point2<f64>,
+    high: Point2<f64>,
+    /// Figure units in a mm.
+    scale: f64,
+    /// The layer's upper left corner, and the height of its space.
+    corner: Point2<f64>,
+    height: f64,
+}
+
+/// The space for the layer between the margins and the color bar.
+const ROOM: f64 = WIDTH - 2.0 * MARGIN - BAR_SPACE - 16.0;
+
+impl LayerFrame {
+    fn around(strips: &[Strip]) -> Self {
+        let corners = || strips.iter().flat_map(corners_of).flatten();
+        let low = corners().reduce(|low, corner| low.inf(&corner));
+        let high = corners().reduce(|high, corner| high.sup(&corner));
+        let (low, high) = (low.unwrap_or_default(), high.unwrap_or_default());
+        let size: Vector2<f64> = (high - low).map(|side: f64| side.max(1e-6));
+        let scale = (ROOM / size.x).min(HEIGHTS[1] / size.y);
+        let height = (size.y * scale).max(HEIGHTS[0]);
+        let left = MARGIN + (ROOM - size.x * scale) / 2.0;
+        let top = TITLE_SPACE + (height - size.y * scale) / 2.0;
+        Self {
+            low,
+            high,
+            scale,
+            corner: Point2::new(left, top),
+            height,
         }
     }
+
+    fn place(&self, point: Point2<f64>) -> Point2<f64> {
+        let offset = Vector2::new(point.x - self.low.x, self.high.y - point.y);
+        self.corner + offset * self.scale
+    }
+
+    fn draw(&self, figure: &mut Figure, strip: &Strip, fill: Color) {
+        let Some(corners) = corners_of(strip) else {
+            return;
+        };
+        figure.shapes.push(Shape::Path {
+            contours: vec![corners.map(|corner| self.place(corner)).to_vec()],
+            closed: true,
+            fill: Some(fill),
+            stroke: None,
+        });
+    }
+}
+
+/// The beads of a layer; infill colored by width.
+pub(crate) fn layer(strips: &[Strip], title: &str) -> Figure {
+    let frame = LayerFrame::around(strips);
+    let mut figure = Figure::new(WIDTH, frame.height + TITLE_SPACE + MARGIN);
+    let middle = Point2::new(MARGIN + ROOM / 2.0, 28.0);
+    figure.text(middle, title, TITLE_SIZE, Anchor::Middle);
+    let of = |is_infill| {
+        strips
+            .iter()
+            .filter(move |strip| strip.is_infill == is_infill)
+    };
+    let widths = of(true).map(|strip| strip.width);
+    let colors = ColorScale::fitting("width of infill (mm)", widths);
+    for strip in of(true) {
+        frame.draw(&mut figure, strip, colors.color(strip.width));
+    }
+    for strip in of(false) {
+        frame.draw(&mut figure, strip, FIXED);
+    }
     let bar = Point2::new(WIDTH - MARGIN - BAR_SPACE, TITLE_SPACE);
-    draw_color_bar(&mut figure, bar, height, &colors);
+    draw_color_bar(&mut figure, bar, frame.height, &colors);
     figure
 }
 
@@ -109,39 +131,27 @@ pub(crate) struct Bin {
     pub(crate) obtained: f64,
 }
 
+/// What was sliced, dashed.
+const SLICED: Stroke = Stroke {
+    color: Color::GRAY,
+    width: 1.2,
+    dash: Some([4.0, 3.0]),
+};
+
 /// The infill along an axis: as sliced, wanted and obtained.
 pub(crate) fn profile(bins: &[Bin], axis: &str) -> Figure {
     let mut figure = Figure::new(WIDTH, 420.0);
-    let ends = || bins.iter().flat_map(|bin| [bin.from, bin.to]);
-    let most = bins
-        .iter()
-        .flat_map(|bin| [bin.as_sliced, bin.wanted, bin.obtained]);
-    let panel = Panel {
-        frame: [Point2::new(90.0, 36.0), Point2::new(WIDTH - 30.0, 330.0)],
-        x: Axis::linear(
-            ends().fold(f64::INFINITY, f64::min),
-            ends().fold(f64::NEG_INFINITY, f64::max),
-        ),
-        y: Axis::linear(0.0, most.fold(0.0, f64::max)),
-    };
+    let panel = profile_panel(bins);
     panel.draw_grid(&mut figure);
     let steps = |value: fn(&Bin) -> f64| -> Vec<Point2<f64>> {
         let step = |bin: &Bin| [bin.from, bin.to].map(|x| panel.place(x, value(bin)));
         bins.iter().flat_map(step).collect()
     };
-    let sliced = Stroke {
-        color: Color::GRAY,
-        width: 1.2,
-        dash: Some([4.0, 3.0]),
-    };
-    figure.polyline(steps(|bin| bin.as_sliced), sliced);
+    figure.polyline(steps(|bin| bin.as_sliced), SLICED);
     figure.polyline(steps(|bin| bin.wanted), Stroke::solid(WANTED, 1.8));
     for bin in bins {
-        figure.shapes.push(Shape::Disc {
-            center: panel.place((bin.from + bin.to) / 2.0, bin.obtained),
-            radius: 4.0,
-            fill: OBTAINED,
-        });
+        let center = panel.place((bin.from + bin.to) / 2.0, bin.obtained);
+        figure.shapes.push(disc(center));
     }
     let title = "Infill, wanted and obtained";
     panel.draw_frame(
@@ -150,11 +160,34 @@ pub(crate) fn profile(bins: &[Bin], axis: &str) -> Figure {
         &format!("{axis} (mm)"),
         "volume in a bin (mm³)",
     );
-    legend(&mut figure, sliced);
+    legend(&mut figure);
     figure
 }
 
-fn legend(figure: &mut Figure, sliced: Stroke) {
+fn profile_panel(bins: &[Bin]) -> Panel {
+    let ends = || bins.iter().flat_map(|bin| [bin.from, bin.to]);
+    let volumes = bins
+        .iter()
+        .flat_map(|bin| [bin.as_sliced, bin.wanted, bin.obtained]);
+    let low = ends().fold(f64::INFINITY, f64::min);
+    let high = ends().fold(f64::NEG_INFINITY, f64::max);
+    Panel {
+        frame: [Point2::new(90.0, 36.0), Point2::new(WIDTH - 30.0, 330.0)],
+        x: Axis::linear(low, high),
+        y: Axis::linear(0.0, volumes.fold(0.0, f64::max)),
+    }
+}
+
+/// The mark of what was obtained.
+fn disc(center: Point2<f64>) -> Shape {
+    Shape::Disc {
+        center,
+        radius: 4.0,
+        fill: OBTAINED,
+    }
+}
+
+fn legend(figure: &mut Figure) {
     let y = 396.0;
     let rows = [
         (300.0, "as sliced"),
@@ -169,14 +202,10 @@ fn legend(figure: &mut Figure, sliced: Stroke) {
             Anchor::Start,
         );
     }
-    let line = |x: f64| [Point2::new(x, y), Point2::new(x + 26.0, y)];
-    let [from, to] = line(rows[0].0);
-    figure.line(from, to, sliced);
-    let [from, to] = line(rows[1].0);
-    figure.line(from, to, Stroke::solid(WANTED, 1.8));
-    figure.shapes.push(Shape::Disc {
-        center: Point2::new(rows[2].0 + 14.0, y),
-        radius: 4.0,
-        fill: OBTAINED,
-    });
+    let ends = |x: f64| [Point2::new(x, y), Point2::new(x + 26.0, y)];
+    for (x, stroke) in [(rows[0].0, SLICED), (rows[1].0, Stroke::solid(WANTED, 1.8))] {
+        let [from, to] = ends(x);
+        figure.line(from, to, stroke);
+    }
+    figure.shapes.push(disc(Point2::new(rows[2].0 + 14.0, y)));
 }

@@ -16,8 +16,10 @@ use crate::gcode::part::part;
 use crate::gcode::reader::{Printed, Reader, examine};
 use crate::gcode::settings::Filament;
 use crate::gcode::stale::Change;
+use crate::gcode::weigh::weigh;
 use crate::gcode::words::Words;
 use crate::geometry::moments::Moments;
+use crate::tests::gcode::{Dice, MIXED, mutants, mutated};
 use crate::tests::gcode_rewrite::{SAMPLES, Style, rewritten};
 
 const CURA: usize = 0;
@@ -623,4 +625,49 @@ fn the_part_is_found_on_the_bed() {
         assert_near(found.ground, 0.0, 1e-9, "ground");
         assert!(found.footprint.len() > 100);
     }
+}
+
+/// What can be weighed can be modulated, and what is written weighs what was planned.
+#[test]
+fn mutated_files_are_written_right_or_refused() {
+    let infill = MIXED.replace(";TYPE:Perimeter", ";TYPE:FILL");
+    let field: Field<'_> = &|point| 1.0 + 0.03 * point.x.sin();
+    let mut dice = Dice(0x2545_F491_4F6C_DD1D);
+    let (mut written, mut refused) = (0, 0);
+    for _ in 0..mutants() {
+        let text = mutated(infill.as_bytes(), &mut dice);
+        let shown = || String::from_utf8_lossy(&text).into_owned();
+        let is_sound = weigh(&mut Cursor::new(&text), Filament::default()).is_ok();
+        match Way::new(field).try_print(&text) {
+            Ok((bytes, done)) => {
+                written += 1;
+                assert!(is_sound, "{}", shown());
+                let planned = done.fixed.mass + done.written.mass;
+                assert!(planned.is_finite(), "{}", shown());
+                let back = Way::new(&|_| 1.0).try_print(&bytes);
+                let (_, back) = back.unwrap_or_else(|error| {
+                    panic!(
+                        "{error}\n{}\n->\n{}",
+                        shown(),
+                        String::from_utf8_lossy(&bytes)
+                    )
+                });
+                let got = back.fixed.mass + back.sliced.mass;
+                let slack = 0.01 * planned + 0.1;
+                let text = String::from_utf8_lossy(&bytes);
+                assert!(
+                    (got - planned).abs() <= slack,
+                    "{got} {planned}\n{}\n->\n{text}",
+                    shown()
+                );
+            }
+            Err(_) => {
+                refused += 1;
+                let is_strange = shown().contains("G93") || shown().contains("G95");
+                assert!(!is_sound || is_strange, "{}", shown());
+            }
+        }
+    }
+    println!("{written} written, {refused} refused");
+    assert!(written > mutants() / 10 && refused > mutants() / 10);
 }
