@@ -99,6 +99,19 @@ impl PrintOutcome {
         }
     }
 
+    /// Where full filling clips: what it is known from.
+    fn filled_up(&self) -> String {
+        let ([_, above], high) = (self.planned.clipped, self.limits[1]);
+        if above == 0 || high < self.filling.limit() {
+            return String::new();
+        }
+        let percent = 100.0 / self.filling.limit();
+        format!(
+            "; above {high:.4} a place would be filled to more than 100 % ({percent:.1} % as sliced, {})",
+            self.filling.source
+        )
+    }
+
     /// Why a field is not written without --clip.
     pub(crate) fn clipping(&self) -> Option<String> {
         let [below, above] = self.planned.clipped;
@@ -111,15 +124,7 @@ impl PrintOutcome {
         let off = center(&self.wanted)
             .zip(center(&self.as_planned))
             .map_or(f64::NAN, |(wanted, planned)| (wanted - planned).norm());
-        let filled = if above == 0 || high < self.filling.limit() {
-            String::new()
-        } else {
-            let percent = 100.0 / self.filling.limit();
-            format!(
-                "; above {high:.4} a place would be filled to more than 100 % ({percent:.1} % as sliced, {})",
-                self.filling.source
-            )
-        };
+        let filled = self.filled_up();
         Some(format!(
             "{} of {} pieces of infill would be clipped: the field runs from {least:.4} to {most:.4}, the \
              limits are {low:.4} and {high:.4}{filled}; the center would be {off:.4} mm off; nothing is \
@@ -184,30 +189,34 @@ impl PrintOutcome {
         text + &self.other_lines()
     }
 
+    /// Figures of the pieces, and of what the print is to do.
+    fn figures(&self) -> Vec<(&'static str, String)> {
+        let mut lines = Vec::new();
+        lines.extend(self.off().map(|off| ("center off by", format!("{off:.6}"))));
+        lines.extend(
+            self.balanced
+                .iter()
+                .flat_map(|one| one.lines(&self.obtained)),
+        );
+        let [least, most] = self.planned.extremes.unwrap_or([1.0; 2]);
+        let [low, high] = self.limits;
+        let (changed, moves) = (self.planned.changed, self.planned.moves);
+        let clipped: usize = self.planned.clipped.iter().sum();
+        lines.extend([
+            ("multipliers", format!("{least:.4} … {most:.4}")),
+            ("limits", format!("{low:.4} … {high:.4}")),
+            ("pieces", self.planned.pieces.to_string()),
+            ("clipped", clipped.to_string()),
+            ("moves changed", format!("{changed} of {moves}")),
+        ]);
+        lines
+    }
+
     fn other_lines(&self) -> String {
         let mut text = String::new();
-        let mut line = |name: &str, value: String| text += &format!("{name:<24}{value:>20}\n");
-        if let Some(off) = self.off() {
-            line("center off by", format!("{off:.6}"));
+        for (name, value) in self.figures() {
+            text += &format!("{name:<24}{value:>20}\n");
         }
-        for (name, value) in self
-            .balanced
-            .iter()
-            .flat_map(|one| one.lines(&self.obtained))
-        {
-            line(name, value);
-        }
-        let [least, most] = self.planned.extremes.unwrap_or([1.0; 2]);
-        line("multipliers", format!("{least:.4} … {most:.4}"));
-        let [low, high] = self.limits;
-        line("limits", format!("{low:.4} … {high:.4}"));
-        line("pieces", self.planned.pieces.to_string());
-        line(
-            "clipped",
-            self.planned.clipped.iter().sum::<usize>().to_string(),
-        );
-        let (changed, moves) = (self.planned.changed, self.planned.moves);
-        line("moves changed", format!("{changed} of {moves}"));
         for note in &self.notes {
             text += &format!("note: {note}\n");
         }

@@ -53,12 +53,9 @@ impl<'a> Task<'a> {
         let infill = InfillTypes::new(options.infill.iter().cloned());
         let part = part(&mut file, survey.clone(), given.clone(), &infill).map_err(refuse)?;
         if part.infill <= 0.0 {
-            let types: Vec<_> = part.types.iter().map(|name| format!("'{name}'")).collect();
             return Err(Failure::input(format!(
-                "{path}: no infill to modulate: {} prints nothing; the file has the feature types {}; \
-                 choose by --infill",
-                infill.names().join(", "),
-                types.join(", ")
+                "{path}: {}",
+                no_infill(&part, &infill)
             )));
         }
         let filling = Filling::of(options.filling, survey.settings.filling, part.filling);
@@ -160,4 +157,13 @@ impl<'a> Task<'a> {
         self.file.rewind().map_err(Failure::run)?;
         Ok((&mut self.file, self.survey.clone(), self.given.clone()))
     }
+}
+
+fn no_infill(part: &Part, infill: &InfillTypes) -> String {
+    let types: Vec<_> = part.types.iter().map(|name| format!("'{name}'")).collect();
+    format!(
+        "no infill to modulate: {} prints nothing; the file has the feature types {}; choose by --infill",
+        infill.names().join(", "),
+        types.join(", ")
+    )
 }

@@ -129,13 +129,7 @@ impl Wish {
         let body = weights.part?;
         let center = body.center_of_mass();
         Some(match self {
-            Self::Stand(support, [margin, tilt]) => {
-                let [slack, degrees] = support.slack(&center);
-                WishState {
-                    holds: slack >= margin - MET && (*tilt <= 0.0 || degrees >= tilt - MET),
-                    figures: vec![("slack", slack), ("tilt degrees", degrees)],
-                }
-            }
+            Self::Stand(support, wanted) => standing(support, *wanted, &center),
             Self::Over(upright, place) => off(((upright.flat(&center)) - place).norm()),
             Self::Target(target) => {
                 let squares =
@@ -143,17 +137,8 @@ impl Wish {
                 off(squares.sum::<f64>().sqrt())
             }
             Self::Spin { axis, center_at } => {
-                let state = SpinState::about(body, axis);
                 let height = center_at.map_or(0.0, |height| axis.height(&center) - height);
-                WishState {
-                    holds: state.distance <= MET
-                        && state.angle_degrees <= MET
-                        && height.abs() <= MET,
-                    figures: vec![
-                        ("distance", state.distance),
-                        ("angle degrees", state.angle_degrees),
-                    ],
-                }
+                spinning(&SpinState::about(body, axis), height)
             }
         })
     }
@@ -167,6 +152,24 @@ impl Wish {
         let (excess, angle) = SpinState::about(body, axis).instability(axis, share);
         let there = axis.moved_to(axis.height(&body.center_of_mass()));
         (excess > CONE_ROUNDING).then(|| there.stable_against(angle, share))
+    }
+}
+
+/// A center above a polygon, of which a margin (mm) and a tilt (degrees) are asked.
+fn standing(support: &Support, [margin, tilt]: [f64; 2], center: &Point3<f64>) -> WishState {
+    let [slack, degrees] = support.slack(center);
+    WishState {
+        holds: slack >= margin - MET && (tilt <= 0.0 || degrees >= tilt - MET),
+        figures: vec![("slack", slack), ("tilt degrees", degrees)],
+    }
+}
+
+/// A part that spins, its center `height` (mm) beyond where it should be on the axis.
+fn spinning(state: &SpinState, height: f64) -> WishState {
+    let (distance, angle) = (state.distance, state.angle_degrees);
+    WishState {
+        holds: distance <= MET && angle <= MET && height.abs() <= MET,
+        figures: vec![("distance", distance), ("angle degrees", angle)],
     }
 }
 

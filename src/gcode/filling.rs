@@ -3,7 +3,7 @@
 //! The layer's region is drawn on a raster: squares that lines pass through, and those between two of them
 //! in a row or a column no farther apart than [`GAP`].
 
-use nalgebra::Vector2;
+use nalgebra::{Point2, Vector2};
 
 use crate::gcode::bead::Path;
 
@@ -49,16 +49,21 @@ impl Raster {
             marked: vec![false; columns * rows],
         };
         for path in paths {
-            let steps = (2.0 * path.length() / side).ceil().clamp(1.0, 1e5) as u32;
-            for step in 0..=steps {
-                let place = (path.at(f64::from(step) / f64::from(steps)).xy() - low) / side;
-                let [column, row] = [place.x, place.y].map(|place| place.max(0.0) as usize);
-                if column < columns && row < rows {
-                    raster.marked[row * columns + column] = true;
-                }
-            }
+            raster.mark(path, &low);
         }
         Some(raster)
+    }
+
+    /// Marks the squares that a path passes through.
+    fn mark(&mut self, path: &Path, low: &Point2<f64>) {
+        let steps = (2.0 * path.length() / self.side).ceil().clamp(1.0, 1e5) as u32;
+        for step in 0..=steps {
+            let place = (path.at(f64::from(step) / f64::from(steps)).xy() - low) / self.side;
+            let [column, row] = [place.x, place.y].map(|place| place.max(0.0) as usize);
+            if column < self.columns && row < self.rows {
+                self.marked[row * self.columns + column] = true;
+            }
+        }
     }
 
     /// How many squares the region has.

@@ -153,13 +153,8 @@ pub(crate) fn profile(bins: &[Bin], axis: &str) -> Figure {
         let center = panel.place((bin.from + bin.to) / 2.0, bin.obtained);
         figure.shapes.push(disc(center));
     }
-    let title = "Infill, wanted and obtained";
-    panel.draw_frame(
-        &mut figure,
-        title,
-        &format!("{axis} (mm)"),
-        "volume in a bin (mm³)",
-    );
+    let (title, axis) = ("Infill, wanted and obtained", format!("{axis} (mm)"));
+    panel.draw_frame(&mut figure, title, &axis, "volume in a bin (mm³)");
     legend(&mut figure);
     figure
 }
