@@ -70,6 +70,7 @@
 //! | \[BL\] section 3.2 | densities that stand, least variance | `balance::stand`, `balance::solve` |
 //! | … its clamped ramp | moments above planes, in layers | [`integrals::half_space`], [`mass::profile`] |
 //! | \[BL\] section 3.4 | moments of a print's beads | `gcode::bead`, `gcode::weigh` |
+//! | … infill of varying density | | `gcode::flow`, `gcode::modulate` |
 //! | \[BL\] section 3.5 | Lloyd's move | `relax::lloyd` |
 //! | … its future work | L∞ Voronoi cells | `voronoi::linf`, `relax::linf` |
 //! | \[BL\] Fig. 10 | a cell of the plane and its fragments | `energy::planar`, `energy::planar_cell` |

@@ -130,6 +130,16 @@ impl SpinState {
     /// Of a body whose `moments` are measured from the axis's point.
     pub(crate) fn of(moments: &Moments, volume: f64, area: f64, axis: &SpinAxis) -> Self {
         let body = Body::from_moments(volume, area, moments, &axis.through);
+        Self::seen(body, moments.center(), axis)
+    }
+
+    /// Of a body.
+    pub(crate) fn about(body: Body, axis: &SpinAxis) -> Self {
+        Self::seen(body, body.center_of_mass() - axis.through, axis)
+    }
+
+    /// Of a body whose center lies at `center` from the axis's point.
+    fn seen(body: Body, center: Vector3<f64>, axis: &SpinAxis) -> Self {
         let principal = body.principal();
         let along = axis.along.as_ref();
         let alignment = |place: &usize| principal.axes[*place].dot(along).abs();
@@ -137,7 +147,6 @@ impl SpinState {
         let place = nearest.unwrap_or_default();
         let found = principal.axes[place];
         let nearest_axis = found * found.dot(along).signum();
-        let center = moments.center();
         let [u, v] = axis.across.map(|across| across.dot(&center));
         let angle = nearest_axis
             .cross(along)
@@ -155,7 +164,7 @@ impl SpinState {
 
     /// By how much the largest moment about lines across the axis through the center, times 1 + `share`,
     /// exceeds that about the axis, as a share of the latter, and that line's angle.
-    fn instability(&self, axis: &SpinAxis, share: f64) -> (f64, f64) {
+    pub(crate) fn instability(&self, axis: &SpinAxis, share: f64) -> (f64, f64) {
         let inertia = self.body.inertia_center();
         let along = axis.along.as_ref();
         let about = along.dot(&(inertia * along));

@@ -8,8 +8,8 @@ use clap::{CommandFactory, Parser, Subcommand};
 use crate::cli::failure::Failure;
 use crate::cli::options::Common;
 use crate::cli::{
-    bench, cpu_features, describe, fragments, integrate, mass, measure, mesh, octree, plot, relax,
-    report, spin, stand,
+    bench, cpu_features, describe, fragments, integrate, mass, measure, mesh, octree, plot, print,
+    print_options, relax, report, spin, stand,
 };
 
 /// Relaxes point sets under the Chebyshev norm until their Voronoi cells are near-cubic.
@@ -36,6 +36,7 @@ enum Command {
     Octree(octree::OctreeOptions),
     Plot(plot::PlotOptions),
     Report(report::ReportOptions),
+    Print(Box<print_options::PrintOptions>),
     Fragments(fragments::FragmentsOptions),
     Bench(bench::BenchOptions),
     Schema(describe::SchemaOptions),
@@ -74,6 +75,7 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
         Command::Octree(options) => octree::run(options),
         Command::Plot(options) => plot::run(options, common),
         Command::Report(options) => report::run(options, common),
+        Command::Print(options) => print::run(options, common),
         Command::Fragments(options) => fragments::run(options, common),
         Command::Bench(options) => bench::run(options, common.threads),
         Command::Schema(options) => describe::schema(options),

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::{Args, ValueEnum};
-use nalgebra::{Point3, Vector3};
+use nalgebra::Vector3;
 
 use crate::balance::dual::DensityRange;
 use crate::balance::modifiers::of_ramp;
@@ -20,7 +20,7 @@ use crate::cli::output::OutputRule;
 use crate::cli::spin::density_range;
 use crate::cli::stand_files::{StandFiles, stand_files};
 use crate::cli::stand_report::{StandBody, StandReport};
-use crate::cli::stand_text::{Coordinates, point, polygon, target, up};
+use crate::cli::stand_text::{Coordinates, ground_point, point, polygon_on, target, up};
 use crate::mesh::formats::read::load;
 use crate::mesh::surface::SurfaceMesh;
 use crate::mesh::validate::Solid;
@@ -236,30 +236,12 @@ impl StandOptions {
             ));
         }
         if let Some(file) = &self.polygon {
-            let points = polygon(file)?;
-            let points = points.iter().map(|point| ground_point(ground, point));
-            let points: Result<Vec<_>, _> = points.collect();
-            let at_file = |why: String| Failure::input(format!("{}: {why}", file.display()));
-            let points = points.map_err(at_file)?;
-            return Support::hull(points).map_err(|error| at_file(error.to_string()));
+            return polygon_on(ground, file);
         }
         let vertices = surfaces.iter().flat_map(|mesh| &mesh.vertices);
         ground
             .contact(vertices, self.contact)
             .map_err(Failure::input)
-    }
-}
-
-/// Coordinates as a point of the ground.
-fn ground_point(ground: &Ground, numbers: &[f64]) -> Result<nalgebra::Point2<f64>, String> {
-    match *numbers {
-        [x, y, z] => Ok(ground.shadow(&Point3::new(x, y, z))),
-        [first, second] if ground.is_along_axis() => Ok(nalgebra::Point2::new(first, second)),
-        [_, _] => Err("up is no axis, so a point of the ground takes three coordinates".to_owned()),
-        _ => Err(format!(
-            "a point has two or three coordinates, not {}",
-            numbers.len()
-        )),
     }
 }
 

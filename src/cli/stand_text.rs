@@ -3,8 +3,9 @@
 use std::fs;
 use std::path::Path;
 
-use nalgebra::Vector3;
+use nalgebra::{Point2, Point3, Vector3};
 
+use crate::balance::support::{Ground, Support};
 use crate::cli::failure::Failure;
 
 /// Two or three coordinates.
@@ -53,7 +54,7 @@ pub(crate) fn target(text: &str) -> Result<[Option<f64>; 3], String> {
 
 /// The points of a polygon file: two or three numbers a line, between commas or spaces; `#` begins a comment,
 /// and a first line without numbers is a header.
-pub(crate) fn polygon(path: &Path) -> Result<Vec<Coordinates>, Failure> {
+fn polygon(path: &Path) -> Result<Vec<Coordinates>, Failure> {
     let name = path.display();
     let text = fs::read_to_string(path)
         .map_err(|error| Failure::input(format!("cannot read {name}: {error}")))?;
@@ -99,4 +100,27 @@ fn numbers(text: &str) -> Option<Vec<f64>> {
 
 fn finite(text: &str) -> Option<f64> {
     text.parse::<f64>().ok().filter(|number| number.is_finite())
+}
+
+/// The hull of the points of a polygon file, on the ground.
+pub(crate) fn polygon_on(ground: &Ground, file: &Path) -> Result<Support, Failure> {
+    let points = polygon(file)?;
+    let points = points.iter().map(|point| ground_point(ground, point));
+    let points: Result<Vec<_>, _> = points.collect();
+    let at_file = |why: String| Failure::input(format!("{}: {why}", file.display()));
+    let points = points.map_err(at_file)?;
+    Support::hull(points).map_err(|error| at_file(error.to_string()))
+}
+
+/// Coordinates as a point of the ground.
+pub(crate) fn ground_point(ground: &Ground, numbers: &[f64]) -> Result<Point2<f64>, String> {
+    match *numbers {
+        [x, y, z] => Ok(ground.shadow(&Point3::new(x, y, z))),
+        [first, second] if ground.is_along_axis() => Ok(Point2::new(first, second)),
+        [_, _] => Err("up is no axis, so a point of the ground takes three coordinates".to_owned()),
+        _ => Err(format!(
+            "a point has two or three coordinates, not {}",
+            numbers.len()
+        )),
+    }
 }

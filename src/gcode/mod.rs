@@ -11,6 +11,11 @@
 //! layers     heights of beads, from marks or from differences of z
 //! reader     the whole file once more: beads with their heights, types, tools and objects
 //! weigh      their moments, summed
+//! part       the part on the bed: its box, its first layer, its infill; filling: how full that is
+//! flow       what multiplies the flow of pieces of infill: a field, or numbers found for them
+//! modulate   the file written anew, line by line, with that flow
+//!   move_text, rewrite, pace    lines in pieces; words and checksums; F
+//!   stale                       what comments say about the whole print
 //! ```
 //!
 //! Memory does not grow with the file: one line, and one sum for each combination of type, tool and
@@ -20,6 +25,7 @@ pub(crate) mod arc;
 pub(crate) mod bead;
 pub(crate) mod comments;
 pub(crate) mod error;
+pub(crate) mod filling;
 pub(crate) mod flow;
 pub(crate) mod infill;
 pub(crate) mod labels;
@@ -29,6 +35,7 @@ pub(crate) mod machine;
 pub(crate) mod modulate;
 pub(crate) mod move_text;
 pub(crate) mod pace;
+pub(crate) mod part;
 pub(crate) mod reader;
 pub(crate) mod rewrite;
 pub(crate) mod settings;

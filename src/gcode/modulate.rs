@@ -103,21 +103,11 @@ pub(crate) fn modulate<R: Read + Seek, W: Write>(
     source.rewind().map_err(GcodeError::from)?;
     let mut lines = Lines::new(source);
     let mut words = Words::new();
-    let mut modulator = Modulator {
-        modulation,
-        reader: Reader::new(survey, given),
-        out,
-        shift: 0.0,
-        saved: HashMap::new(),
-        carry: 0.0,
-        feed: Feed::default(),
-        done: Modulated::default(),
-    };
+    let mut modulator = Modulator::new(modulation, Reader::new(survey, given), out);
     while let Some(line) = lines.next().map_err(ModulateError::Gcode)? {
         modulator.line(&line, &mut words)?;
     }
-    let nothing = modulator.done.change.tools.is_empty();
-    if nothing {
+    if modulator.done.change.tools.is_empty() {
         let lines = lines.count();
         return Err(GcodeError::Nothing { lines }.into());
     }
@@ -139,7 +129,20 @@ struct Modulator<'a, W> {
     done: Modulated,
 }
 
-impl<W: Write> Modulator<'_, W> {
+impl<'a, W: Write> Modulator<'a, W> {
+    fn new(modulation: &'a Modulation<'a>, reader: Reader, out: W) -> Self {
+        Self {
+            modulation,
+            reader,
+            out,
+            shift: 0.0,
+            saved: HashMap::new(),
+            carry: 0.0,
+            feed: Feed::default(),
+            done: Modulated::default(),
+        }
+    }
+
     fn line(&mut self, line: &Line<'_>, words: &mut Words) -> Result<(), ModulateError> {
         self.write(line.mark)?;
         let before = self.reader.machine().reading();
@@ -152,13 +155,7 @@ impl<W: Write> Modulator<'_, W> {
                     words,
                     before,
                 };
-                match printed.filter(|one| self.is_infill(one)) {
-                    Some(printed) => self.infill(&here, &printed),
-                    None => {
-                        self.plain_bead(printed);
-                        self.plain(&here)
-                    }
-                }
+                self.motion(&here, printed)
             }
             Content::Comment(comment) => self.comment(line, comment),
             Content::Blank => self.copy(line),
@@ -170,6 +167,20 @@ impl<W: Write> Modulator<'_, W> {
                 self.repay_feed(line)?;
                 self.named_state(code);
                 self.copy(line)
+            }
+        }
+    }
+
+    fn motion(
+        &mut self,
+        here: &MoveText<'_>,
+        printed: Option<Printed>,
+    ) -> Result<(), ModulateError> {
+        match printed.filter(|one| self.is_infill(one)) {
+            Some(printed) => self.infill(here, &printed),
+            None => {
+                self.plain_bead(printed);
+                self.plain(here)
             }
         }
     }
@@ -282,17 +293,10 @@ impl<W: Write> Modulator<'_, W> {
 impl<W: Write> Modulator<'_, W> {
     fn infill(&mut self, here: &MoveText<'_>, printed: &Printed) -> Result<(), ModulateError> {
         let stretches = self.stretches(printed);
-        let near = &self.modulation.near;
-        let (volume, height) = (printed.bead.volume, printed.height);
+        let volume = printed.bead.volume;
         self.done.moves += 1;
-        self.done.sliced += printed.bead.moments(height, near);
-        let mut written = 0.0;
-        for one in &stretches {
-            let mut bead = printed.bead.part(one.from, one.to);
-            bead.volume *= one.multiplier;
-            written += bead.volume;
-            self.done.written += bead.moments(height, near);
-        }
+        self.done.sliced += printed.bead.moments(printed.height, &self.modulation.near);
+        let written = self.count_written(printed, &stretches);
         let tool = self.reader.kinds[printed.kind].tool;
         if let [Stretch { multiplier, .. }] = stretches[..]
             && (multiplier - 1.0).abs() <= SAME
@@ -303,6 +307,18 @@ impl<W: Write> Modulator<'_, W> {
         self.done.change.add(tool, [volume, written]);
         self.done.changed += 1;
         self.write_stretches(here, printed, &stretches)
+    }
+
+    /// Adds what the stretches deposit, and returns its volume.
+    fn count_written(&mut self, printed: &Printed, stretches: &[Stretch]) -> f64 {
+        let mut written = 0.0;
+        for one in stretches {
+            let mut bead = printed.bead.part(one.from, one.to);
+            bead.volume *= one.multiplier;
+            written += bead.volume;
+            self.done.written += bead.moments(printed.height, &self.modulation.near);
+        }
+        written
     }
 
     /// The move's pieces, those of the same multiplier joined.
@@ -320,18 +336,12 @@ impl<W: Write> Modulator<'_, W> {
             self.done.pieces += 1;
             self.done.wanted += modulation.flow.wanted(&piece, &modulation.near);
             let multiplier = self.limited(&piece);
-            let joins = |last: &&mut Stretch| {
-                let same = (last.multiplier - multiplier).abs() <= SAME * multiplier.abs().max(1.0);
-                same && sweep(&printed.bead.path) * (to - last.from) <= WIDEST
+            let next = Stretch {
+                from,
+                to,
+                multiplier,
             };
-            match stretches.last_mut().filter(joins) {
-                Some(last) => last.to = to,
-                None => stretches.push(Stretch {
-                    from,
-                    to,
-                    multiplier,
-                }),
-            }
+            join(&mut stretches, next, sweep(&printed.bead.path));
         }
         stretches
     }
@@ -353,12 +363,17 @@ impl<W: Write> Modulator<'_, W> {
             self.done.clipped[side] += 1;
             self.done.clipped_volume[side] += (wanted - multiplier).abs() * piece.bead.volume;
         }
+        self.note_width(piece, multiplier);
+        multiplier
+    }
+
+    /// Counts pieces that become narrow or wide.
+    fn note_width(&mut self, piece: &Piece, multiplier: f64) {
         if let Some(nozzle) = self.modulation.nozzle {
             let width = piece.bead.width(piece.height) * multiplier;
             self.done.odd_widths[0] += usize::from(width < nozzle / 2.0);
             self.done.odd_widths[1] += usize::from(width > nozzle * 2.0);
         }
-        multiplier
     }
 
     fn write_stretches(
@@ -426,6 +441,21 @@ impl<W: Write> Modulator<'_, W> {
         let part = length * (stretch.to - stretch.from);
         self.done.change.seconds += part / now - part / sliced;
         Some(speed)
+    }
+}
+
+/// Adds a piece, in one with the last where both have the same multiplier; an arc of `sweep` (radians)
+/// stays in parts of less than half a circle.
+fn join(stretches: &mut Vec<Stretch>, next: Stretch, sweep: f64) {
+    let slack = SAME * next.multiplier.abs().max(1.0);
+    match stretches.last_mut() {
+        Some(last)
+            if (last.multiplier - next.multiplier).abs() <= slack
+                && sweep * (next.to - last.from) <= WIDEST =>
+        {
+            last.to = next.to;
+        }
+        _ => stretches.push(next),
     }
 }
 

@@ -78,6 +78,10 @@ pub(crate) struct Settings {
     pub(crate) filament: Filament,
     /// Whether E counts mm³ from the start.
     pub(crate) volumetric: bool,
+    /// Nozzles' diameters (mm).
+    pub(crate) nozzles: PerTool,
+    /// The share of space that sparse infill fills.
+    pub(crate) filling: Option<f64>,
     /// Cura's settings, joined.
     cura: Vec<u8>,
 }
@@ -98,6 +102,12 @@ impl Settings {
             self.filament.densities = list(values);
         } else if let Some(value) = setting(comment, "use_volumetric_e") {
             self.volumetric |= value == b"1";
+        } else if let Some(values) = setting(comment, "nozzle_diameter") {
+            self.nozzles = list(values);
+        } else if let Some(value) =
+            setting(comment, "fill_density").or_else(|| setting(comment, "sparse_infill_density"))
+        {
+            self.filling = percent(&String::from_utf8_lossy(value));
         }
     }
 
@@ -110,6 +120,9 @@ impl Settings {
                 let rest = profile.split(&format!("{key} = ")).nth(1)?;
                 rest.split(['\\', '"']).next()
             };
+            if let Some(filling) = value("infill_sparse_density").and_then(percent) {
+                self.filling = Some(self.filling.unwrap_or(0.0).max(filling));
+            }
             let Some(diameter) = value("material_diameter").and_then(|text| text.parse().ok())
             else {
                 continue;
@@ -120,6 +133,13 @@ impl Settings {
             }
         }
     }
+}
+
+/// A share above zero, given in percent.
+fn percent(text: &str) -> Option<f64> {
+    let number: f64 = text.trim().trim_end_matches('%').parse().ok()?;
+    let share = number / 100.0;
+    (share > 0.0 && share <= 1.0).then_some(share)
 }
 
 /// The value of `key = value` or `key: value`.

@@ -24,17 +24,18 @@ const FILAMENT: [&str; 6] = [
 ];
 
 /// Lines about times.
-const TIMES: [&str; 5] = [
+const TIMES: [&str; 4] = [
     "estimated printing time",
-    "estimated first layer printing time",
     "model printing time",
     "total estimated time",
     "TIME:",
 ];
 
+/// Lines about times that are only marked: how much is of the first layer is not counted.
+const MARKED_TIMES: [&str; 2] = ["estimated first layer printing time", "Build time:"];
+
 /// Lines of Simplify3D, which are only marked.
-const MARKED: [&str; 5] = [
-    "Build time:",
+const MARKED: [&str; 4] = [
     "Filament length:",
     "Plastic volume:",
     "Plastic weight:",
@@ -68,10 +69,15 @@ impl Change {
         if before > 0.0 { after / before } else { 1.0 }
     }
 
+    /// Whether times have changed.
+    fn is_slower(&self) -> bool {
+        self.seconds.abs() >= 1e-6
+    }
+
     /// Whether anything is stale.
     fn is_none(&self) -> bool {
         let same = |(_, [before, after]): &(u32, [f64; 2])| (before - after).abs() <= 1e-9 * before;
-        self.tools.iter().all(same) && self.seconds.abs() < 1e-6
+        self.tools.iter().all(same) && !self.is_slower()
     }
 
     /// The comment `comment`, given without its semicolon, if it is stale; `so_far` are the seconds added
@@ -89,7 +95,9 @@ impl Change {
             with_seconds(text, so_far)?
         } else if TIMES.iter().any(|name| begins(name)) {
             with_seconds(text, self.seconds)?
-        } else if MARKED.iter().any(|name| begins(name)) {
+        } else if MARKED.iter().any(|name| begins(name))
+            || self.is_slower() && MARKED_TIMES.iter().any(|name| begins(name))
+        {
             format!("{}{MARK}", text.trim_end())
         } else {
             return None;

@@ -19,6 +19,7 @@ pub(crate) mod panel;
 pub(crate) mod patches;
 pub(crate) mod planar_fragments;
 pub(crate) mod png;
+pub(crate) mod print_layer;
 pub(crate) mod series;
 pub(crate) mod svg;
 pub(crate) mod z_buffer;

@@ -201,6 +201,15 @@ impl GivenField {
         })
     }
 
+    /// The box of the solid that the field was made for.
+    pub(crate) fn bounds(&self) -> Option<Bounds<3>> {
+        let FieldBounds { min, max } = self.bounds?;
+        Some(Bounds {
+            min: min.into(),
+            max: max.into(),
+        })
+    }
+
     /// A sentence where the field was made for a solid in another place, or of another size.
     pub(crate) fn note(&self, extent: &Bounds<3>) -> Option<String> {
         let FieldBounds { min, max } = self.bounds?;

@@ -10,7 +10,7 @@ use crate::gcode::settings::Filament;
 use crate::gcode::weigh::{Weighed, weigh};
 use crate::geometry::moments::Moments;
 
-const SAMPLES: [&str; 3] = [
+pub(super) const SAMPLES: [&str; 3] = [
     include_str!("../../tests/cases/gcode/bar-cura.gcode"),
     include_str!("../../tests/cases/gcode/bar-gyroid-absolute.gcode"),
     include_str!("../../tests/cases/gcode/bar-prusaslicer.gcode"),
@@ -28,23 +28,23 @@ enum Step<'a> {
 
 /// How a print is written.
 #[derive(Clone, Copy, Default)]
-struct Style {
-    absolute_e: bool,
+pub(super) struct Style {
+    pub(super) absolute_e: bool,
     /// G92 E after every so many moves.
-    resets: Option<usize>,
-    inches: bool,
-    relative: bool,
+    pub(super) resets: Option<usize>,
+    pub(super) inches: bool,
+    pub(super) relative: bool,
     /// G91 after M82, not before.
-    late: bool,
-    volumetric: bool,
+    pub(super) late: bool,
+    pub(super) volumetric: bool,
     /// Percent.
-    flow: Option<f64>,
+    pub(super) flow: Option<f64>,
     /// Radius of the arcs that replace lines (mm).
-    arcs: Option<f64>,
-    tools: bool,
-    firmware: bool,
-    numbered: bool,
-    end: Option<&'static str>,
+    pub(super) arcs: Option<f64>,
+    pub(super) tools: bool,
+    pub(super) firmware: bool,
+    pub(super) numbered: bool,
+    pub(super) end: Option<&'static str>,
 }
 
 /// Reads a sample by the few commands that it has.
@@ -222,7 +222,7 @@ impl Writer {
     }
 }
 
-fn rewritten(text: &str, style: Style) -> String {
+pub(super) fn rewritten(text: &str, style: Style) -> String {
     let mut writer = Writer {
         style,
         text: String::new(),

@@ -12,6 +12,7 @@ mod fields;
 mod fragments;
 mod frames;
 mod gcode;
+mod gcode_print;
 mod gcode_rewrite;
 mod geometry;
 mod half_space;
