@@ -1,4 +1,4 @@
-//! Where a body stands: what its center of mass must obey so that it does not tip over.
+//! Conditions on the center of mass of a body that stands: it must not tip over.
 //!
 //! On ground across `up`, at the height h of the lowest vertex, the support is the convex hull of what touches
 //! the ground, edges n·y ≤ c with n outward. With a margin μ, and standing on ground tilted by θ in any

@@ -7,7 +7,7 @@
 
 use nalgebra::{Point3, Vector3};
 
-use crate::voronoi::linf::sweep::{ConeWalls, Quadrant};
+use crate::voronoi::linf::quadrant::{ConeWalls, Quadrant};
 
 /// How many cones a site has.
 pub(crate) const CONES: usize = 6;

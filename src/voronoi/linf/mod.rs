@@ -23,9 +23,11 @@ pub(crate) mod cone;
 pub(crate) mod diagram;
 
 mod block;
+mod columns;
 mod facet_key;
 mod oblique;
 mod outline;
+mod quadrant;
 mod search;
 mod strips;
 mod sweep;

@@ -1,7 +1,8 @@
 //! The boundary of a cone's blocks: strips of moving sides, and what is covered at once.
 
 use crate::voronoi::linf::block::{Column, Lasting, Line};
-use crate::voronoi::linf::sweep::{Quadrant, SweepVisitor};
+use crate::voronoi::linf::quadrant::Quadrant;
+use crate::voronoi::linf::sweep::SweepVisitor;
 
 /// Lines that are no farther apart than this share of their coordinates meet.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
@@ -73,46 +74,26 @@ impl<Visit: FnMut(&Strip)> SweepVisitor for StripMaker<Visit> {
     fn columns(&mut self, columns: &[Column], height: f64) {
         self.sides.clear();
         let is_open = |column: &&Column| column.closing() > height;
-        for column in columns.iter().filter(is_open) {
-            for (is_high, at) in [(false, column.v[0]), (true, column.v[1])] {
-                self.sides.push(MovingSide {
-                    along: 1,
-                    is_high,
-                    at,
-                    between: column.u,
-                });
-            }
-        }
         let open = |number: usize| columns.get(number).filter(is_open);
         for number in 0..=columns.len() {
             let left = number.checked_sub(1).and_then(open);
             push_between(&mut self.sides, [left, open(number)]);
+            if let Some(column) = open(number) {
+                let ends = [(false, column.v[0]), (true, column.v[1])];
+                (self.sides)
+                    .extend(ends.map(|(is_high, at)| MovingSide::along_v(is_high, at, column)));
+            }
         }
         let Self { strip, visit, .. } = self;
         (self.lasting).turn(self.sides.iter().copied(), height, |side, heights| {
             let corners = side.corners(heights);
-            emit(
-                strip,
-                visit,
-                (side.at.source, side.along as u8 + 1, !side.is_high),
-                corners,
-            );
+            emit(strip, visit, side.identity(), corners);
         });
     }
 
     fn covered(&mut self, columns: &[Column], height: f64, by: &Quadrant) {
-        let cut = [0, 1].map(|along| by.side(along).at(height));
         for column in columns.iter().filter(|column| column.closing() > height) {
-            let mut ends = [column.u, column.v].map(|lines| lines.map(|line| line.at(height)));
-            for along in [0, 1] {
-                let [low, high] = &mut ends[along];
-                if by.is_low[along] {
-                    *high = high.min(cut[along]);
-                } else {
-                    *low = low.max(cut[along]);
-                }
-            }
-            let [[left, right], [low, high]] = ends;
+            let [[left, right], [low, high]] = covered_part(column, height, by);
             if left < right && low < high {
                 let corners = [[left, low], [right, low], [right, high], [left, high]];
                 let corners = corners.map(|[u, v]| [height, u, v]);
@@ -127,6 +108,20 @@ impl<Visit: FnMut(&Strip)> SweepVisitor for StripMaker<Visit> {
     }
 }
 
+/// The part of a column that a quadrant covers, from low to high along u and along v.
+fn covered_part(column: &Column, height: f64, by: &Quadrant) -> [[f64; 2]; 2] {
+    let mut ends = [column.u, column.v].map(|lines| lines.map(|line| line.at(height)));
+    for along in [0, 1] {
+        let (side, [low, high]) = (by.side(along).at(height), &mut ends[along]);
+        if by.is_low[along] {
+            *high = high.min(side);
+        } else {
+            *low = low.max(side);
+        }
+    }
+    ends
+}
+
 /// Adds the sides between two columns, or an end and a column: parts of the wider one's side.
 fn push_between(sides: &mut Vec<MovingSide>, [left, right]: [Option<&Column>; 2]) {
     let (outer, inner, is_high) = match (left, right) {
@@ -137,26 +132,35 @@ fn push_between(sides: &mut Vec<MovingSide>, [left, right]: [Option<&Column>; 2]
         (Some(left), Some(right)) if left.u[1].slope < 0.0 => (left, Some(right), true),
         (Some(left), Some(right)) => (right, Some(left), false),
     };
-    let at = outer.u[usize::from(is_high)];
-    let mut push = |between: [Line; 2]| {
-        sides.push(MovingSide {
-            along: 0,
-            is_high,
-            at,
-            between,
-        });
+    let parts = match inner {
+        None => vec![outer.v],
+        Some(inner) => vec![[outer.v[0], inner.v[0]], [inner.v[1], outer.v[1]]],
     };
-    let Some(inner) = inner else {
-        return push(outer.v);
-    };
-    for part in [[outer.v[0], inner.v[0]], [inner.v[1], outer.v[1]]] {
-        if part[0] != part[1] {
-            push(part);
-        }
-    }
+    let parts = parts.into_iter().filter(|part| part[0] != part[1]);
+    sides.extend(parts.map(|between| MovingSide {
+        along: 0,
+        is_high,
+        at: outer.u[usize::from(is_high)],
+        between,
+    }));
 }
 
 impl MovingSide {
+    /// The low or high side along v of a column.
+    fn along_v(is_high: bool, at: Line, column: &Column) -> Self {
+        Self {
+            along: 1,
+            is_high,
+            at,
+            between: column.u,
+        }
+    }
+
+    /// Who is beyond, the form of its plane, and whether it is low.
+    fn identity(&self) -> (u32, u8, bool) {
+        (self.at.source, self.along as u8 + 1, !self.is_high)
+    }
+
     /// Its corners (h, u, v), counter-clockwise from outside.
     fn corners(&self, heights: [f64; 2]) -> [[f64; 3]; 4] {
         let [from, to] = heights.map(|height| {
