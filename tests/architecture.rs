@@ -22,7 +22,6 @@ const MAY_IMPORT: [(&str, &[&str]); 16] = [
             "geometry",
             "integrals",
             "mesh",
-            "minimize",
             "mass",
             "gcode",
             "domain",

@@ -1,4 +1,4 @@
-//! How the moments of clamp(form, low, high) change with its parameters, from the half-spaces that integrate it.
+//! How the moments of clamp(form, low, high) change with its parameters, by half-space moments.
 //!
 //! With A where the form exceeds low, B where it exceeds high and D_k = ∫ d · {1, y, y yᵀ}:
 //!
