@@ -217,9 +217,7 @@ impl<'a, B: Balance> DualNewton<'a, B> {
             self.evaluations += 1;
             let rises = slope > 0.0 && point.value >= self.point.value + RISE_SHARE * share * slope;
             let at_trial = self.residual_at(&trial, &point);
-            if (rises && trial != self.multipliers && at_trial != residual)
-                || at_trial <= 0.5 * residual
-            {
+            if (rises && trial != self.multipliers) || at_trial <= 0.5 * residual {
                 self.multipliers = trial;
                 self.point = point;
                 return true;

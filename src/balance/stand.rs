@@ -266,7 +266,7 @@ impl StandSearch<'_> {
         }
         let balance = self.balance(&chosen);
         let mut solution = least_variance(&balance, &range);
-        if range.low == range.high || (stands(&balance) && self.wanted_mass().is_none()) {
+        if range.low >= range.high || (stands(&balance) && self.wanted_mass().is_none()) {
             // The constant density itself, which may miss by rounding.
             solution.multipliers.fill(0.0);
             solution.end = SolveEnd::Met;

@@ -76,7 +76,7 @@ impl SolidDensity {
         if !(low.is_finite() && low <= high) {
             return Err(DensityError::ClampRange { low, high });
         }
-        if gradient.iter().all(|slope| *slope == 0.0) || low == high {
+        if gradient.iter().all(|slope| *slope == 0.0) || low >= high {
             return Ok(Self::Constant(value.max(low).min(high)));
         }
         Ok(Self::Profile(Profile::clamp(low, high, value, gradient)?))
