@@ -272,8 +272,12 @@ fn descend(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::balance::bases::of_cells;
     use crate::balance::conditions::SpinAxis;
+    use crate::domain::random_points::random_points;
+    use crate::domain::tri_surface::solid::SurfaceSolid;
     use crate::mesh::shapes::bracket;
+    use crate::voronoi::diagram::Diagram;
     use nalgebra::Vector3;
 
     fn problem(surface: &SurfaceMesh) -> (SpinAxis, Vec<Condition>) {
@@ -311,6 +315,80 @@ mod tests {
             let slope = (moved(1.0) - moved(-1.0)) / (2.0 * step);
             let error = (slope - here.jacobian.column(unknown)).amax();
             assert!(error < 1e-7 * scale, "{unknown}: {error:e} {scale:e}");
+        }
+    }
+
+    #[test]
+    fn starts_lead_to_fields_that_meet_the_conditions_exactly() {
+        let surface = bracket(3);
+        let (axis, conditions) = problem(&surface);
+        let solid = SurfaceSolid::from_arrays(&surface.vertices, &surface.triangles);
+        let solid = solid.expect("a solid");
+        let places = random_points(&solid, 150, 1).expect("room");
+        let diagram = Diagram::new(&solid, &places).expect("cells");
+        let moments = of_cells(&diagram, &axis.through).expect("cells");
+        let problem = SineProblem {
+            surface: &surface,
+            moments: &moments,
+            origin: axis.through,
+            conditions: &conditions,
+        };
+        let fit = problem.fit(60, 1);
+        let field = fit.field.expect("some start leads to one");
+        assert!(fit.met >= 1 && fit.evaluations[1] > 0);
+        let exact = problem.exact(&field, &problem.sizes(), 8);
+        assert!(exact.residual.amax() < 1e-8, "{}", exact.residual);
+    }
+
+    /// The fields of `density.md` 2.3, started beside them.
+    #[test]
+    #[ignore = "needs ../shared/models"]
+    fn the_rocker_arm_has_the_sines_of_the_references() {
+        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR"))
+            .join("../shared/models/rocker-arm.obj");
+        let surface = crate::mesh::formats::read::read_surface(&path).expect("the model");
+        let through = Point3::new(0.0, 0.067_179_41, 0.084_916_92);
+        let along = Vector3::new(0.999_972_85, -0.007_270_18, 0.001_201_18);
+        let axis = SpinAxis::new(&through, &along).expect("a direction");
+        let conditions = [axis.center_on(), axis.principal()].concat();
+        let problem = SineProblem {
+            surface: &surface,
+            moments: &[],
+            origin: through,
+            conditions: &conditions,
+        };
+        let sizes = DVector::from_vec(vec![0.01, 0.01, 0.002, 0.002]);
+        for (start, k, wanted, wanted_k, mass) in [
+            (
+                [-0.51, 0.069, -0.08],
+                8.2,
+                [-0.497_130_37, 0.067_910_98, -0.078_121_14],
+                8.388_242_481_667_419,
+                0.008_158_539_489_577_96,
+            ),
+            (
+                [-0.67, 0.077, -0.102],
+                15.27,
+                [-0.670_634_12, 0.077_159_27, -0.102_318_97],
+                15.285_668_399_471_652,
+                0.020_311_201_086_132_6,
+            ),
+        ] {
+            let start = SineField {
+                point: start.into(),
+                k,
+            };
+            let (field, residual, _) = problem.refine(start, &sizes);
+            assert!(residual < 1e-11, "{residual:e}");
+            let off = (field.point - Point3::from(wanted)).norm() + (field.k - wanted_k).abs();
+            assert!(off < 1e-5, "{field:?}");
+            let (vertices, triangles) = (&surface.vertices, &surface.triangles);
+            let jet = sine_jet(vertices, triangles, &wanted.into(), wanted_k, 5);
+            assert!(
+                (jet.volume.mass - mass).abs() < 1e-11,
+                "{}",
+                jet.volume.mass
+            );
         }
     }
 }

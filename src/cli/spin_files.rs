@@ -14,6 +14,7 @@ use crate::cli::spin_solid::{SpinElements, SpinSolid};
 use crate::domain::shape::DomainShape;
 use crate::geometry::half_space::HalfSpace;
 use crate::mesh::surface::SurfaceMesh;
+use crate::plot::color::Color;
 use crate::plot::density_cut::{Mark, MarkShape, NATIVE, OBTAINED, WANTED};
 use crate::plot::patches::PlaneCut;
 use crate::scene::domain::SceneDomain;
@@ -156,7 +157,7 @@ fn section(outcome: &Outcome, native: &SpinState) -> Section {
         title: "A density that spins about the axis".to_owned(),
         marks: vec![
             line("axis", WANTED, axis.through, wanted, false),
-            line(&angle, NATIVE, before, native.nearest_axis, true),
+            line(&angle, Color::INK, before, native.nearest_axis, true),
             line(
                 "nearest principal axis after",
                 OBTAINED,

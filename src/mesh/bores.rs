@@ -70,7 +70,7 @@ pub(crate) fn bores(mesh: &SurfaceMesh) -> Vec<Bore> {
             continue;
         }
         let near = search.grown(seed, NEIGHBORHOOD, |_| true);
-        let hole = search.from_seed(&near);
+        let hole = search.hole_at(&near);
         // Where a seed fails, those next to it would too.
         let failed = near.into_iter().take(ALIKE).collect();
         let done = hole.map_or(failed, |(bore, wall)| {
@@ -164,7 +164,7 @@ impl<'a> BoreSearch<'a> {
     }
 
     /// The hole to whose wall the first of these neighbors belongs, with its triangles.
-    fn from_seed(&self, near: &[usize]) -> Option<(Bore, Vec<usize>)> {
+    fn hole_at(&self, near: &[usize]) -> Option<(Bore, Vec<usize>)> {
         let seed = near[0];
         let mut cylinder = self.first_cylinder(near)?;
         let mut wall = Vec::new();
