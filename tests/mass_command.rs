@@ -131,3 +131,65 @@ fn what_cannot_be_weighed_is_refused_by_name() {
         assert_all_in(&message, parts);
     }
 }
+
+#[test]
+fn formulas_are_weighed_with_an_error_estimate() {
+    let dir = dir();
+    let exact = std::f64::consts::E - 1.0;
+    let formula = json(&dir, &["cube.off", "--density", "exp(x)"]);
+    let told = formula["error_estimates"]["mass"]
+        .as_f64()
+        .expect("a bound");
+    let mass = formula["mass"].as_f64().expect("a mass");
+    assert!((mass - exact).abs() <= told + 1e-15, "{mass} {told}");
+    let relative = formula["error_estimate"].as_f64().expect("a bound");
+    assert!(relative <= 1e-6 && told <= relative * mass);
+    assert!(json(&dir, &["cube.off"])["error_estimate"].is_null());
+    let table = dir.stdout(&[
+        "mass",
+        "cube.off",
+        "--density",
+        "exp(x)",
+        "--tolerance",
+        "0.01",
+    ]);
+    assert_all_in(&table, &["error estimate", "… of the center"]);
+    let message = dir.refusal(&["mass", "cube.off", "--density", "log(x - 2)"]);
+    assert_all_in(&message, &["cube.off", "the density is NaN at"]);
+}
+
+#[test]
+fn the_files_of_a_density_are_written_once_and_never_replace_the_field() {
+    let dir = dir();
+    let field = r#"{"density": {"clamp": {"low": 1, "of": {"affine": {"value": 0, "gradient": [4, 0, 0]}}}}}"#;
+    dir.write("field.json", field);
+    let weigh = [
+        "mass",
+        "cube.off",
+        "--density",
+        "@field.json",
+        "--out",
+        "out",
+    ];
+    // 1 up to x = 1/4, then 4 x: 1/4 + 2 (1 − 1/16).
+    assert_all_in(&dir.stdout(&weigh), &["2.125000000"]);
+    assert!(dir.read("out/section.png").starts_with(b"\x89PNG"));
+    let svg = String::from_utf8(dir.read("out/section.svg")).expect("text");
+    assert_all_in(
+        &svg,
+        &[
+            "center of mass (",
+            "center of volume (0.50000",
+            "@field.json",
+        ],
+    );
+    let vtu = dir.read("out/density.vtu");
+    assert_all_in(
+        &String::from_utf8_lossy(&vtu),
+        &["PointData", "\"density\""],
+    );
+    assert_all_in(&dir.refusal(&weigh), &["out/density.vtu", "--force"]);
+    dir.stdout(&[&weigh[..], &["--force", "--cut", "y"]].concat());
+    let schema = dir.stdout(&["schema", "--field"]);
+    assert_all_in(&schema, &["clamp", "affine", "cells", "vertices"]);
+}

@@ -378,3 +378,69 @@ fn draw_legend(figure: &mut Figure, corner: Point2<f64>, mark: &Mark) {
     let beside = Point2::new(corner.x + 34.0, corner.y + 0.36 * LABEL_SIZE);
     figure.text(beside, &mark.name, LABEL_SIZE, Anchor::Start);
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::half_space::HalfSpace;
+    use crate::mesh::shapes::unit_cube;
+
+    #[test]
+    fn a_cut_shows_its_values_its_outline_and_what_is_marked() {
+        let cut = PlaneCut::new(HalfSpace {
+            normal: Vector3::z(),
+            offset: 0.25,
+        });
+        let mark = |name: &str, shape| Mark {
+            name: name.to_owned(),
+            color: NATIVE,
+            shape,
+        };
+        let axis = MarkShape::Line {
+            through: Point3::new(0.5, 0.5, 0.0),
+            along: Vector3::x(),
+            dashed: true,
+        };
+        let figure = density_cut(&DensityCut {
+            surface: &unit_cube(),
+            cut,
+            density: &|place| if place.x < 0.5 { 1.0 } else { 10.0 * place.z },
+            title: "Halves",
+            marks: &[
+                mark("center", MarkShape::Point(Point3::new(0.25, 0.5, 0.9))),
+                mark("axis", axis),
+            ],
+        });
+        let texts: Vec<&str> = (figure.shapes.iter())
+            .filter_map(|shape| match shape {
+                Shape::Text(text) => Some(&text.content[..]),
+                _ => None,
+            })
+            .collect();
+        for name in [
+            "Halves", "x", "y", "center", "axis", "density", "1.0", "2.5",
+        ] {
+            assert!(texts.contains(&name), "{name} in {texts:?}");
+        }
+        let discs = figure.shapes.iter().filter_map(|shape| match shape {
+            Shape::Disc { center, .. } => Some(center.x),
+            _ => None,
+        });
+        // In the frame from −0.05 to 1.05, and in the legend.
+        let along = SPACES[0] + LONGER_SIDE * 0.3 / 1.1;
+        let mut first = discs.take(1);
+        assert!((first.next().expect("the center is drawn") - along).abs() < 1e-9);
+    }
+
+    #[test]
+    fn lines_reach_from_side_to_side_and_points_are_none() {
+        let frame = [Point2::new(0.0, 0.0), Point2::new(10.0, 4.0)];
+        let through = Point2::new(5.0, 1.0);
+        let line = across(frame, through, nalgebra::Vector2::new(1.0, 1.0));
+        let expected = [Point2::new(4.0, 0.0), Point2::new(8.0, 4.0)];
+        assert_eq!(line, Some(expected));
+        assert_eq!(across(frame, through, nalgebra::Vector2::zeros()), None);
+        let outside = Point2::new(5.0, 9.0);
+        assert_eq!(across(frame, outside, nalgebra::Vector2::x()), None);
+    }
+}
