@@ -8,6 +8,9 @@ use crate::mesh::shapes::cuboid;
 use crate::mesh::validate::{Solid, validate_surface};
 use crate::scene::field::{FieldError, GivenField};
 
+/// By how much the solid that stands for the part is larger than its box (mm).
+const THICKNESS: f64 = 1e-3;
+
 /// A field with its place on the bed.
 #[derive(Debug)]
 pub(crate) struct PlacedField {
@@ -45,7 +48,9 @@ impl PlacedField {
             _ => middles.unwrap_or_default(),
         };
         let extent = part.translated(&-offset);
-        let (closed, report) = validate_surface(&cuboid(&extent)).map_err(Failure::input)?;
+        // A print of one bead is flat.
+        let thick = extent.grown(&Vector3::repeat(THICKNESS));
+        let (closed, report) = validate_surface(&cuboid(&thick)).map_err(Failure::input)?;
         Ok(Self {
             given,
             solid: Solid::Surface(closed, report),

@@ -40,8 +40,6 @@ pub(crate) struct PrintOptions {
     /// Where the field's origin lies on the bed [default: field files by the boxes' middles, else 0,0,0]
     #[arg(long, value_name = "DX,DY,DZ", value_parser = three, allow_hyphen_values = true)]
     pub(crate) place: Option<[f64; 3]>,
-    #[command(flatten)]
-    pub(crate) balance: BalanceOptions,
     /// The least and the greatest multiplier; HI may be inf [default: 0,inf; with --stand and --spin
     /// the least range about 1 that suffices, times 1.5]. Full filling always bounds it
     #[arg(long, value_name = "LO,HI", value_parser = multiplier_range)]
@@ -86,6 +84,8 @@ pub(crate) struct PrintOptions {
     /// Print one JSON object instead of a table
     #[arg(long)]
     pub(crate) json: bool,
+    #[command(flatten)]
+    pub(crate) balance: BalanceOptions,
 }
 
 /// What stays as it was.

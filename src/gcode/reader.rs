@@ -131,10 +131,6 @@ impl Reader {
         &self.machine
     }
 
-    pub(crate) fn survey(&self) -> &Survey {
-        &self.survey
-    }
-
     /// Obeys a line; `words` is room for its words. Returns the bead that it deposits.
     pub(crate) fn line(
         &mut self,
