@@ -6,6 +6,8 @@ use std::io::{self, BufWriter, ErrorKind, Write};
 use std::path::Path;
 use std::process::ExitCode;
 
+use serde::Serialize;
+
 use crate::export::atomic_write;
 
 /// The reason why a command failed.
@@ -58,6 +60,18 @@ pub(crate) fn print(bytes: impl AsRef<[u8]>) -> Result<(), Failure> {
         ))),
         _ => Ok(()),
     }
+}
+
+/// Prints a report as one JSON object, or as its table.
+pub(crate) fn print_report(
+    report: &impl Serialize,
+    as_json: bool,
+    table: impl FnOnce() -> String,
+) -> Result<(), Failure> {
+    if !as_json {
+        return print(table());
+    }
+    print(serde_json::to_string_pretty(report).map_err(Failure::run)? + "\n")
 }
 
 /// Writes a file, or leaves the one that is there; the error names the path.

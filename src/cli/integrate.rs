@@ -15,7 +15,7 @@ use crate::mesh::surface::SurfaceMesh;
 use crate::mesh::tets::TetMesh;
 use crate::mesh::validate::{Solid, check_elements};
 
-use crate::cli::failure::{Failure, print};
+use crate::cli::failure::{Failure, print_report};
 use crate::cli::integrate_report::{Asked, Integrals, IntegralsReport, face_figures};
 
 /// Print integrals of polynomials over a surface and the solid within it, exactly
@@ -67,11 +67,7 @@ pub(crate) fn run(options: &IntegrateOptions) -> Result<(), Failure> {
             "{file}: the integral of {what} is no 64-bit number; scale the mesh or lower the degree"
         )));
     }
-    if options.json {
-        let text = serde_json::to_string_pretty(&report).map_err(Failure::run)?;
-        return print(text + "\n");
-    }
-    print(report.table())
+    print_report(&report, options.json, || report.table())
 }
 
 /// A polynomial with its text.

@@ -17,14 +17,14 @@ use crate::scene::field::{GivenField, Weighed};
 use crate::cli::density_files::{
     DensityBody, Section, center_mark, coordinate_cut, density_files, widest_cut, write_density,
 };
-use crate::cli::failure::{Failure, print};
+use crate::cli::failure::{Failure, print_report};
 use crate::cli::mass_gcode::{self, Asked, GcodeOptions, is_gcode};
 use crate::cli::mass_leaves::{MassAsked, MassLeaf, body_of, known_names};
 use crate::cli::mass_notes::{negative_notes, notes_of_parts};
 use crate::cli::mass_parts::{ByName, load_placed};
 use crate::cli::mass_place::Placement;
 use crate::cli::mass_report::{AxisMoment, axis, positive};
-use crate::cli::mass_table::{MassFigures, SolidReport};
+use crate::cli::mass_table::MassFigures;
 use crate::cli::mass_units::{DENSITIES, UnitFactors};
 use crate::cli::options::length;
 use crate::cli::output::OutputRule;
@@ -144,16 +144,9 @@ pub(crate) fn run(options: &MassOptions) -> Result<(), Failure> {
         errors,
     };
     let report = report.report((options.axis, options.units.as_deref()), notes, units);
-    print_report(options, &report)?;
+    print_report(&report, options.json, || report.table())?;
     let missed = weighed.iter().find_map(|part| part.missed);
     missed.map_or(Ok(()), |missed| Err(Failure::run(missed)))
-}
-
-fn print_report(options: &MassOptions, report: &SolidReport) -> Result<(), Failure> {
-    if !options.json {
-        return print(report.table());
-    }
-    print(serde_json::to_string_pretty(report).map_err(Failure::run)? + "\n")
 }
 
 /// The factors to SI and the sentence about them, where SI is asked for.

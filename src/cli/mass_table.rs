@@ -1,4 +1,4 @@
-//! What `chebloyd mass` reports of solids: properties, parts, groups, errors.
+//! Report of solids by `chebloyd mass`: properties, parts, groups, errors.
 
 use std::path::PathBuf;
 

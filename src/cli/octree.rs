@@ -20,7 +20,7 @@ use crate::mesh::validate::Solid;
 use crate::plot::octrees::{CaptionedTree, error_curves, octrees};
 use crate::plot::svg;
 
-use crate::cli::failure::{Failure, print, write_file};
+use crate::cli::failure::{Failure, print_report, write_file};
 use crate::cli::octree_report::{ModelReport, OctreesReport, TreeReport};
 use crate::cli::options::named;
 use crate::cli::output::OutputRule;
@@ -86,11 +86,7 @@ pub(crate) fn run(options: &OctreeOptions) -> Result<(), Failure> {
         let figure = svg::svg(&error_curves(&report.curves()));
         write_bytes(&out.join(PLOT), figure.as_bytes())?;
     }
-    if options.json {
-        let text = serde_json::to_string_pretty(&report).map_err(Failure::run)?;
-        return print(text + "\n");
-    }
-    print(report.table())
+    print_report(&report, options.json, || report.table())
 }
 
 const PLOT: &str = "octree.svg";

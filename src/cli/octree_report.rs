@@ -1,5 +1,7 @@
 //! Tables of octrees' errors beside those of \[BL\] Table 3.
 
+use std::fmt::Display;
+
 use serde::Serialize;
 
 use crate::mass::body::Body;
@@ -79,6 +81,9 @@ impl TreeReport {
     }
 }
 
+/// The names of the columns.
+const HEADER: &str = "  depth       nodes (paper)         ε_C % (paper)         ε_M % (paper)      ε_Θ %    seconds  times exact\n";
+
 impl ModelReport {
     pub(crate) fn new(name: &str, surface: &SurfaceMesh, exact: &Body, seconds: f64) -> Self {
         Self {
@@ -120,16 +125,7 @@ impl ModelReport {
             self.mass,
             1e3 * self.seconds
         );
-        text += &format!(
-            "  {:>5}{:>20}{:>22}{:>22}{:>11}{:>11}{:>13}\n",
-            "depth",
-            "nodes (paper)",
-            "ε_C % (paper)",
-            "ε_M % (paper)",
-            "ε_Θ %",
-            "seconds",
-            "times exact"
-        );
+        text += HEADER;
         for tree in &self.trees {
             text += &tree.line(self.seconds);
         }
@@ -147,23 +143,26 @@ impl ModelReport {
     }
 }
 
+/// A figure, with the paper's in brackets.
+fn beside(own: impl Display, paper: Option<impl Display>) -> String {
+    match paper {
+        Some(paper) => format!("{own} ({paper})"),
+        None => own.to_string(),
+    }
+}
+
 impl TreeReport {
     fn line(&self, exact: f64) -> String {
-        let beside = |own: String, paper: Option<String>| {
-            paper.map_or(own.clone(), |paper| format!("{own} ({paper})"))
-        };
         let paper = self.paper.as_ref();
-        let nodes = beside(
-            self.nodes.to_string(),
-            paper.map(|row| row.nodes.to_string()),
-        );
+        let nodes = beside(self.nodes, paper.map(|row| row.nodes));
+        let percent = |error: f64| format!("{error:.4}");
         let center = beside(
-            format!("{:.4}", self.center_error_percent),
-            paper.map(|row| format!("{:.4}", row.center_error_percent)),
+            percent(self.center_error_percent),
+            paper.map(|row| percent(row.center_error_percent)),
         );
         let mass = beside(
-            format!("{:.4}", self.mass_error_percent),
-            paper.map(|row| format!("{:.4}", row.mass_error_percent)),
+            percent(self.mass_error_percent),
+            paper.map(|row| percent(row.mass_error_percent)),
         );
         format!(
             "  {:>5}{nodes:>20}{center:>22}{mass:>22}{:>11.4}{:>11.4}{:>13.0}\n",

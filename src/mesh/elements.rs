@@ -64,23 +64,28 @@ impl Groups {
             .iter()
             .filter_map(|&number| self.of.get(number as usize));
         let of: Vec<u32> = of.copied().collect();
+        let (names, renumbered) = self.used(&of);
+        let of = of.into_iter().map(|group| renumbered[group as usize]);
+        Self {
+            of: of.collect(),
+            names,
+        }
+    }
+
+    /// The names of these groups, and the new number of every group.
+    fn used(&self, of: &[u32]) -> (Vec<String>, Vec<u32>) {
         let mut is_used = vec![false; self.names.len()];
-        for &group in &of {
+        for &group in of {
             is_used[group as usize] = true;
         }
-        let mut names = Vec::new();
-        let mut renumbered = Vec::with_capacity(self.names.len());
+        let (mut names, mut renumbered) = (Vec::new(), Vec::new());
         for (name, is_used) in self.names.iter().zip(is_used) {
             renumbered.push(names.len() as u32);
             if is_used {
                 names.push(name.clone());
             }
         }
-        let of = of.into_iter().map(|group| renumbered[group as usize]);
-        Self {
-            of: of.collect(),
-            names,
-        }
+        (names, renumbered)
     }
 }
 

@@ -82,19 +82,24 @@ impl GmshGroups {
         for _ in 0..coordinates {
             input.value()?;
         }
-        for at in 0..input.size("the number of physical groups")? {
-            // A negative number turns the entity around.
-            let group = input.integer("a physical group")?.abs();
-            if at == 0 {
-                self.physical.insert((dimension, entity), group);
-            }
+        // A negative number turns the entity around.
+        if let Some(group) = first_of_list(input)? {
+            self.physical.insert((dimension, entity), group.abs());
         }
         if dimension > 0 {
-            for _ in 0..input.size("the number of bounding entities")? {
-                input.integer("a bounding entity")?;
-            }
+            first_of_list(input)?;
         }
         input.end_line();
         Ok(())
     }
+}
+
+/// The first number of a list that begins with its length.
+fn first_of_list(input: &mut GmshInput<'_>) -> Result<Option<i64>, ParseError> {
+    let mut first = None;
+    for _ in 0..input.size("the number of groups or entities")? {
+        let number = input.integer("a group or entity")?;
+        first.get_or_insert(number);
+    }
+    Ok(first)
 }

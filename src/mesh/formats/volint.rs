@@ -29,11 +29,17 @@ pub(crate) fn parse(bytes: &[u8]) -> Result<MeshFile, ParseError> {
         words.check_limit("triangles", mesh.triangles.len())?;
         elements.polygons.resize(mesh.triangles.len(), face);
     }
-    if let Some(word) = words.word() {
-        return Err(words.unexpected("the end of the file, its count of faces was too low", word));
-    }
+    at_end(&mut words)?;
     let mesh = Mesh::Surface(not_empty(mesh, "faces", "export the mesh with its faces")?);
     Ok(MeshFile::labeled(mesh, elements))
+}
+
+/// Refuses what follows the last face.
+fn at_end(words: &mut Words<'_>) -> Result<(), ParseError> {
+    let expected = "the end of the file, its count of faces was too low";
+    words
+        .word()
+        .map_or(Ok(()), |word| Err(words.unexpected(expected, word)))
 }
 
 fn read_polygon(
