@@ -92,7 +92,7 @@ fn polygons_sites_and_densities_that_are_none_are_refused_with_the_place() {
                 r#"{ "polygon": [[[0,0],[3,0],[3,3],[0,3]], [[0.4,0.4],[2,0.4],[2,2],[0.4,2]]] }"#,
                 "",
             ),
-            "site 0 lies outside the domain: (0.5, 0.5)",
+            "site 0 (0.5, 0.5) lies outside the domain",
         ),
         (
             scene(

@@ -162,7 +162,10 @@ impl Scene {
     pub fn plane(&self) -> Result<PlaneDomain, Error> {
         let domain = self.domain.plane()?;
         match &self.density {
-            Some(density) => Ok(domain.weighted(&density.in_plane()?)?),
+            Some(density) => {
+                let weighted = domain.weighted(&density.in_plane()?);
+                weighted.map_err(|error| Error::value("density", error.to_string()))
+            }
             None => Ok(domain),
         }
     }
