@@ -70,6 +70,7 @@
 //! | \[BL\] section 3.4 | moments of a print's beads | `gcode::bead`, `gcode::weigh` |
 //! | \[BL\] section 3.5 | Lloyd's move | `relax::lloyd` |
 //! | … its future work | L∞ Voronoi cells | `voronoi::linf`, `relax::linf` |
+//! | \[BL\] Fig. 10 | a cell of the plane and its fragments | `energy::planar`, `energy::planar_cell` |
 //! | \[BL\] Fig. 12 | the six fragments | `energy::fragments` |
 //! | \[BL\] Fig. 13 | energy and movement in percent | [`Record`] |
 //! | \[BL\] Appendix B | tetrahedra cut by a plane | [`mass::split`], [`mass::cut`] |
@@ -78,7 +79,7 @@
 //! | \[M\] eq. 3, 5-17 | inertia, center of mass, transfer of axes | [`mass::body`] |
 //! | \[CP\] eq. 3-15 | polynomials over surfaces and solids | [`integrals::reference::cattani_paoluzzi`] |
 //! | \[RSL\] section 3 | security radius | `voronoi::search` |
-//! | \[LL\] | the global objective and its gradient | `relax::objective`, `energy::facet_terms` |
+//! | \[LL\] | the global objective and its gradient | `relax::objective`, `energy::facet_terms`, `energy::planar_cell` |
 //! | \[B\] | L-BFGS-B | `minimize::lbfgsb` |
 //!
 //! - \[BL\] Bukenberger & Lensch, *Tetrahedra of Varying Density and their Applications*.

@@ -85,16 +85,16 @@ const BAD_SCENES: &[(&str, &[&str])] = &[
         &["cannot read", "nowhere.csv"],
     ),
     (
-        "{\"dimension\": 2, \"sites\": {\"random\": {\"count\": 9}}, \"domain\": {\"polygon\": [[0,0],[1,0],[0.2,0.2],[0,1]]}}",
-        &["domain", "not convex"],
+        "{\"dimension\": 2, \"sites\": {\"random\": {\"count\": 9}}, \"domain\": {\"polygon\": [[0,0],[1,1],[1,0],[0,1]]}}",
+        &["sides 0 and 2", "cross"],
     ),
     (
         "{\"dimension\": 2, \"sites\": {\"random\": {\"count\": 9}}, \"domain\": {\"polygon\": [[0,0],[1,1],[2,2]]}}",
         &["domain", "no area"],
     ),
     (
-        "{\"dimension\": 2, \"sites\": {\"random\": {\"count\": 9}}, \"domain\": {\"box\": {\"periodic\": [true,false]}}}",
-        &["domain.box.periodic", "\"dimension\": 3"],
+        "{\"dimension\": 2, \"sites\": {\"random\": {\"count\": 9}}, \"density\": \"1 + x\", \"domain\": {\"box\": {\"periodic\": [true,false]}}}",
+        &["density", "along x"],
     ),
     (
         "{\"sites\": {\"random\": {\"count\": 9}}, \"domain\": {\"polygon\": [[0,0],[1,1],[2,2]]}}",

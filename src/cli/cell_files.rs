@@ -14,6 +14,7 @@ use crate::export::run::directory::RunDirectory;
 use crate::export::vtu::{CellGeometry, VtuWriter};
 use crate::geometry::bounds::Bounds;
 use crate::geometry::label::Label;
+use crate::geometry::polygon::ConvexPolygon;
 use crate::geometry::shell::Shell;
 use crate::plot::color::ColorScale;
 use crate::plot::cutaway::{CutawayPicture, Removed};
@@ -31,7 +32,7 @@ use crate::relax::space::Space;
 use crate::relax::space::shells;
 use crate::scene::run::RunSpace;
 use crate::voronoi::diagram::Diagram;
-use crate::voronoi::planar::diagram::PlaneDiagram;
+use crate::voronoi::planar::diagram::{PlaneCell, PlaneDiagram};
 
 /// Pixels per unit of an SVG: text stays sharp on fine screens.
 pub(crate) const PNG_SCALE: f64 = 2.0;
@@ -48,11 +49,13 @@ const OFF_MIDDLE: f64 = 0.25;
 
 /// A space whose cells can be drawn.
 pub(crate) trait DrawCells<const D: usize>: RunSpace<D> {
-    /// Writes `cells.vtu`, `cells.svg` and `cells.png`, given the figures of every cell.
+    /// Writes `cells.vtu`, `cells.svg` and `cells.png`, given the figures of every cell and perhaps the
+    /// range of the colors.
     fn draw_cells(
         &self,
         sites: &[Point<f64, D>],
         cells: &[CellMetrics<D>],
+        range: Option<[f64; 2]>,
         directory: &RunDirectory,
     ) -> Result<(), Box<dyn Error>>;
 }
@@ -62,25 +65,44 @@ impl DrawCells<2> for Plane {
         &self,
         sites: &[Point2<f64>],
         cells: &[CellMetrics<2>],
+        range: Option<[f64; 2]>,
         directory: &RunDirectory,
     ) -> Result<(), Box<dyn Error>> {
-        let colors = Colors::of(cells);
+        let colors = Colors::of(cells, range);
         let diagram = PlaneDiagram::new(&self.domain, sites)?;
         let mut file = VtuWriter::new(&directory.file("cells.vtu"));
         let mut patches = Vec::with_capacity(sites.len());
         for (site, (cell, figures)) in diagram.cells.iter().zip(cells).enumerate() {
-            let outline: Vec<Point2<f64>> = cell.outline().collect();
-            file.push(&geometry(site, Shell::polygon(&outline), figures))?;
-            patches.push(Patch {
-                contours: vec![outline],
-                value: Colors::value(figures),
-                site: Some(cell.site),
-            });
+            for piece in cell.pieces() {
+                let corners = piece.translated(&cell.site.coords);
+                let shell = Shell::polygon(corners.vertices());
+                file.push(&geometry(site, shell, figures))?;
+            }
+            patches.push(flat_patch(cell, Colors::value(figures)));
         }
         file.finish()?;
-        let figure = picture(&patches, colors.scale(), "Cells and their sites");
+        let names = ["x", "y"].map(str::to_owned);
+        let figure = picture(&patches, colors.scale(), "Cells and their sites", &names);
         save_svg(&figure, patches.len(), directory)?;
         save_png(&png(&figure, PNG_SCALE)?, directory)
+    }
+}
+
+/// A cell of the plane for a picture, with lines along those edges that are not between its pieces.
+fn flat_patch(cell: &PlaneCell, value: f64) -> Patch {
+    let place = |point: &Point2<f64>| point + cell.site.coords;
+    let pieces = cell.pieces().iter();
+    let contours = pieces.map(|piece| piece.vertices().iter().map(place).collect());
+    let edges = cell.pieces().iter().flat_map(ConvexPolygon::edges);
+    let lines = edges.filter(|edge| FacetKind::of(edge.label) != FacetKind::Inner);
+    Patch {
+        contours: contours.collect(),
+        rims: (cell.pieces().len() > 1).then(|| {
+            let ends = lines.map(|edge| [place(&edge.start), place(&edge.end)]);
+            ends.collect()
+        }),
+        value,
+        site: Some(cell.site),
     }
 }
 
@@ -89,9 +111,10 @@ impl DrawCells<3> for Space {
         &self,
         sites: &[Point3<f64>],
         cells: &[CellMetrics<3>],
+        range: Option<[f64; 2]>,
         directory: &RunDirectory,
     ) -> Result<(), Box<dyn Error>> {
-        let colors = Colors::of(cells);
+        let colors = Colors::of(cells, range);
         let is_written = self.write_shared(sites, cells, directory)?;
         let mut file = (!is_written).then(|| VtuWriter::new(&directory.file("cells.vtu")));
         let height = cut_height(&self.bounds(), self.volume(), sites.len());
@@ -99,7 +122,8 @@ impl DrawCells<3> for Space {
         let mut patches = Vec::new();
         let removed = Removed::enough_of(&self.bounds(), sites);
         let (scale, title) = (colors.scale().clone(), removed.title());
-        let mut cutaway = CutawayPicture::new(&self.bounds(), removed, scale, title)?;
+        let around = seen_bounds(self, sites.len());
+        let mut cutaway = CutawayPicture::new(&around, removed, scale, title)?;
         let shown: Vec<bool> = sites.iter().map(|site| cutaway.shows(site)).collect();
         let mut add = |site: usize, [shell, seen]: [Shell; 2]| {
             let value = Colors::value(&cells[site]);
@@ -130,7 +154,7 @@ impl DrawCells<3> for Space {
         }
         file.map_or(Ok(0), VtuWriter::finish)?;
         let title = format!("Cells cut at z = {height:.4}");
-        let figure = picture(&patches, colors.scale(), &title);
+        let figure = picture(&patches, colors.scale(), &title, &cut.axis_names());
         save_svg(&figure, patches.len(), directory)?;
         save_png(&cutaway.finish()?, directory)
     }
@@ -181,6 +205,13 @@ impl Space {
     }
 }
 
+/// The domain's box, longer along periodic axes by what cells of sites at its ends reach beyond it.
+fn seen_bounds(space: &Space, count: usize) -> Bounds<3> {
+    let side = optimal_side::<3>(space.volume(), count);
+    let beyond = |period: Option<f64>| period.map_or(0.0, |period| side.min(0.5 * period));
+    space.bounds().grown(&space.periods().map(beyond).into())
+}
+
 fn cut_height(bounds: &Bounds<3>, volume: f64, count: usize) -> f64 {
     let side = optimal_side::<3>(volume, count).min(bounds.extent().z);
     bounds.center().z + OFF_MIDDLE * side
@@ -191,13 +222,17 @@ fn cut_height(bounds: &Bounds<3>, volume: f64, count: usize) -> f64 {
 pub(crate) struct Colors(ColorScale);
 
 impl Colors {
-    /// Colors spread over the energies of `cells`.
-    fn of<const D: usize>(cells: &[CellMetrics<D>]) -> Self {
+    /// Colors spread over the energies of `cells`, or over `range`.
+    fn of<const D: usize>(cells: &[CellMetrics<D>], range: Option<[f64; 2]>) -> Self {
         let label = if D == 2 {
             "energy (% of a square of the cell’s area)"
         } else {
             "energy (% of a cube of the cell’s volume)"
         };
+        if let Some([min, max]) = range {
+            let label = label.to_owned();
+            return Self(ColorScale { label, min, max });
+        }
         let values = cells.iter().map(Self::value);
         Self(ColorScale::fitting(label, values))
     }

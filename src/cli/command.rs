@@ -33,8 +33,7 @@ enum Command {
     Report(report::ReportOptions),
     Fragments(fragments::FragmentsOptions),
     Bench(bench::BenchOptions),
-    /// Print the JSON Schema of scenes
-    Schema,
+    Schema(describe::SchemaOptions),
     Completions(describe::CompletionsOptions),
     Man(describe::ManOptions),
 }
@@ -68,7 +67,7 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
         Command::Report(options) => report::run(options, common),
         Command::Fragments(options) => fragments::run(options, common),
         Command::Bench(options) => bench::run(options, common.threads),
-        Command::Schema => describe::schema(),
+        Command::Schema(options) => describe::schema(options),
         Command::Completions(options) => describe::completions(options, Arguments::command()),
         Command::Man(options) => describe::man(options, Arguments::command()),
     }

@@ -6,6 +6,7 @@ use clap_mangen::Man;
 
 use crate::cli::failure::{Failure, print};
 use crate::scene::description::Scene;
+use crate::scene::field_file::FieldFile;
 
 /// Print a completion script for a shell
 #[derive(Debug, Args)]
@@ -21,8 +22,21 @@ pub(crate) struct ManOptions {
     command: Option<String>,
 }
 
-pub(crate) fn schema() -> Result<(), Failure> {
-    print(format!("{:#}\n", Scene::schema()))
+/// Print the JSON Schema of scenes, or of field files
+#[derive(Debug, Args)]
+pub(crate) struct SchemaOptions {
+    /// That of field files, which `--density @field.json` reads
+    #[arg(long)]
+    field: bool,
+}
+
+pub(crate) fn schema(options: &SchemaOptions) -> Result<(), Failure> {
+    let schema = if options.field {
+        FieldFile::schema()
+    } else {
+        Scene::schema()
+    };
+    print(format!("{schema:#}\n"))
 }
 
 pub(crate) fn completions(

@@ -70,16 +70,17 @@ pub(crate) fn write_file(
 }
 
 /// Which of the extensions a file's name has, without regard to case.
-pub(crate) fn format_of(path: &Path, known: [&'static str; 2]) -> Result<&'static str, Failure> {
+pub(crate) fn format_of<const N: usize>(
+    path: &Path,
+    known: [&'static str; N],
+) -> Result<&'static str, Failure> {
     let extension = path.extension().unwrap_or_default();
     let found = known
         .into_iter()
         .find(|name| extension.eq_ignore_ascii_case(name));
     found.ok_or_else(|| {
-        let [one, other] = known;
+        let names = known.map(|name| format!(".{name}")).join(" or ");
         let path = path.display();
-        Failure::input(format!(
-            "cannot tell the format of {path}: name it .{one} or .{other}"
-        ))
+        Failure::input(format!("cannot tell the format of {path}: name it {names}"))
     })
 }

@@ -7,6 +7,7 @@ use clap::Args;
 use nalgebra::{Point3, Rotation3, Vector3};
 
 use crate::cli::failure::{Failure, format_of, print, write_file};
+use crate::cli::fragments_plane::draw_fragments;
 use crate::cli::options::{Common, SceneOptions, space};
 use crate::cli::output::OutputRule;
 use crate::domain::facet_kind::FacetKind;
@@ -18,9 +19,12 @@ use crate::geometry::polyhedron::Polyhedron;
 use crate::geometry::shell::Shell;
 use crate::mesh::tets::tet_volume;
 use crate::plot::exploded::{Fragment, FragmentedCell, exploded};
+use crate::plot::exploded_lines::exploded_figure;
+use crate::plot::svg::svg;
 use crate::relax::evaluate_cell::CellMemory;
 use crate::relax::relaxation_space::{EnergySpec, Norm, RelaxationSpace};
 use crate::relax::space::Space;
+use crate::scene::description::Scene;
 use crate::scene::overrides::Overrides;
 use crate::scene::run::{RunSpace, energy_spec};
 use crate::voronoi::diagram::Diagram;
@@ -28,7 +32,7 @@ use crate::voronoi::diagram::Diagram;
 /// Tetrahedra of at most this share of their longest edge cubed are flat: rounding of the determinant.
 const FLAT: f64 = 4e-15;
 
-/// Take one cell apart into its six fragments, as a picture or as polyhedra
+/// Take one cell apart into its six fragments (in the plane four), as a picture or as polyhedra
 ///
 /// A fragment holds the points whose Chebyshev distance from the site lies along one axis and
 /// direction. In a .vtu file each is a polyhedron with its volume, its share of the energy in the scene's
@@ -49,7 +53,7 @@ pub(crate) struct FragmentsOptions {
     /// only)
     #[arg(long)]
     tets: bool,
-    /// The file to write: .png or .vtu
+    /// The file to write: .svg, .png or .vtu (in the plane .svg or .png)
     #[arg(long, short, value_name = "FILE", required = true)]
     output: PathBuf,
     /// Replace FILE if it is there
@@ -59,15 +63,16 @@ pub(crate) struct FragmentsOptions {
 
 pub(crate) fn run(options: &FragmentsOptions, common: Common) -> Result<(), Failure> {
     let scene = options.scene.scene(Overrides::default())?;
-    if scene.dimension != 3 {
-        let message = "fragments are drawn of cells in space only: choose \"dimension\": 3";
-        return Err(Failure::input(message));
-    }
     if scene.cells == Norm::Linf {
         let message = "fragments are drawn of L2 cells only: choose --cells l2";
         return Err(Failure::input(message));
     }
-    let is_picture = format_of(&options.output, ["png", "vtu"])? == "png";
+    let format = format_of(&options.output, ["png", "svg", "vtu"])?;
+    let is_picture = format != "vtu";
+    if scene.dimension == 2 && !is_picture {
+        let message = "in the plane fragments are drawn: name the file .svg or .png";
+        return Err(Failure::input(message));
+    }
     if is_picture && (options.all || options.tets) {
         let message = "--all and --tets write a .vtu file; a picture shows one cell";
         return Err(Failure::input(message));
@@ -78,8 +83,21 @@ pub(crate) fn run(options: &FragmentsOptions, common: Common) -> Result<(), Fail
         option: "-o",
     };
     rule.check(std::slice::from_ref(&options.output))?;
-    let space = space(&scene)?;
-    let sites = space.place(&scene).map_err(Failure::input)?;
+    if scene.dimension == 2 {
+        draw_fragments(&scene, options.site, (&options.output, format))?;
+    } else {
+        write_in_space(options, &scene, format)?;
+    }
+    if common.quiet {
+        return Ok(());
+    }
+    print(format!("{}\n", options.output.display()))
+}
+
+/// Writes the fragments of cells in space.
+fn write_in_space(options: &FragmentsOptions, scene: &Scene, format: &str) -> Result<(), Failure> {
+    let space = space(scene)?;
+    let sites = space.place(scene).map_err(Failure::input)?;
     let site = options.site.unwrap_or_else(|| middle(&space, &sites));
     let position = *sites.get(site).ok_or_else(|| {
         let count = sites.len();
@@ -89,18 +107,17 @@ pub(crate) fn run(options: &FragmentsOptions, common: Common) -> Result<(), Fail
     })?;
     let wanted = Wanted {
         site: (!options.all).then_some(site),
-        spec: energy_spec(&scene),
+        spec: energy_spec(scene),
         tets: options.tets,
     };
     let cells = parts(&space, &sites, wanted)?;
     match cells.first() {
-        Some((_, parts)) if is_picture => draw(&options.output, site, &position, parts)?,
-        _ => export(&options.output, &space, &sites, &cells)?,
+        Some((_, parts)) if format != "vtu" => {
+            let path = (options.output.as_path(), format);
+            draw(path, site, &position, parts)
+        }
+        _ => export(&options.output, &space, &sites, &cells),
     }
-    if common.quiet {
-        return Ok(());
-    }
-    print(format!("{}\n", options.output.display()))
 }
 
 /// The site nearest the middle of the domain's box.
@@ -291,7 +308,7 @@ fn of_sector(sector: Sector) -> FragmentSector {
 }
 
 fn draw(
-    path: &Path,
+    (path, format): (&Path, &str),
     site: usize,
     position: &Point3<f64>,
     parts: &[FragmentPart],
@@ -306,7 +323,10 @@ fn draw(
         center: *position,
         fragments: Sector::ALL.into_iter().zip(parts).map(fragment).collect(),
     };
-    let bytes = exploded(&[cell]).map_err(Failure::run)?;
+    let bytes = match format {
+        "svg" => svg(&exploded_figure(&cell)).into_bytes(),
+        _ => exploded(&[cell]).map_err(Failure::run)?,
+    };
     write_file(path, |file| file.write_all(&bytes)).map_err(Failure::input)
 }
 

@@ -31,6 +31,10 @@ pub(crate) fn of_scene(scene: &Scene) -> Result<String, Failure> {
             keys.retain(|key, _| !CHANGEABLE.contains(&key.as_str()));
         }
     }
+    // How pictures are colored makes no other run.
+    if let Some(output) = value.get_mut("output").and_then(Value::as_object_mut) {
+        output.remove("range");
+    }
     let mut checksum = Checksum::default();
     checksum.add_bytes(value.to_string().as_bytes());
     for file in scene.domain_files() {

@@ -8,14 +8,20 @@ use serde::Serialize;
 use crate::geometry::bounds::Bounds;
 use crate::mass::body::Body;
 use crate::mass::density::SolidDensity;
-use crate::mass::weigh::{bounds, weigh};
+use crate::mass::weigh::bounds;
 use crate::mesh::formats::read::load;
 use crate::mesh::validate::Solid;
+use crate::plot::density_cut::{NATIVE, OBTAINED};
+use crate::scene::field::{Field, GivenField};
 
+use crate::cli::density_files::{
+    DensityBody, Section, center_mark, coordinate_cut, density_files, widest_cut, write_density,
+};
 use crate::cli::failure::{Failure, print};
 use crate::cli::mass_gcode::{self, Asked, GcodeOptions, is_gcode};
 use crate::cli::mass_notes::{negative_notes, notes_of_parts};
 use crate::cli::mass_report::{AxisMoment, MassProperties, MassTotals, axis, figure, positive};
+use crate::cli::output::OutputRule;
 
 /// The density of parts that are given none.
 const DEFAULT_DENSITY: &str = "1";
@@ -31,8 +37,8 @@ pub(crate) struct MassOptions {
     #[arg(required = true, value_name = "MESH")]
     files: Vec<PathBuf>,
     /// A number, a polynomial such as '1 + 2*x - 0.5*y*z', 'linear:axis=z,from=0,to=1' (over the
-    /// whole body), 'profile:axis=z,0.2=1,0.8=5' (position=density, constant beyond) or
-    /// 'vertex[:NAME]'; once for all parts or once for each
+    /// whole body), 'profile:axis=z,0.2=1,0.8=5' (position=density, constant beyond),
+    /// 'vertex[:NAME]', or a field file '@field.json'; once for all parts or once for each
     #[arg(
         long,
         value_name = "D",
@@ -52,6 +58,16 @@ pub(crate) struct MassOptions {
     /// Print one JSON object instead of a table
     #[arg(long)]
     json: bool,
+    /// Also write density.vtu, for ParaView, and section.svg and section.png, a cut colored by density
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// The axis across which the section is cut, through the center of mass [default: that along
+    /// which the body is thinnest]
+    #[arg(long, value_name = "AXIS", value_parser = ["x", "y", "z"], requires = "out")]
+    cut: Option<String>,
+    /// Replace files that DIR holds
+    #[arg(long, requires = "out")]
+    force: bool,
     #[command(flatten)]
     gcode: GcodeOptions,
 }
@@ -85,6 +101,7 @@ pub(crate) fn run(options: &MassOptions) -> Result<(), Failure> {
     }
     let (files, mut notes) = parts(&options.files)?;
     let densities = one_for_each("density", &options.density, files.len())?;
+    check_output(options, &files, &densities)?;
     if !options.mass.is_empty() && options.mass.len() != files.len() {
         return Err(miscounted("mass", options.mass.len(), files.len()));
     }
@@ -96,7 +113,7 @@ pub(crate) fn run(options: &MassOptions) -> Result<(), Failure> {
     let mut bodies = Vec::new();
     for (place, (solid, density)) in solids.iter().zip(&densities).enumerate() {
         let file = files[place].display();
-        let body = weigh(solid, density, &extent)
+        let body = (density.field.weigh(solid, &extent))
             .map_err(|error| Failure::input(format!("{file}: {error}")))?;
         bodies.push(
             options
@@ -107,13 +124,79 @@ pub(crate) fn run(options: &MassOptions) -> Result<(), Failure> {
     }
     let body = Body::combined(&bodies).ok_or_else(|| Failure::run("the parts have no mass"))?;
     notes.extend(notes_of_parts(&files, &solids));
+    notes.extend(densities.iter().filter_map(|density| density.note(&extent)));
     notes.extend(negative_notes(&files, &solids, &densities, &extent));
+    write_files(options, &solids, &densities, &body)?;
     let report = report(options, &files, notes, &bodies, &body);
     if options.json {
         let text = serde_json::to_string_pretty(&report).map_err(Failure::run)?;
         return print(text + "\n");
     }
     print(report.table())
+}
+
+/// Refuses files of `--out` that must not be replaced.
+fn check_output(
+    options: &MassOptions,
+    files: &[PathBuf],
+    densities: &[GivenField],
+) -> Result<(), Failure> {
+    let Some(folder) = &options.out else {
+        return Ok(());
+    };
+    let fields = densities.iter().filter_map(|density| density.file.clone());
+    let inputs: Vec<PathBuf> = files.iter().cloned().chain(fields).collect();
+    let rule = OutputRule {
+        inputs: &inputs,
+        force: options.force,
+        option: "--out",
+    };
+    rule.check(&density_files(folder))
+}
+
+/// Writes the files of `--out`.
+fn write_files(
+    options: &MassOptions,
+    solids: &[Solid],
+    densities: &[GivenField],
+    body: &Body,
+) -> Result<(), Failure> {
+    let Some(folder) = &options.out else {
+        return Ok(());
+    };
+    let (extent, center) = (extent(solids), body.center_of_mass());
+    let fields: Vec<_> = densities.iter().map(|density| &density.field).collect();
+    let cut = match options.cut.as_deref() {
+        Some(axis) => coordinate_cut(
+            ["x", "y", "z"].iter().position(|a| *a == axis).unwrap_or(2),
+            &center,
+        ),
+        None => widest_cut(&extent, &center),
+    };
+    let plain = Field::Solid(SolidDensity::Constant(1.0));
+    let plain: Vec<Body> = (solids.iter().map(|solid| plain.weigh(solid, &extent)))
+        .collect::<Result<_, _>>()
+        .map_err(Failure::input)?;
+    let mut marks = Vec::new();
+    if let Some(plain) = Body::combined(&plain) {
+        marks.push(center_mark(
+            "center of volume",
+            NATIVE,
+            &plain.center_of_mass(),
+        ));
+    }
+    marks.push(center_mark("center of mass", OBTAINED, &center));
+    let section = Section {
+        cut,
+        title: format!("Density {}", options.density.join(", ")),
+        marks,
+    };
+    let weighed = DensityBody {
+        solids,
+        fields: &fields,
+        extent: &extent,
+    };
+    write_density(folder, weighed, &section)
 }
 
 /// One G-code file, which cannot stand beside others.
@@ -173,12 +256,11 @@ fn mesh_of(file: &Path) -> PathBuf {
 }
 
 /// One density per part, from one for all or one each.
-fn one_for_each(name: &str, texts: &[String], parts: usize) -> Result<Vec<SolidDensity>, Failure> {
+fn one_for_each(name: &str, texts: &[String], parts: usize) -> Result<Vec<GivenField>, Failure> {
     let densities = texts
         .iter()
         .map(|text| {
-            text.parse::<SolidDensity>()
-                .map_err(|error| Failure::input(format!("--{name}: {error}")))
+            GivenField::read(text).map_err(|error| Failure::input(format!("--{name}: {error}")))
         })
         .collect::<Result<Vec<_>, _>>()?;
     match &densities[..] {

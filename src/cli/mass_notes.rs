@@ -2,15 +2,16 @@
 
 use std::path::PathBuf;
 
+use nalgebra::Point3;
+
 use crate::domain::density_sign::refused_place;
-use crate::domain::tet_mesh::TetSolid;
-use crate::domain::tri_surface::solid::SurfaceSolid;
 use crate::geometry::bounds::Bounds;
 use crate::mass::density::SolidDensity;
-use crate::mass::sign::negative_place;
+use crate::mass::sign::{DensityAt, negative_place};
 use crate::mesh::parts::{SharedVolume, shared_volume};
 use crate::mesh::report::brief;
 use crate::mesh::validate::Solid;
+use crate::scene::field::{Field, GivenField, shape};
 
 /// What was found in each part, and what they have in common.
 pub(crate) fn notes_of_parts(files: &[PathBuf], solids: &[Solid]) -> Vec<String> {
@@ -47,31 +48,40 @@ pub(crate) fn notes_of_parts(files: &[PathBuf], solids: &[Solid]) -> Vec<String>
 pub(crate) fn negative_notes(
     files: &[PathBuf],
     solids: &[Solid],
-    densities: &[SolidDensity],
+    densities: &[GivenField],
     extent: &Bounds<3>,
 ) -> Vec<String> {
     let parts = files.iter().zip(solids.iter().zip(densities));
     let notes = parts.filter_map(|(file, (solid, density))| {
-        let note = negative_note(solid, density, extent)?;
+        let note = negative_note(solid, &density.field, extent)?;
         Some(format!("{}: {note}", file.display()))
     });
     notes.collect()
 }
 
 /// Where the density is negative in a part, if it is.
-fn negative_note(solid: &Solid, density: &SolidDensity, extent: &Bounds<3>) -> Option<String> {
-    let (place, value) = match density {
-        SolidDensity::Polynomial(polynomial) => {
-            let shape = match solid {
-                Solid::Surface(closed, _) => SurfaceSolid::new(closed).ok()?,
-                Solid::Tets(sound, _) => TetSolid::new(sound).ok()?.into_boundary(),
-            };
+fn negative_note(solid: &Solid, field: &Field, extent: &Bounds<3>) -> Option<String> {
+    let (place, value) = match field {
+        Field::Solid(SolidDensity::Polynomial(polynomial)) => {
+            let shape = shape(solid).ok()?;
             refused_place(&shape, polynomial).filter(|(_, value)| *value < 0.0)
         }
-        _ => negative_place(solid, density, extent),
+        Field::Solid(density) => negative_place(solid, density, extent),
+        Field::Cells { sites, values } => least(sites, values),
+        Field::Vertices(values) => match solid {
+            Solid::Surface(..) => None,
+            Solid::Tets(sound, _) => least(&sound.mesh().vertices, values),
+        },
     }?;
     let [x, y, z] = <[f64; 3]>::from(place);
     Some(format!(
         "the density is {value} at ({x}, {y}, {z}) in the body; what is negative counts as negative mass"
     ))
+}
+
+/// The place of the least of values, if that is negative.
+fn least(places: &[Point3<f64>], values: &[f64]) -> Option<DensityAt> {
+    let pairs = places.iter().copied().zip(values.iter().copied());
+    let least = pairs.min_by(|a, b| a.1.total_cmp(&b.1))?;
+    (least.1 < 0.0).then_some(least)
 }

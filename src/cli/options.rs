@@ -83,10 +83,10 @@ pub(crate) struct MethodOptions {
     /// G s^(2+p), s the side of the mean cell [default: 1e-9]
     #[arg(long, value_name = "G", value_parser = finite)]
     gradient_tolerance: Option<f64>,
-    /// anneal: how many rounds [default: 60; for --goal cubes 200]
+    /// anneal: how many rounds [default: 60; for --goal cubes, squares 200]
     #[arg(long, value_name = "R")]
     rounds: Option<u64>,
-    /// anneal: the greatest noise, in sides of the mean cell [default: 0.5; for --goal cubes 0.4]
+    /// anneal: the greatest noise, in sides of the mean cell [default: 0.5; for --goal cubes, squares 0.4]
     #[arg(long, value_name = "A", value_parser = finite)]
     noise: Option<f64>,
 }

@@ -11,6 +11,7 @@ use crate::cli::options::{
     Common, MethodOptions, SceneOptions, change, finite, given, named, space,
 };
 use crate::cli::output::OutputRule;
+use crate::cli::plot::{Ends, range};
 use crate::cli::run::{FiledRun, RunDescription};
 use crate::export::run::directory::RunDirectory;
 use crate::scene::overrides::Overrides;
@@ -28,10 +29,13 @@ const METHODS: [(&str, &str); 3] = [
     ),
 ];
 
-const GOALS: [(&str, &str); 1] = [(
-    "cubes",
-    "Every cell a cube, as near as the number of sites allows",
-)];
+const GOALS: [(&str, &str); 2] = [
+    (
+        "cubes",
+        "Every cell a cube, as near as the number of sites allows",
+    ),
+    ("squares", "In the plane: every cell a square"),
+];
 
 /// Relax sites until their cells are near-cubic
 ///
@@ -63,9 +67,13 @@ pub(crate) struct RelaxOptions {
     /// What the cells are to become; chooses the method
     #[arg(long, value_name = "NAME", conflicts_with = "method", value_parser = named(&GOALS))]
     goal: Option<String>,
-    /// Relax one site in 8^L first, then split each into eight, L times
+    /// Relax one site in 8^L first, then split each into eight, L times (in the plane four)
     #[arg(long, value_name = "L")]
     coarse_to_fine: Option<u32>,
+    /// The energies in percent that the colors of cells.svg and cells.png span, such as 100,110; with
+    /// --resume an ended run's pictures are drawn anew [default: those of most cells]
+    #[arg(long, value_name = "LO,HI", value_parser = range, allow_hyphen_values = true)]
+    range: Option<Ends>,
     #[command(flatten)]
     of_method: MethodOptions,
 }
@@ -83,7 +91,9 @@ fn start(options: &RelaxOptions, common: Common) -> Result<(), Failure> {
     if !options.force {
         RunDirectory::check_vacant(&options.out).map_err(Failure::input)?;
     }
-    let scene = options.scene.scene(options.overrides())?;
+    let mut scene = options.scene.scene(options.overrides())?;
+    scene.output.range = options.range.map(|ends| ends.0).or(scene.output.range);
+    check_goal(options.goal.as_deref(), scene.dimension)?;
     let inputs = options.scene.inputs(&scene);
     check_outputs(&options.out, &inputs, options.force)?;
     if scene.dimension == 2 {
@@ -91,6 +101,19 @@ fn start(options: &RelaxOptions, common: Common) -> Result<(), Failure> {
         return FiledRun::start(&plane, scene, &options.out, interrupt)?.run(common);
     }
     FiledRun::start(&space(&scene)?, scene, &options.out, interrupt)?.run(common)
+}
+
+/// Refuses the goal of the other dimension.
+fn check_goal(goal: Option<&str>, dimension: usize) -> Result<(), Failure> {
+    match (goal, dimension) {
+        (Some("cubes"), 2) => Err(Failure::input(
+            "--goal cubes is for sites in space, the scene has \"dimension\": 2; say --goal squares",
+        )),
+        (Some("squares"), 3) => Err(Failure::input(
+            "--goal squares is for sites in the plane; say --goal cubes, or set \"dimension\": 2 in the scene",
+        )),
+        _ => Ok(()),
+    }
 }
 
 /// Refuses a directory in which a run would replace other files than it may.
@@ -112,6 +135,8 @@ fn resume(options: &RelaxOptions, common: Common) -> Result<(), Failure> {
     let found = RunDirectory::reopen::<RunDescription>(&options.out).map_err(Failure::input)?;
     let (directory, mut description) = (found.directory, found.description);
     change(&mut description.scene, &options.overrides())?;
+    let range = options.range.map(|ends| ends.0);
+    description.scene.output.range = range.or(description.scene.output.range);
     check_outputs(&options.out, &description.scene.files(), true)?;
     if description.scene.dimension == 2 {
         let plane = plane(&description.scene).map_err(Failure::input)?;

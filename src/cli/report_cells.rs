@@ -1,8 +1,9 @@
 //! The cells of a run's sites as a page shows them: surfaces and values, of many only those at a plane.
 
-use nalgebra::{Point, Point3};
+use nalgebra::{Point, Point2, Point3};
 
 use crate::cli::cell_files::Colors;
+use crate::domain::facet_kind::FacetKind;
 use crate::domain::shape::PieceScratch;
 use crate::geometry::bounds::Bounds;
 use crate::geometry::shell::Shell;
@@ -16,7 +17,7 @@ use crate::report::cells::{BrightEnd, ShownCell, ShownCells, ValueColumn};
 use crate::scene::description::Scene;
 use crate::scene::run::{RunSpace, energy_spec};
 use crate::voronoi::diagram::{Diagram, DiagramError};
-use crate::voronoi::planar::diagram::PlaneDiagram;
+use crate::voronoi::planar::diagram::{PlaneCell, PlaneDiagram};
 
 /// How far from the middle of the domain its cells are cut, in sides of a mean cell, as in `cells.svg`: the
 /// middle itself is a wall of cells for every lattice of an even number of layers.
@@ -57,12 +58,31 @@ impl ShowCells<2> for Plane {
         shown: &(impl Fn(&Shell) -> bool + Sync),
     ) -> Result<Vec<ShownCell>, String> {
         let diagram = PlaneDiagram::new(&self.domain, sites).map_err(|error| error.to_string())?;
-        let cells = (0..).zip(&diagram.cells).map(|(site, cell)| ShownCell {
-            site,
-            position: cell.site.coords.push(0.0).into(),
-            shell: Shell::polygon(&cell.outline().collect::<Vec<_>>()),
-        });
+        let cells = (0..).zip(&diagram.cells);
+        let cells = cells.map(|(site, cell)| in_plane(site, cell));
         Ok(cells.filter(|cell| shown(&cell.shell)).collect())
+    }
+}
+
+/// A cell of the plane: its pieces, and the edges between them.
+fn in_plane(site: u32, cell: &PlaneCell) -> ShownCell {
+    let lift = |point: &Point2<f64>| Point3::new(point.x, point.y, 0.0);
+    let (mut vertices, mut facets, mut seams) = (Vec::new(), Vec::new(), Vec::new());
+    for piece in cell.pieces() {
+        let piece = piece.translated(&cell.site.coords);
+        let first = vertices.len() as u32;
+        vertices.extend(piece.vertices().iter().map(lift));
+        facets.push(first..vertices.len() as u32);
+        let inner = piece.edges();
+        let inner = inner.filter(|edge| FacetKind::of(edge.label) == FacetKind::Inner);
+        seams.extend(inner.map(|edge| [lift(&edge.start), lift(&edge.end)]));
+    }
+    ShownCell {
+        site,
+        position: lift(&cell.site),
+        // The facets name these vertices only.
+        shell: Shell::new(&vertices, facets).unwrap_or_default(),
+        seams,
     }
 }
 
@@ -78,6 +98,7 @@ impl ShowCells<3> for Space {
                 site: site as u32,
                 position: self.wrap(&sites[site]),
                 shell,
+                seams: Vec::new(),
             }));
             Ok(())
         };

@@ -231,7 +231,7 @@ impl<'a, const D: usize, S: DrawCells<D>> FiledRun<'a, D, S> {
         let output = &self.description.scene.output;
         if output.cells {
             self.space
-                .draw_cells(sites, cells, &self.directory)
+                .draw_cells(sites, cells, output.range, &self.directory)
                 .map_err(Failure::run)?;
         }
         if output.plot {
@@ -312,6 +312,10 @@ fn summary(run: &RunDescription, done: u64, directory: &Path) -> String {
     let [Some(from), Some(to)] = [&run.initial, &run.last] else {
         return String::new();
     };
+    let [squareness, four_sided, aligned] = match run.scene.dimension {
+        2 => ["squareness", "four-sided cells", "axis-aligned edges"],
+        _ => ["cubeness", "six-facet cells", "axis-aligned area"],
+    };
     let directory = directory.display();
     let last_line = match run.ended.as_deref() {
         Some(INTERRUPTED) => {
@@ -322,18 +326,21 @@ fn summary(run: &RunDescription, done: u64, directory: &Path) -> String {
     format!(
         "{} sites, {done} iterations in {:.2} s\n\
          energy              {:8.2} % → {:.2} %\n\
-         cubeness            {:8.3}   → {:.3}\n\
-         six-facet cells     {:8.1} % → {:.1} %\n\
-         axis-aligned area   {:8.3}   → {:.3}\n\
+         {:<20}{:8.3}   → {:.3}\n\
+         {:<20}{:8.1} % → {:.1} %\n\
+         {:<20}{:8.3}   → {:.3}\n\
          {last_line}\n",
         to.sites,
         run.seconds,
         from.energy_percent,
         to.energy_percent,
+        squareness,
         from.cubeness,
         to.cubeness,
+        four_sided,
         100.0 * from.six_facet_fraction,
         100.0 * to.six_facet_fraction,
+        aligned,
         from.axis_aligned_area,
         to.axis_aligned_area,
     )

@@ -3,7 +3,8 @@
 //! A [`domain`] is a [`shape`], perhaps with a [`density`] beside it, also one that follows from a
 //! wanted size of cells ([`density_region`]); [`density_sign`] finds where one is negative,
 //! [`density_power`] integrates its powers. [`cuboid`] and [`convex`] are convex shapes, [`tri_surface`] those bounded
-//! by triangles, [`tet_mesh`] those filled with tetrahedra, [`planar`] the domains of the plane.
+//! by triangles, [`tet_mesh`] those filled with tetrahedra, [`planar`] the domains of the plane, in convex parts by
+//! [`trapezoids`], with a [`planar_density`].
 //! [`facet_kind`] gives facet labels their meaning.
 
 pub(crate) mod candidates;
@@ -18,8 +19,11 @@ pub(crate) mod domain;
 pub(crate) mod error;
 pub(crate) mod facet_kind;
 pub(crate) mod planar;
+pub(crate) mod planar_density;
+pub(crate) mod planar_error;
 pub(crate) mod random_points;
 pub(crate) mod shape;
 pub(crate) mod shape_integrator;
 pub(crate) mod tet_mesh;
+pub(crate) mod trapezoids;
 pub(crate) mod tri_surface;

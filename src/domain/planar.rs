@@ -1,18 +1,23 @@
-//! Domains of the plane: rectangles and convex polygons.
+//! Domains of the plane: rectangles, periodic along any axes, and polygons of any shape, with holes.
 //!
-//! A domain is kept as one counter-clockwise convex polygon. Its edges are labelled as walls
+//! A convex domain is one counter-clockwise polygon; any other is a set of convex pieces within its
+//! bounding box ([`trapezoids`]). Sides are labelled as walls
 //! ([`FacetKind::Wall`]): wall k of a rectangle is bottom, right, top, left for k = 0…3, of corners
-//! the side that joins corner k to the next one, of half-planes the half-plane k.
+//! the side that joins corner k to the next one of its loop, counted through all loops, of half-planes
+//! the half-plane k.
 
 use nalgebra::{Point2, Vector2};
-use thiserror::Error;
 
 use crate::domain::error::FARTHEST;
 use crate::domain::facet_kind::FacetKind;
+use crate::domain::planar_density::PlaneDensity;
+use crate::domain::planar_error::PlaneDomainError;
+use crate::domain::trapezoids::{Trapezoids, refuse_crossings, trapezoids};
 use crate::geometry::bounds::Bounds;
 use crate::geometry::half_plane::HalfPlane;
 use crate::geometry::label::Label;
 use crate::geometry::polygon::{ConvexPolygon, PolygonEdge};
+use crate::integrals::polynomial::Polynomial;
 
 /// How far, relative to the domain's largest extent, a corner may lie on the wrong side of a
 /// wall, or a point outside the domain, and still count as on it: a thousand roundings.
@@ -23,75 +28,19 @@ const ON_WALL: f64 = 1e-12;
 /// than the last counts as unbounded.
 const REACHES: [f64; 3] = [2.0, 1e4, 1e8];
 
-/// Why a rectangle, corners or half-planes are not a domain.
-#[derive(Clone, Debug, PartialEq, Error)]
-#[non_exhaustive]
-pub enum PlaneDomainError {
-    /// A coordinate, normal or offset is NaN or infinite.
-    #[error("{what} {index} of the domain is not finite")]
-    NotFinite {
-        /// What was given: a corner or a half-plane.
-        what: &'static str,
-        /// Which one, from zero.
-        index: usize,
-    },
-    /// Fewer than three corners or half-planes.
-    #[error("a domain in the plane needs at least 3 {what}, {count} were given")]
-    TooFew {
-        /// What was given: corners or half-planes.
-        what: &'static str,
-        /// How many.
-        count: usize,
-    },
-    /// The domain lies so far from the origin that its coordinates have too few digits left.
-    #[error(
-        "the domain reaches from {min} to {max} along {}: so far from the origin too few digits are left for \
-         sites; shift it towards the origin",
-        ["x", "y"][*axis]
-    )]
-    FarAway {
-        /// 0, 1 for x, y.
-        axis: usize,
-        /// Where it begins.
-        min: f64,
-        /// Where it ends.
-        max: f64,
-    },
-    /// The domain has no area.
-    #[error("the domain has no area (its extent is {width} by {height})")]
-    NoArea {
-        /// Extent along x (L).
-        width: f64,
-        /// Extent along y (L).
-        height: f64,
-    },
-    /// The corners do not go once around a convex polygon.
-    #[error(
-        "the domain is not convex: corner {corner} lies on the wrong side of the side that begins at corner {side}"
-    )]
-    NotConvex {
-        /// The corner at fault.
-        corner: usize,
-        /// The corner at which the side begins.
-        side: usize,
-    },
-    /// A half-plane whose normal is zero.
-    #[error("half-plane {index} of the domain has the normal (0, 0)")]
-    ZeroNormal {
-        /// Which one, from zero.
-        index: usize,
-    },
-    /// The half-planes leave a direction open.
-    #[error("the half-planes do not bound the domain: add one that closes the side left open")]
-    Unbounded,
-}
-
-/// A rectangle or convex polygon, the domain of sites in the plane.
+/// A rectangle or a polygon, the domain of sites in the plane.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlaneDomain {
-    polygon: ConvexPolygon,
+    /// What cells are cut from: the domain, or the box around one that is not convex.
+    hull: ConvexPolygon,
+    /// Convex pieces that fill a domain that is not convex; none of one that is.
+    pieces: Vec<ConvexPolygon>,
+    /// The sides, the domain on their left.
+    sides: Vec<PolygonEdge>,
     bounds: Bounds<2>,
     area: f64,
+    periods: [Option<f64>; 2],
+    density: Option<PlaneDensity>,
 }
 
 impl PlaneDomain {
@@ -103,33 +52,65 @@ impl PlaneDomain {
         check_finite([&bounds.min, &bounds.max])?;
         let extent = bounds.extent();
         if extent.min() <= 0.0 {
-            return Err(no_area(&extent));
+            return Err(PlaneDomainError::no_area(&extent));
         }
         Self::of(ConvexPolygon::rectangle(bounds, std::array::from_fn(wall)))
     }
 
-    /// The convex polygon with the given corners, in either orientation.
+    /// The same rectangle, repeated along the axes that are `periodic`.
+    #[must_use]
+    pub fn repeated(mut self, periodic: [bool; 2]) -> Self {
+        let extent = self.bounds.extent();
+        self.periods = [0, 1].map(|axis| periodic[axis].then_some(extent[axis]));
+        self
+    }
+
+    /// The polygon with the given corners, in either orientation.
     ///
     /// # Errors
-    /// If there are fewer than three corners, one is not finite, they enclose no area, or they do
-    /// not go once around a convex polygon. Corners on a straight side are allowed.
+    /// If there are fewer than three corners, one is not finite, they enclose no area, or two sides
+    /// cross. Corners on a straight side are allowed.
     pub fn from_corners(corners: &[Point2<f64>]) -> Result<Self, PlaneDomainError> {
-        if corners.len() < 3 {
+        Self::from_loops(std::slice::from_ref(&corners.to_vec()))
+    }
+
+    /// The points that an odd number of loops go around: a loop within another one is a hole. Loops
+    /// run in either direction and may touch in points.
+    ///
+    /// # Errors
+    /// As [`from_corners`](Self::from_corners).
+    pub fn from_loops(loops: &[Vec<Point2<f64>>]) -> Result<Self, PlaneDomainError> {
+        let fewest = loops.iter().map(Vec::len).min().unwrap_or_default();
+        if fewest < 3 {
             return Err(PlaneDomainError::TooFew {
                 what: "corners",
-                count: corners.len(),
+                count: fewest,
             });
         }
-        check_finite(corners)?;
-        let polygon = counter_clockwise(corners);
-        if let Some((beyond, start)) = beyond_a_side(&polygon) {
-            let given = |point| corners.iter().position(|c| c == point).unwrap_or_default();
-            return Err(PlaneDomainError::NotConvex {
-                corner: given(beyond),
-                side: given(start),
-            });
+        check_finite(loops.iter().flatten())?;
+        if let [corners] = loops {
+            let polygon = counter_clockwise(corners);
+            if is_convex(&polygon) {
+                return Self::of(polygon);
+            }
         }
-        Self::of(polygon)
+        refuse_crossings(loops)?;
+        Self::of_parts(Bounds::of(loops.iter().flatten()), trapezoids(loops)).checked()
+    }
+
+    /// The domain of these parts.
+    fn of_parts(bounds: Bounds<2>, parts: Trapezoids) -> Self {
+        let middle = bounds.center();
+        let twice = |side: &PolygonEdge| (side.start - middle).perp(&(side.end - middle));
+        Self {
+            area: 0.5 * parts.sides.iter().map(twice).sum::<f64>(),
+            hull: ConvexPolygon::rectangle(&bounds, [FacetKind::Inner.label(); 4]),
+            pieces: parts.pieces,
+            sides: parts.sides,
+            bounds,
+            periods: [None; 2],
+            density: None,
+        }
     }
 
     /// The points that lie in all `half_planes`; superfluous ones do no harm.
@@ -156,16 +137,144 @@ impl PlaneDomain {
         // The first cut met corners far away and lost digits; the second starts close by.
         let bounds = rough.bounds();
         if rough.is_empty() {
-            return Err(no_area(&Vector2::zeros()));
+            return Err(PlaneDomainError::no_area(&Vector2::zeros()));
         }
         let close = square(&bounds.center(), bounds.extent().amax());
         Self::of(intersect(&unit, &close))
     }
 
-    /// The domain as a polygon, its edges labelled as walls.
+    /// The same domain with a density, a polynomial in x and y.
+    ///
+    /// # Errors
+    /// If it is negative somewhere, depends on z, or changes along a periodic axis.
+    pub fn weighted(mut self, density: &Polynomial) -> Result<Self, PlaneDomainError> {
+        self.density = Some(PlaneDensity::new(
+            self.pieces(),
+            self.bounds,
+            self.periods,
+            density,
+        )?);
+        Ok(self)
+    }
+
+    /// The density; none is 1 everywhere.
     #[must_use]
-    pub fn polygon(&self) -> &ConvexPolygon {
-        &self.polygon
+    pub(crate) fn density(&self) -> Option<&PlaneDensity> {
+        self.density.as_ref()
+    }
+
+    /// What the cell of `site` is cut from, relative to it: all of a convex domain, the box around
+    /// any other; along a periodic axis one period about the site, whose ends border on its images.
+    #[must_use]
+    pub(crate) fn start(&self, site: &Point2<f64>, index: u32) -> ConvexPolygon {
+        if !self.is_periodic() {
+            return self.hull.translated(&-site.coords);
+        }
+        let mut bounds = self.bounds.translated(&-site.coords);
+        let mut labels: [Label; 4] = std::array::from_fn(wall);
+        for axis in 0..2 {
+            let Some(period) = self.periods[axis] else {
+                continue;
+            };
+            (bounds.min[axis], bounds.max[axis]) = (-0.5 * period, 0.5 * period);
+            // Bottom, right, top, left.
+            for (side, step) in [([3, 0][axis], -1), ([1, 2][axis], 1)] {
+                let mut image = [0; 3];
+                image[axis] = step;
+                labels[side] = FacetKind::Neighbor { site: index, image }.label();
+            }
+        }
+        ConvexPolygon::rectangle(&bounds, labels)
+    }
+
+    /// The part of `cell` in a domain that is not convex, as convex polygons relative to the cell's
+    /// `site`; none where the domain is convex or holds the whole cell. `cuts` are the half-planes that
+    /// made the cell from [`start`](Self::start).
+    #[must_use]
+    pub(crate) fn parts(
+        &self,
+        site: &Point2<f64>,
+        cell: &ConvexPolygon,
+        cuts: &[(HalfPlane, Label)],
+    ) -> Option<Vec<ConvexPolygon>> {
+        if self.is_convex() {
+            return None;
+        }
+        let around = cell.bounds().translated(&site.coords);
+        let meets = |side: &PolygonEdge| Bounds::of([&side.start, &side.end]).overlaps(&around);
+        if !self.sides.iter().any(meets) {
+            return if self.contains(&around.center()) {
+                None
+            } else {
+                Some(Vec::new())
+            };
+        }
+        let near = self
+            .pieces
+            .iter()
+            .filter(|it| it.bounds().overlaps(&around));
+        let cut = |piece: &ConvexPolygon| {
+            let mut part = piece.translated(&-site.coords);
+            for (plane, label) in cuts {
+                part.clip(plane, *label);
+            }
+            part
+        };
+        Some(near.map(cut).filter(|part| !part.is_empty()).collect())
+    }
+
+    /// Convex polygons that fill the domain.
+    #[must_use]
+    pub(crate) fn pieces(&self) -> &[ConvexPolygon] {
+        if self.is_convex() {
+            std::slice::from_ref(&self.hull)
+        } else {
+            &self.pieces
+        }
+    }
+
+    /// Whether the domain is convex.
+    #[must_use]
+    pub(crate) fn is_convex(&self) -> bool {
+        self.pieces.is_empty()
+    }
+
+    /// Whether the walls are those of the domain's box.
+    #[must_use]
+    pub(crate) fn is_box(&self) -> bool {
+        let is_upright = |side: &PolygonEdge| (side.end - side.start).abs().min() <= 0.0;
+        self.sides.len() == 4 && self.sides.iter().all(is_upright)
+    }
+
+    /// The length of the period along each axis that has one.
+    #[must_use]
+    pub(crate) fn periods(&self) -> [Option<f64>; 2] {
+        self.periods
+    }
+
+    /// Whether the domain repeats itself.
+    #[must_use]
+    pub(crate) fn is_periodic(&self) -> bool {
+        self.periods.iter().any(Option::is_some)
+    }
+
+    /// The point of the domain that is `point` but for whole periods.
+    #[must_use]
+    pub(crate) fn wrap(&self, point: &Point2<f64>) -> Point2<f64> {
+        let mut wrapped = *point;
+        for axis in 0..2 {
+            if let Some(period) = self.periods[axis] {
+                let min = self.bounds.min[axis];
+                let inside = min + (point[axis] - min).rem_euclid(period);
+                // A point a trifle below the lower wall is rounded onto the upper one.
+                wrapped[axis] = if inside < self.bounds.max[axis] {
+                    inside
+                } else {
+                    min
+                };
+            }
+        }
+        wrapped
     }
 
     /// The least box that holds the domain.
@@ -184,41 +293,81 @@ impl PlaneDomain {
     #[must_use]
     pub fn contains(&self, point: &Point2<f64>) -> bool {
         let slack = ON_WALL * self.bounds.extent().amax();
-        self.polygon
-            .edges()
-            .all(|edge| distance_beyond(&edge, point, slack) <= slack)
+        if self.is_convex() {
+            let mut sides = self.sides.iter();
+            return sides.all(|side| distance_beyond(side, point, slack) <= slack);
+        }
+        let is_passed = |side: &&PolygonEdge| {
+            let (start, end) = (side.start, side.end);
+            (start.y > point.y) != (end.y > point.y)
+                && ((end - start).perp(&(point - start)) > 0.0) == (end.y > start.y)
+        };
+        self.sides.iter().filter(is_passed).count() % 2 == 1
+            || self.sides.iter().any(|side| distance(side, point) <= slack)
+    }
+
+    /// The first wall that the straight way from `site` along `step` meets from within, as the share of
+    /// the step before it, and its outward unit normal.
+    #[must_use]
+    pub(crate) fn wall_ahead(
+        &self,
+        site: &Point2<f64>,
+        step: &Vector2<f64>,
+    ) -> Option<(f64, Vector2<f64>)> {
+        let ahead = self.sides.iter().filter_map(|side| {
+            let along = side.end - side.start;
+            let normal = Vector2::new(along.y, -along.x).try_normalize(0.0)?;
+            let (climb, room) = (normal.dot(step), normal.dot(&(side.start - site)));
+            // A side of a convex domain is a wall along all of its line.
+            let passes = |t: f64| {
+                let from_start = site + step * t - side.start;
+                let place = from_start.dot(&along) / along.norm_squared();
+                self.is_convex() || (-ON_WALL..=1.0 + ON_WALL).contains(&place)
+            };
+            let slack = ON_WALL * self.bounds.extent().amax();
+            let room = if room > -slack {
+                room.max(0.0)
+            } else {
+                return None;
+            };
+            let share = room / climb;
+            (climb > room && passes(share)).then_some((share, normal))
+        });
+        ahead.min_by(|a, b| a.0.total_cmp(&b.0))
     }
 
     fn of(polygon: ConvexPolygon) -> Result<Self, PlaneDomainError> {
-        let bounds = polygon.bounds();
+        Self {
+            bounds: polygon.bounds(),
+            area: polygon.area(),
+            sides: polygon.edges().collect(),
+            hull: polygon,
+            pieces: Vec::new(),
+            periods: [None; 2],
+            density: None,
+        }
+        .checked()
+    }
+
+    /// The domain itself if it has an area and digits are left for sites.
+    fn checked(self) -> Result<Self, PlaneDomainError> {
+        let bounds = self.bounds;
         for axis in 0..2 {
             let (min, max) = (bounds.min[axis], bounds.max[axis]);
             if min.abs().max(max.abs()) > FARTHEST * (max - min) {
                 return Err(PlaneDomainError::FarAway { axis, min, max });
             }
         }
-        let area = polygon.area();
         let least = ON_WALL * bounds.extent().norm_squared();
-        if polygon.is_empty() || area.is_nan() || area <= least {
-            return Err(no_area(&bounds.extent()));
+        if self.hull.is_empty() || self.area.is_nan() || self.area <= least {
+            return Err(PlaneDomainError::no_area(&bounds.extent()));
         }
-        Ok(Self {
-            polygon,
-            bounds,
-            area,
-        })
+        Ok(self)
     }
 }
 
 fn wall(index: usize) -> Label {
     FacetKind::Wall(index as u32).label()
-}
-
-fn no_area(extent: &Vector2<f64>) -> PlaneDomainError {
-    PlaneDomainError::NoArea {
-        width: extent.x,
-        height: extent.y,
-    }
 }
 
 fn check_finite<'a>(
@@ -246,15 +395,23 @@ fn counter_clockwise(corners: &[Point2<f64>]) -> ConvexPolygon {
     ConvexPolygon::from_corners(reversed.copied(), walls)
 }
 
-/// A corner to the right of a side, and where that side starts. There is none if and only if the
-/// corners go once around a convex polygon: those that go around twice fail as well.
-fn beyond_a_side(polygon: &ConvexPolygon) -> Option<(&Point2<f64>, &Point2<f64>)> {
+/// Whether no corner lies to the right of a side: that holds if and only if the corners go once around
+/// a convex polygon, for those that go around twice fail as well.
+fn is_convex(polygon: &ConvexPolygon) -> bool {
     let slack = ON_WALL * polygon.bounds().extent().amax();
     let corners = polygon.vertices();
-    polygon.edges().zip(corners).find_map(|(edge, start)| {
-        let beyond = |corner: &&Point2<f64>| distance_beyond(&edge, corner, slack) > slack;
-        corners.iter().find(beyond).map(|corner| (corner, start))
+    polygon.edges().all(|edge| {
+        let is_beyond = |corner| distance_beyond(&edge, corner, slack) > slack;
+        !corners.iter().any(is_beyond)
     })
+}
+
+/// The distance of a point from a segment (L).
+fn distance(segment: &PolygonEdge, point: &Point2<f64>) -> f64 {
+    let along = segment.end - segment.start;
+    let arm = point - segment.start;
+    let share = arm.dot(&along) / along.norm_squared().max(f64::MIN_POSITIVE);
+    (arm - along * share.clamp(0.0, 1.0)).norm()
 }
 
 /// How far `point` lies to the right of `edge` (L). An edge shorter than `slack` has no reliable

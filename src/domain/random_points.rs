@@ -30,21 +30,26 @@ pub(crate) fn source_in_solid(shape: &dyn DomainShape) -> Option<PointSource<'st
     Some(Box::new(move |random| cover.point(random)))
 }
 
-/// A source of points uniform over a domain of the plane, by the triangles of its fan.
+/// A source of points uniform over a domain of the plane, by the triangles of its pieces' fans.
 pub(crate) fn source_in_plane(domain: &PlaneDomain) -> Option<PointSource<'static, 2>> {
-    let corners = domain.polygon().vertices().to_vec();
     let mut sum = 0.0;
-    let mut areas = Vec::new();
-    for pair in corners[1..].windows(2) {
-        let doubled = (pair[0] - corners[0]).perp(&(pair[1] - corners[0]));
-        sum += 0.5 * doubled.max(0.0);
-        areas.push(sum);
+    let (mut triangles, mut areas) = (Vec::new(), Vec::new());
+    for piece in domain.pieces() {
+        let corners = piece.vertices();
+        for pair in corners[1..].windows(2) {
+            let doubled = (pair[0] - corners[0]).perp(&(pair[1] - corners[0]));
+            sum += 0.5 * doubled.max(0.0);
+            areas.push(sum);
+            triangles.push([corners[0], pair[0], pair[1]]);
+        }
     }
-    Some(Box::new(move |random| in_fan(&corners, &areas, random)))
+    Some(Box::new(move |random| {
+        in_triangles(&triangles, &areas, random)
+    }))
 }
 
-/// A point uniform over the triangles at corner 0; `areas` are those of each and all before it.
-fn in_fan(corners: &[Point2<f64>], areas: &[f64], random: &mut Random) -> Point2<f64> {
+/// A point uniform over triangles; `areas` are those of each and all before it.
+fn in_triangles(triangles: &[[Point2<f64>; 3]], areas: &[f64], random: &mut Random) -> Point2<f64> {
     let share = random.uniform() * areas.last().copied().unwrap_or(0.0);
     let at = areas
         .partition_point(|&sum| sum <= share)
@@ -54,7 +59,7 @@ fn in_fan(corners: &[Point2<f64>], areas: &[f64], random: &mut Random) -> Point2
     if along + across > 1.0 {
         (along, across) = (1.0 - along, 1.0 - across);
     }
-    let [from, one, other] = [corners[0], corners[at + 1], corners[at + 2]];
+    let [from, one, other] = triangles[at];
     from + along * (one - from) + across * (other - from)
 }
 

@@ -6,7 +6,7 @@
 
 use std::fmt::Debug;
 
-use nalgebra::{Point3, Vector3};
+use nalgebra::{Point, Point3, SVector, Vector3};
 
 use crate::domain::tri_surface::clip_cell::ClippedCell;
 use crate::geometry::bounds::Bounds;
@@ -162,13 +162,13 @@ pub struct PieceScratch {
 
 /// The displacement from `from` to `to`, the shortest one along periodic axes.
 #[must_use]
-pub(crate) fn displacement(
-    periods: &[Option<f64>; 3],
-    from: &Point3<f64>,
-    to: &Point3<f64>,
-) -> Vector3<f64> {
+pub(crate) fn displacement<const D: usize>(
+    periods: &[Option<f64>; D],
+    from: &Point<f64, D>,
+    to: &Point<f64, D>,
+) -> SVector<f64, D> {
     let mut displacement = to - from;
-    for axis in 0..3 {
+    for axis in 0..D {
         if let Some(period) = periods[axis] {
             displacement[axis] -= period * (displacement[axis] / period).round();
         }

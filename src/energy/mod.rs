@@ -23,7 +23,8 @@
 //! # Before and after
 //!
 //! `preparation` makes prepared pieces, [`moments`] measures them, [`center`] minimizes the energy, for
-//! p = 1 by `prediction`. [`planar`] is all of this in the plane, [`faceted`] for
+//! p = 1 by `prediction`. [`planar`] is all of this in the plane, for one
+//! polygon, [`planar_cell`] for a cell of several pieces, perhaps with a density; [`faceted`] is for
 //! solids given by loose fragments of their boundary.
 //!
 //! \[BL\] Bukenberger & Lensch, *Tetrahedra of Varying Density and their Applications*.
@@ -35,6 +36,8 @@ pub(crate) mod faceted;
 pub(crate) mod fragments;
 pub(crate) mod moments;
 pub(crate) mod planar;
+pub(crate) mod planar_cell;
+mod planar_density;
 pub(crate) mod prepared;
 pub(crate) mod sector;
 

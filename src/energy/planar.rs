@@ -87,7 +87,10 @@ pub(crate) fn energy_with_derivatives(
             energy.hessian[(axis, axis)] += p * (p - 1.0) * power_integral(&triangle, order - 2);
         }
     });
-    energy.hessian += interface_terms(polygon, center, order);
+    visit_interfaces(polygon, center, |cut, turn, w| {
+        let weight = power_of(reach(cut), order).copysign(turn);
+        energy.hessian += w * w.transpose() * weight;
+    });
     energy
 }
 
@@ -98,14 +101,22 @@ pub(crate) fn visit(
     mut take: impl FnMut(FragmentTriangle),
 ) {
     for edge in polygon.edges() {
-        let (start, end) = (edge.start - center, edge.end - center);
-        let mut from = start;
-        for cut in diagonal_crossings(&start, &end).into_iter().flatten() {
-            take(triangle(from, cut));
-            from = cut;
-        }
-        take(triangle(from, end));
+        visit_edge(&(edge.start - center), &(edge.end - center), &mut take);
     }
+}
+
+/// Visits the triangles between the parts of one edge and the center, given relative to the center.
+pub(crate) fn visit_edge(
+    start: &Vector2<f64>,
+    end: &Vector2<f64>,
+    take: &mut impl FnMut(FragmentTriangle),
+) {
+    let mut from = *start;
+    for cut in diagonal_crossings(start, end).into_iter().flatten() {
+        take(triangle(from, cut));
+        from = cut;
+    }
+    take(triangle(from, *end));
 }
 
 /// Where the segment crosses the diagonals, in the order in which it does.
@@ -142,25 +153,32 @@ fn power_integral(triangle: &FragmentTriangle, power: u32) -> f64 {
     linear_power(triangle.signed_area(), &[0.0, start, end], power)
 }
 
-fn interface_terms(polygon: &ConvexPolygon, center: &Point2<f64>, order: u32) -> Matrix2<f64> {
-    let mut terms = Matrix2::zeros();
+/// Visits where the rays along the diagonals cross the edges: the point relative to the center, how the
+/// edge turns about the center, and the ray's w. Counter-clockwise about the center (a turn above zero) the
+/// ray leaves the polygon; clockwise, it enters.
+pub(crate) fn visit_interfaces(
+    polygon: &ConvexPolygon,
+    center: &Point2<f64>,
+    mut take: impl FnMut(&Vector2<f64>, f64, Vector2<f64>),
+) {
     for edge in polygon.edges() {
         let (start, end) = (edge.start - center, edge.end - center);
-        // Counter-clockwise about the center, the ray leaves the polygon; clockwise, it enters.
         let turn = start.perp(&end);
         if turn == 0.0 {
             continue;
         }
         for cut in diagonal_crossings(&start, &end).into_iter().flatten() {
-            let distance = 0.5 * (cut.x.abs() + cut.y.abs());
-            let weight = power_of(distance, order).copysign(turn);
             let w = Vector2::new(1.0_f64.copysign(cut.x), -1.0_f64.copysign(cut.y));
-            terms += w * w.transpose() * weight;
+            take(&cut, turn, w);
         }
     }
-    terms
 }
 
-fn power_of(base: f64, order: u32) -> f64 {
+/// The Chebyshev distance of a point of a diagonal from the center (L).
+pub(crate) fn reach(cut: &Vector2<f64>) -> f64 {
+    0.5 * (cut.x.abs() + cut.y.abs())
+}
+
+pub(crate) fn power_of(base: f64, order: u32) -> f64 {
     (0..order).fold(1.0, |power, _| power * base)
 }

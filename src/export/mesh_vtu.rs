@@ -21,7 +21,7 @@ pub(crate) enum CellColumn {
 }
 
 /// An array of the file: section, type, name, bytes.
-type FileArray = (&'static str, &'static str, String, Vec<u8>);
+pub(crate) type FileArray = (&'static str, &'static str, String, Vec<u8>);
 
 /// Writes `mesh` with a column of numbers for each name. Unless `standard` types are wanted, all cells
 /// are polyhedra.
@@ -52,14 +52,15 @@ pub(crate) fn write_mesh(
         };
         arrays.push(("CellData", kind, (*name).to_owned(), bytes));
     }
-    atomic_write::write(path, |file| write_arrays(file, mesh, &arrays))
+    let counts = [mesh.points.len(), mesh.cell_count];
+    atomic_write::write(path, |file| write_arrays(file, counts, &arrays))
 }
 
-fn real_bytes(all: impl IntoIterator<Item = f64>) -> Vec<u8> {
+pub(crate) fn real_bytes(all: impl IntoIterator<Item = f64>) -> Vec<u8> {
     all.into_iter().flat_map(f64::to_le_bytes).collect()
 }
 
-fn integer_bytes(all: &[i64]) -> Vec<u8> {
+pub(crate) fn integer_bytes(all: &[i64]) -> Vec<u8> {
     all.iter().flat_map(|value| value.to_le_bytes()).collect()
 }
 
@@ -123,8 +124,12 @@ fn push_stream(mesh: &PolyMesh, faces: &CellFaces, cell: usize, stream: &mut Vec
     points
 }
 
-fn write_arrays(file: &mut impl Write, mesh: &PolyMesh, arrays: &[FileArray]) -> io::Result<()> {
-    let (points, cells) = (mesh.points.len(), mesh.cell_count);
+/// Writes a whole file of so many points and cells.
+pub(crate) fn write_arrays(
+    file: &mut impl Write,
+    [points, cells]: [usize; 2],
+    arrays: &[FileArray],
+) -> io::Result<()> {
     write!(
         file,
         "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" \
@@ -132,7 +137,7 @@ fn write_arrays(file: &mut impl Write, mesh: &PolyMesh, arrays: &[FileArray]) ->
          <Piece NumberOfPoints=\"{points}\" NumberOfCells=\"{cells}\">\n"
     )?;
     let mut offset = 0;
-    for section in ["Points", "Cells", "CellData"] {
+    for section in ["Points", "Cells", "CellData", "PointData"] {
         let scalars = match section == "CellData" && arrays.iter().any(|array| array.2 == "energy")
         {
             true => " Scalars=\"energy\"",

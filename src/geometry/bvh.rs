@@ -4,6 +4,10 @@
 //! are left. Nodes are stored in depth-first order, each with the number of the next
 //! node after its subtree, so that a query needs no stack.
 
+use std::cell::Cell;
+
+use nalgebra::Point3;
+
 use crate::geometry::bounds::Bounds;
 
 /// Boxes per leaf: testing four boxes costs about what two more levels would.
@@ -60,6 +64,29 @@ impl Bvh {
     }
 }
 
+impl Bvh {
+    /// The number of the item nearest to `point` and the square of its distance, given that of every
+    /// item's own; `hint` is an item that may be near. None of nothing.
+    pub(crate) fn nearest(
+        &self,
+        point: &Point3<f64>,
+        hint: u32,
+        distance_squared: impl Fn(u32) -> f64,
+    ) -> Option<(u32, f64)> {
+        self.nodes.first()?;
+        let best = Cell::new((hint, distance_squared(hint)));
+        let is_near =
+            |bounds: &Bounds<3>| (bounds.clamp(point) - point).norm_squared() < best.get().1;
+        self.visit(is_near, |number| {
+            let distance = distance_squared(number);
+            if distance < best.get().1 {
+                best.set((number, distance));
+            }
+        });
+        Some(best.get())
+    }
+}
+
 /// Appends the nodes over `items`, which begin at place `first` of all.
 fn build(items: &mut [Item], first: u32, nodes: &mut Vec<BvhNode>) {
     let corners = items.iter().flat_map(|(item, _)| [&item.min, &item.max]);
@@ -98,7 +125,7 @@ fn halve(items: &mut [Item]) -> (&mut [Item], &mut [Item]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use nalgebra::{Point3, Vector3};
+    use nalgebra::Vector3;
 
     #[test]
     fn a_query_finds_what_a_scan_finds() {
@@ -117,6 +144,25 @@ mod tests {
             found.sort_unstable();
             let scan = (0..100u32).filter(|&k| boxes[k as usize].overlaps(probe));
             assert_eq!(found, scan.collect::<Vec<_>>());
+        }
+    }
+
+    #[test]
+    fn the_nearest_is_that_of_a_scan_for_any_hint() {
+        let place = |k: u32| {
+            let turn = f64::from(k);
+            Point3::new(turn.sin(), (1.3 * turn).cos(), (2.1 * turn).sin())
+        };
+        let points: Vec<_> = (0..100).map(place).collect();
+        let tree = Bvh::new(points.iter().map(|p| Bounds { min: *p, max: *p }));
+        for k in 200..300 {
+            let probe = place(k);
+            let to = |number: u32| (points[number as usize] - probe).norm_squared();
+            let scan = (0..100).map(to).fold(f64::INFINITY, f64::min);
+            for hint in [0, k - 200, 99] {
+                let (number, distance) = tree.nearest(&probe, hint, to).expect("there are points");
+                assert_eq!((distance, to(number)), (scan, scan));
+            }
         }
     }
 

@@ -16,14 +16,14 @@ use crate::geometry::label::Label;
 
 /// A convex polygon with a label per edge.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct ConvexPolygon {
+pub(crate) struct ConvexPolygon {
     vertices: Vec<Point2<f64>>,
     labels: Vec<Label>,
 }
 
 /// An edge of a polygon, directed counter-clockwise.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PolygonEdge {
+pub(crate) struct PolygonEdge {
     /// Where the edge begins.
     pub start: Point2<f64>,
     /// Where the edge ends.
@@ -35,7 +35,7 @@ pub struct PolygonEdge {
 impl PolygonEdge {
     /// The edge's length (L).
     #[must_use]
-    pub fn length(&self) -> f64 {
+    pub(crate) fn length(&self) -> f64 {
         (self.end - self.start).norm()
     }
 }
@@ -43,7 +43,7 @@ impl PolygonEdge {
 impl ConvexPolygon {
     /// The polygon with the given corners, which must be convex and
     /// counter-clockwise; the edge that leaves corner k carries label k of `labels`.
-    pub fn from_corners(
+    pub(crate) fn from_corners(
         corners: impl IntoIterator<Item = Point2<f64>>,
         labels: impl IntoIterator<Item = Label>,
     ) -> Self {
@@ -53,7 +53,7 @@ impl ConvexPolygon {
 
     /// The rectangle `bounds`, its edges labelled bottom, right, top, left.
     #[must_use]
-    pub fn rectangle(bounds: &Bounds<2>, labels: [Label; 4]) -> Self {
+    pub(crate) fn rectangle(bounds: &Bounds<2>, labels: [Label; 4]) -> Self {
         let Bounds { min, max } = bounds;
         let corners = [
             *min,
@@ -66,18 +66,18 @@ impl ConvexPolygon {
 
     /// The vertices, counter-clockwise.
     #[must_use]
-    pub fn vertices(&self) -> &[Point2<f64>] {
+    pub(crate) fn vertices(&self) -> &[Point2<f64>] {
         &self.vertices
     }
 
     /// Whether nothing is left: fewer than three vertices.
     #[must_use]
-    pub fn is_empty(&self) -> bool {
+    pub(crate) fn is_empty(&self) -> bool {
         self.vertices.len() < 3
     }
 
     /// The edges, counter-clockwise.
-    pub fn edges(&self) -> impl Iterator<Item = PolygonEdge> + '_ {
+    pub(crate) fn edges(&self) -> impl Iterator<Item = PolygonEdge> + '_ {
         let ends = self.vertices.iter().cycle().skip(1);
         self.vertices
             .iter()
@@ -88,7 +88,7 @@ impl ConvexPolygon {
 
     /// The same polygon moved by `displacement`.
     #[must_use]
-    pub fn translated(&self, displacement: &Vector2<f64>) -> Self {
+    pub(crate) fn translated(&self, displacement: &Vector2<f64>) -> Self {
         Self {
             vertices: self.vertices.iter().map(|v| v + displacement).collect(),
             labels: self.labels.clone(),
@@ -99,7 +99,7 @@ impl ConvexPolygon {
     /// whether anything was cut away.
     ///
     /// Sutherland & Hodgman, *Reentrant Polygon Clipping*, 1974, for one plane.
-    pub fn clip(&mut self, plane: &HalfPlane, label: Label) -> bool {
+    pub(crate) fn clip(&mut self, plane: &HalfPlane, label: Label) -> bool {
         if self.vertices.iter().all(|v| plane.height(v) <= 0.0) {
             return false;
         }
@@ -117,48 +117,13 @@ impl ConvexPolygon {
 
     /// The area (L²).
     #[must_use]
-    pub fn area(&self) -> f64 {
+    pub(crate) fn area(&self) -> f64 {
         self.fan().map(|(a, b)| 0.5 * a.perp(&b)).sum()
-    }
-
-    /// The mass center; the first vertex (or the origin) of a polygon without area.
-    #[must_use]
-    pub fn centroid(&self) -> Point2<f64> {
-        let apex = self.vertices.first().copied().unwrap_or_default();
-        let mut area = 0.0;
-        let mut moment = Vector2::zeros();
-        for (a, b) in self.fan() {
-            let twice = a.perp(&b);
-            area += twice;
-            moment += (a + b) * (twice / 3.0);
-        }
-        if area > 0.0 {
-            apex + moment / area
-        } else {
-            apex
-        }
-    }
-
-    /// ∫ |y − center|₂² over the polygon (L⁴).
-    #[must_use]
-    pub fn second_moment(&self, center: &Point2<f64>) -> f64 {
-        self.edges()
-            .map(|edge| {
-                let (a, b) = (edge.start - center, edge.end - center);
-                a.perp(&b) * (a.norm_squared() + a.dot(&b) + b.norm_squared()) / 12.0
-            })
-            .sum()
-    }
-
-    /// The sum of the edges' lengths (L).
-    #[must_use]
-    pub fn perimeter(&self) -> f64 {
-        self.edges().map(|edge| edge.length()).sum()
     }
 
     /// The least box that holds the polygon.
     #[must_use]
-    pub fn bounds(&self) -> Bounds<2> {
+    pub(crate) fn bounds(&self) -> Bounds<2> {
         Bounds::of(&self.vertices)
     }
 
@@ -168,7 +133,7 @@ impl ConvexPolygon {
     /// Only edges that the line crosses count, so the direction of an edge of a few ulps,
     /// which is noise, does not matter.
     #[must_use]
-    pub fn reach(&self, start: &Point2<f64>, step: &Vector2<f64>) -> f64 {
+    pub(crate) fn reach(&self, start: &Point2<f64>, step: &Vector2<f64>) -> f64 {
         self.edges()
             .filter_map(|edge| {
                 let (a, b) = (edge.start - start, edge.end - start);
@@ -267,15 +232,6 @@ mod tests {
         assert_eq!(polygon, square());
         assert!(polygon.clip(&half_plane(1.0, 0.0, -2.0), 9));
         assert!(polygon.is_empty() && polygon.area().abs() < f64::MIN_POSITIVE);
-    }
-
-    #[test]
-    fn moments_of_the_square_are_those_of_the_textbook() {
-        let moved = square().translated(&Vector2::new(3.0, -2.0));
-        assert!((moved.area() - 4.0).abs() < 1e-15);
-        assert!((moved.centroid() - Point2::new(3.0, -2.0)).norm() < 1e-15);
-        assert!((moved.second_moment(&Point2::new(3.0, -2.0)) - 8.0 / 3.0).abs() < 1e-14);
-        assert!((moved.perimeter() - 8.0).abs() < 1e-15);
     }
 
     #[test]

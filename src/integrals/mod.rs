@@ -8,7 +8,7 @@
 //!
 //! ```text
 //!     simplex                    powers of one linear function
-//!     series                     all monomials up to a degree, on any simplex
+//!     series                     all monomials up to a degree, on any simplex; planar: in the plane
 //!        │      polynomial ← formula (double_double) ← polynomial_text
 //!        │          │             └ bernstein  bounds in a box
 //!     mesh_moments  ┘          the ten moments of a surface, of tetrahedra, of a piece
@@ -29,6 +29,7 @@ mod formula;
 pub mod lanes;
 pub mod mesh_moments;
 pub mod pairwise;
+pub(crate) mod planar;
 pub mod polynomial;
 pub mod polynomial_text;
 pub mod reference;

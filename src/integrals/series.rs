@@ -55,6 +55,13 @@ impl Monomials {
         Self::below([highest; 3], highest)
     }
 
+    /// All monomials in x and y of total degree at most `highest`, within a degree by falling powers
+    /// of x.
+    #[must_use]
+    pub(crate) fn in_plane(highest: u32) -> Self {
+        Self::below([highest, highest, 0], highest)
+    }
+
     /// The divisors of one monomial.
     #[must_use]
     pub fn dividing(exponents: Exponents) -> Self {

@@ -27,8 +27,10 @@
 pub mod body;
 pub mod cut;
 pub mod density;
+pub(crate) mod evaluate;
 pub mod principal;
 pub mod profile;
 pub(crate) mod sign;
 pub mod split;
+pub(crate) mod tet_values;
 pub mod weigh;

@@ -19,6 +19,17 @@ pub(crate) struct Evaluation<const D: usize> {
     pub hessian: SMatrix<f64, D, D>,
 }
 
+impl<const D: usize> Default for Evaluation<D> {
+    /// That of the function 0.
+    fn default() -> Self {
+        Self {
+            value: 0.0,
+            gradient: SVector::zeros(),
+            hessian: SMatrix::zeros(),
+        }
+    }
+}
+
 /// A function's value and derivatives up to the third, where that is known, at one point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Jet<const D: usize> {

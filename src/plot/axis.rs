@@ -22,6 +22,8 @@ pub(crate) struct Axis {
     pub ticks: Vec<Tick>,
     /// Unlabelled ticks between them.
     pub minor: Vec<f64>,
+    /// The value above which a logarithmic axis counts.
+    pub base: f64,
 }
 
 /// About as many labelled ticks as fit one of our panels.
@@ -68,6 +70,28 @@ impl Axis {
         Self::stepped(min, max, round_step((max - min) / TICKS))
     }
 
+    /// The same with about so many ticks.
+    #[must_use]
+    pub(crate) fn within_about(min: f64, max: f64, ticks: f64) -> Self {
+        Self::stepped(min, max, round_step((max - min) / ticks.clamp(1.0, TICKS)))
+    }
+
+    /// An axis of equal ratios of what lies above `base`, around `[low, high]`, both above it; its ticks
+    /// are labelled by the values themselves.
+    #[must_use]
+    pub(crate) fn logarithmic_above(base: f64, low: f64, high: f64) -> Self {
+        let mut axis = Self::logarithmic(low - base, high - base);
+        for tick in &mut axis.ticks {
+            let decimals = (-tick.value.log10().floor()).max(0.0) as usize;
+            tick.label = format!("{:.decimals$}", base + tick.value);
+            tick.value += base;
+        }
+        axis.minor.iter_mut().for_each(|value| *value += base);
+        (axis.min, axis.max) = (axis.min + base, axis.max + base);
+        axis.base = base;
+        axis
+    }
+
     /// An axis of equal ratios around `[low, high]`, both positive, with ticks on decades.
     #[must_use]
     pub(crate) fn logarithmic(low: f64, high: f64) -> Self {
@@ -107,6 +131,7 @@ impl Axis {
             logarithmic: true,
             ticks,
             minor,
+            base: 0.0,
         }
     }
 
@@ -114,7 +139,8 @@ impl Axis {
     #[must_use]
     pub(crate) fn share(&self, value: f64) -> f64 {
         if self.logarithmic {
-            (value / self.min).ln() / (self.max / self.min).ln()
+            let above = |end: f64| end - self.base;
+            (above(value) / above(self.min)).ln() / (above(self.max) / above(self.min)).ln()
         } else {
             (value - self.min) / (self.max - self.min)
         }
@@ -138,6 +164,7 @@ impl Axis {
             logarithmic: false,
             ticks,
             minor: Vec::new(),
+            base: 0.0,
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Parallel projection of points in space to a picture.
 
-use nalgebra::{Point2, Point3, Vector3};
+use nalgebra::{Point2, Point3, Vector2, Vector3};
 
 use crate::geometry::bounds::Bounds;
 
@@ -51,6 +51,14 @@ impl Camera {
             camera.factor = factor;
         }
         camera
+    }
+
+    /// The width and height, in lengths, of what shows all `points`.
+    #[must_use]
+    pub(crate) fn extent(points: impl IntoIterator<Item = Point3<f64>>) -> Vector2<f64> {
+        let camera = Self::fitting([], [Point2::origin(); 2]);
+        let projected = points.into_iter().map(|point| camera.lengths(&point));
+        Bounds::of(&projected.collect::<Vec<_>>()).extent().xy()
     }
 
     /// The image of a point: pixels to the right and downward from the upper left corner, and the

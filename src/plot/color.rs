@@ -44,14 +44,39 @@ impl Color {
         0.299 * r + 0.587 * g + 0.114 * b
     }
 
-    /// The color with its brightness multiplied by `factor ≥ 0`.
+    /// The color in so much of its light, 0 to 1, as it looks to the eye: hue and saturation stay, since
+    /// all three components are scaled alike in linear light.
     #[must_use]
     pub(crate) fn lit(self, factor: f64) -> Self {
+        let light = factor.clamp(0.0, 1.0).powf(EYE);
         Self {
-            rgb: self
-                .rgb
-                .map(|c| (f64::from(c) * factor).round().clamp(0.0, 255.0) as u8),
+            rgb: self.rgb.map(|c| {
+                let lit = encoded(linear(f64::from(c) / 255.0) * light);
+                (255.0 * lit).round() as u8
+            }),
         }
+    }
+}
+
+/// Lightness is about the cube root of light (CIELAB, OKLab); the sRGB curve is nearly a power of 2.2,
+/// and shades that the eye takes for even steps lie between.
+const EYE: f64 = 2.2;
+
+/// The light of an sRGB component (IEC 61966-2-1).
+fn linear(component: f64) -> f64 {
+    if component <= 0.040_45 {
+        component / 12.92
+    } else {
+        ((component + 0.055) / 1.055).powf(2.4)
+    }
+}
+
+/// The inverse of [`linear`].
+fn encoded(light: f64) -> f64 {
+    if light <= 0.003_130_8 {
+        12.92 * light
+    } else {
+        1.055 * light.powf(1.0 / 2.4) - 0.055
     }
 }
 
@@ -117,6 +142,20 @@ impl ColorScale {
         }
     }
 
+    /// Whether some of the values lie below and above the scale.
+    #[must_use]
+    pub(crate) fn clipped(&self, values: impl IntoIterator<Item = f64>) -> [bool; 2] {
+        let slack = 1e-9 * (self.max - self.min);
+        values
+            .into_iter()
+            .fold([false; 2], |[below, above], value| {
+                [
+                    below || value < self.min - slack,
+                    above || value > self.max + slack,
+                ]
+            })
+    }
+
     /// The color of `value`.
     #[must_use]
     pub(crate) fn color(&self, value: f64) -> Color {
@@ -134,6 +173,42 @@ mod tests {
         assert_eq!(viridis(-1.0), Color::hex(0x44_01_54));
         assert_eq!(viridis(2.0), Color::hex(0xfd_e7_25));
         assert_eq!(viridis(f64::NAN), Color::GRAY);
+    }
+
+    /// The hue in OKLab (B. Ottosson 2020), in radians.
+    fn hue(color: Color) -> f64 {
+        let [r, g, b] = color.rgb.map(|c| linear(f64::from(c) / 255.0));
+        let l = (0.412_221_47 * r + 0.536_332_54 * g + 0.051_445_99 * b).cbrt();
+        let m = (0.211_903_5 * r + 0.680_699_55 * g + 0.107_396_96 * b).cbrt();
+        let s = (0.088_302_46 * r + 0.281_718_84 * g + 0.629_978_7 * b).cbrt();
+        let a = 1.977_998_5 * l - 2.428_592_2 * m + 0.450_593_7 * s;
+        let b = 0.025_904_04 * l + 0.782_771_77 * m - 0.808_675_77 * s;
+        b.atan2(a)
+    }
+
+    #[test]
+    fn shading_keeps_the_hue_and_never_brightens() {
+        for step in 0..=20 {
+            let color = viridis(f64::from(step) / 20.0);
+            for factor in [0.5, 0.7, 0.9, 1.0, 1.3] {
+                let lit = color.lit(factor);
+                assert!((hue(lit) - hue(color)).abs() < 0.04, "{color:?} {factor}");
+                assert!(lit.luma() <= color.luma());
+            }
+            assert_eq!(color.lit(1.0), color);
+        }
+    }
+
+    #[test]
+    fn values_beyond_a_scale_are_known() {
+        let scale = ColorScale {
+            label: String::new(),
+            min: 1.0,
+            max: 2.0,
+        };
+        assert_eq!(scale.clipped([1.0, 1.5, 2.0]), [false, false]);
+        assert_eq!(scale.clipped([0.5, 1.5]), [true, false]);
+        assert_eq!(scale.clipped([1.5, 2.1, f64::NAN]), [false, true]);
     }
 
     #[test]

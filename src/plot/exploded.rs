@@ -36,24 +36,24 @@ pub(crate) struct FragmentedCell {
 }
 
 /// How far a fragment moves out of its cell, as a share of the cell's largest extent.
-const EXPLOSION: f64 = 0.16;
+pub(crate) const EXPLOSION: f64 = 0.16;
 
 /// x, y, z (Okabe & Ito's vermilion, green and blue).
-const AXES: [Color; 3] = [
+pub(crate) const AXES: [Color; 3] = [
     Color::hex(0xd5_5e_00),
     Color::hex(0x00_9e_73),
     Color::hex(0x00_72_b2),
 ];
 
 /// The color at the center, before the axis' color comes in.
-const PALE: Color = Color::hex(0xff_fb_f2);
+pub(crate) const PALE: Color = Color::hex(0xff_fb_f2);
 
 /// Sides of a cell's part of the picture in pixels, and pixels per figure unit.
 const SIDE: usize = 900;
 const SCALE: f64 = 2.0;
 
-const MARGIN: f64 = 20.0;
-const CAPTION_SPACE: f64 = 30.0;
+pub(crate) const MARGIN: f64 = 20.0;
+pub(crate) const CAPTION_SPACE: f64 = 30.0;
 
 /// The cells side by side, each as large as its part of the picture allows, as the bytes of a PNG
 /// file.
@@ -106,18 +106,19 @@ fn draw_cell(buffer: &mut ZBuffer, cell: &FragmentedCell, number: usize) {
     }
 }
 
-/// The axes' colors, in the upper left corner.
-fn draw_legend(figure: &mut Figure) {
+/// The axes' colors, in a row on the line of the caption.
+pub(crate) fn draw_legend(figure: &mut Figure) {
+    let foot = figure.height - MARGIN;
     for (number, (color, name)) in AXES.into_iter().zip(["x", "y", "z"]).enumerate() {
-        let min = Point2::new(MARGIN, MARGIN + 18.0 * number as f64);
-        let max = Point2::new(min.x + 11.0, min.y + 11.0);
+        let max = Point2::new(MARGIN + 11.0 + 32.0 * number as f64, foot);
+        let min = Point2::new(max.x - 11.0, max.y - 11.0);
         figure.rectangle([min, max], Some(color), None);
-        let beside = Point2::new(max.x + 6.0, max.y - 1.0);
+        let beside = Point2::new(max.x + 5.0, max.y - 1.0);
         figure.text(beside, name, LABEL_SIZE, Anchor::Start);
     }
 }
 
-fn outward(fragment: &Fragment) -> Vector3<f64> {
+pub(crate) fn outward(fragment: &Fragment) -> Vector3<f64> {
     let mut direction = Vector3::zeros();
     direction[fragment.axis.min(2)] = if fragment.positive { 1.0 } else { -1.0 };
     direction

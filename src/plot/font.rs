@@ -65,6 +65,21 @@ pub(crate) fn elided(text: &str, size: f64, limit: f64) -> String {
     "…".to_owned()
 }
 
+/// `text` in as few lines as it takes, broken at blanks, so that none is wider than `limit`; a word that is
+/// wider itself is shortened.
+#[must_use]
+pub(crate) fn lines(text: &str, size: f64, limit: f64) -> Vec<String> {
+    let mut lines: Vec<String> = Vec::new();
+    for word in text.split(' ') {
+        let longer = lines.last().map(|line| format!("{line} {word}"));
+        match (longer, lines.last_mut()) {
+            (Some(longer), Some(last)) if width(&longer, size) <= limit => *last = longer,
+            _ => lines.push(elided(word, size, limit)),
+        }
+    }
+    lines
+}
+
 /// A receiver of the outlines of glyphs, in figure units.
 pub(crate) trait Pen {
     /// Begins a contour.
@@ -143,5 +158,15 @@ mod tests {
         assert!(width(&short, 12.0) <= 150.0);
         assert!(short.starts_with("exp") && short.ends_with("-7") && short.contains('…'));
         assert_eq!(elided("short", 12.0, 150.0), "short");
+    }
+
+    #[test]
+    fn long_labels_are_broken_at_blanks() {
+        let label = "energy (% of a square of the cell’s area)";
+        let broken = lines(label, 12.0, 160.0);
+        assert_eq!(broken.len(), 2, "{broken:?}");
+        assert_eq!(broken.join(" "), label);
+        assert!(broken.iter().all(|line| width(line, 12.0) <= 160.0));
+        assert_eq!(lines(label, 12.0, 1e3), [label]);
     }
 }

@@ -1,10 +1,10 @@
 //! Framed areas with axes, color bars, and the sizes of texts in all pictures.
 
-use nalgebra::Point2;
+use nalgebra::{Point2, Vector2};
 
 use crate::plot::axis::Axis;
 use crate::plot::color::{Color, ColorScale};
-use crate::plot::figure::{Anchor, Figure, Stroke};
+use crate::plot::figure::{Anchor, Figure, Shape, Stroke};
 use crate::plot::font;
 
 /// A framed area with a horizontal and a vertical axis.
@@ -47,6 +47,15 @@ impl Panel {
     pub(crate) fn draw_grid(&self, figure: &mut Figure) {
         self.draw_x_ticks(figure);
         self.draw_y_ticks(figure);
+    }
+
+    /// Draws ticks and tick labels without a grid, upon what is there.
+    pub(crate) fn draw_ticks(&self, figure: &mut Figure) {
+        let mut drawn = Figure::new(figure.width, figure.height);
+        self.draw_grid(&mut drawn);
+        let is_grid = |shape: &Shape| matches!(shape, Shape::Path { stroke: Some(stroke), .. } if *stroke == GRID_LINE);
+        let ticks = drawn.shapes.into_iter().filter(|shape| !is_grid(shape));
+        figure.shapes.extend(ticks);
     }
 
     fn draw_x_ticks(&self, figure: &mut Figure) {
@@ -92,16 +101,32 @@ impl Panel {
             .ticks
             .iter()
             .map(|tick| font::width(&tick.label, TICK_SIZE));
-        let left = min.x - STANDOFF - widest.fold(0.0, f64::max) - 9.0;
-        figure.upward_text(Point2::new(left, middle.y), y_name, LABEL_SIZE);
+        let lines = font::lines(y_name, LABEL_SIZE, (max.y - min.y).max(LEAST_NAME));
+        let mut left = min.x - STANDOFF - widest.fold(0.0, f64::max) - 9.0;
+        for line in lines.iter().rev() {
+            figure.upward_text(Point2::new(left, middle.y), line, LABEL_SIZE);
+            left -= LINE_STEP;
+        }
     }
 }
 
 /// The bar's width; ticks, their labels and the scale's name need [`BAR_SPACE`] in all.
 const BAR_WIDTH: f64 = 14.0;
 
-/// The space that a bar takes to the right of its left edge.
-pub(crate) const BAR_SPACE: f64 = 92.0;
+/// The space that a bar takes to the right of its left edge, with a name of two lines.
+pub(crate) const BAR_SPACE: f64 = 108.0;
+
+/// The space that a level bar takes below its upper edge.
+pub(crate) const LEVEL_BAR_SPACE: f64 = 58.0;
+
+/// How far the arrow reaches beyond an end of a bar that values lie beyond.
+const ARROW: f64 = 11.0;
+
+/// From one line of a name to the next.
+const LINE_STEP: f64 = 1.25 * LABEL_SIZE;
+
+/// Names of axes may be as long as this where the axis is shorter.
+const LEAST_NAME: f64 = 120.0;
 
 /// Steps of color along the bar: finer than visible steps.
 const BAR_STEPS: usize = 128;
@@ -113,29 +138,117 @@ pub(crate) fn draw_color_bar(
     height: f64,
     scale: &ColorScale,
 ) {
-    let end = Point2::new(corner.x + BAR_WIDTH, corner.y + height);
-    for step in 0..BAR_STEPS {
-        // Every step reaches up to the top, so that no seam shows between two.
-        let share = step as f64 / BAR_STEPS as f64;
-        let floor = Point2::new(end.x, end.y - share * height);
-        let value = scale.min + (share + 0.5 / BAR_STEPS as f64) * (scale.max - scale.min);
-        figure.rectangle([corner, floor], Some(scale.color(value)), None);
-    }
-    figure.rectangle([corner, end], None, Some(Stroke::solid(Color::INK, 0.8)));
-    let axis = Axis::within(scale.min, scale.max);
+    draw_clipped_color_bar(figure, corner, height, (scale, [false; 2]));
+}
+
+/// The same with an arrow at each end beyond which there are values: below `scale.min`, above
+/// `scale.max`. The arrows lie within `height`.
+pub(crate) fn draw_clipped_color_bar(
+    figure: &mut Figure,
+    corner: Point2<f64>,
+    height: f64,
+    (scale, clipped): (&ColorScale, [bool; 2]),
+) {
+    let [below, above] = clipped.map(|is_clipped| if is_clipped { ARROW } else { 0.0 });
+    let start = Point2::new(corner.x, corner.y + above);
+    let end = Point2::new(corner.x + BAR_WIDTH, corner.y + height - below);
+    let axis = draw_bar(figure, [start, end], scale, true);
+    draw_arrows(figure, [start, end], (scale, clipped), true);
     let mut widest = 0.0_f64;
     for tick in &axis.ticks {
-        let y = end.y - axis.share(tick.value) * height;
-        let ink = Stroke::solid(Color::INK, 0.8);
-        figure.line(Point2::new(end.x, y), Point2::new(end.x + 4.0, y), ink);
+        let y = end.y - axis.share(tick.value) * (end.y - start.y);
+        figure.line(
+            Point2::new(end.x, y),
+            Point2::new(end.x + 4.0, y),
+            TICK_LINE,
+        );
         let beside = Point2::new(end.x + 8.0, y + 0.36 * TICK_SIZE);
         figure.text(beside, &tick.label, TICK_SIZE, Anchor::Start);
         widest = widest.max(font::width(&tick.label, TICK_SIZE));
     }
-    let name = Point2::new(
-        end.x + 8.0 + widest + 8.0 + LABEL_SIZE,
-        0.5 * (corner.y + end.y),
-    );
-    let label = font::elided(&scale.label, LABEL_SIZE, height);
-    figure.upward_text(name, &label, LABEL_SIZE);
+    let mut x = end.x + 8.0 + widest + 8.0 + LABEL_SIZE;
+    for line in font::lines(&scale.label, LABEL_SIZE, height) {
+        figure.upward_text(Point2::new(x, corner.y + 0.5 * height), &line, LABEL_SIZE);
+        x += LINE_STEP;
+    }
+}
+
+/// The same from left to right, its ticks and name below: for pictures that are not high.
+pub(crate) fn draw_level_color_bar(
+    figure: &mut Figure,
+    corner: Point2<f64>,
+    width: f64,
+    (scale, clipped): (&ColorScale, [bool; 2]),
+) {
+    let [below, above] = clipped.map(|is_clipped| if is_clipped { ARROW } else { 0.0 });
+    let start = Point2::new(corner.x + below, corner.y);
+    let end = Point2::new(corner.x + width - above, corner.y + BAR_WIDTH);
+    let axis = draw_bar(figure, [start, end], scale, false);
+    draw_arrows(figure, [start, end], (scale, clipped), false);
+    for tick in &axis.ticks {
+        let x = start.x + axis.share(tick.value) * (end.x - start.x);
+        figure.line(
+            Point2::new(x, end.y),
+            Point2::new(x, end.y + 4.0),
+            TICK_LINE,
+        );
+        let under = Point2::new(x, end.y + 8.0 + 0.8 * TICK_SIZE);
+        figure.text(under, &tick.label, TICK_SIZE, Anchor::Middle);
+    }
+    let name = Point2::new(corner.x + 0.5 * width, end.y + 36.0);
+    let label = font::elided(&scale.label, LABEL_SIZE, width);
+    figure.text(name, &label, LABEL_SIZE, Anchor::Middle);
+}
+
+/// The colors of a bar in a frame, and the frame; returns the axis of the values.
+fn draw_bar(
+    figure: &mut Figure,
+    [start, end]: [Point2<f64>; 2],
+    scale: &ColorScale,
+    is_upright: bool,
+) -> Axis {
+    for step in 0..BAR_STEPS {
+        // Every step reaches up to the far end, so that no seam shows between two.
+        let share = step as f64 / BAR_STEPS as f64;
+        let rest = if is_upright {
+            [start, Point2::new(end.x, end.y - share * (end.y - start.y))]
+        } else {
+            [
+                Point2::new(start.x + share * (end.x - start.x), start.y),
+                end,
+            ]
+        };
+        let value = scale.min + (share + 0.5 / BAR_STEPS as f64) * (scale.max - scale.min);
+        figure.rectangle(rest, Some(scale.color(value)), None);
+    }
+    figure.rectangle([start, end], None, Some(TICK_LINE));
+    Axis::within(scale.min, scale.max)
+}
+
+/// The arrows at the ends of a bar beyond which there are values.
+fn draw_arrows(
+    figure: &mut Figure,
+    [start, end]: [Point2<f64>; 2],
+    (scale, clipped): (&ColorScale, [bool; 2]),
+    is_upright: bool,
+) {
+    let [low, high] = if is_upright {
+        let up = [start, Point2::new(end.x, start.y)];
+        let down = [end, Point2::new(start.x, end.y)];
+        [(down, Vector2::y()), (up, -Vector2::y())]
+    } else {
+        let left = [start, Point2::new(start.x, end.y)];
+        let right = [end, Point2::new(end.x, start.y)];
+        [(left, -Vector2::x()), (right, Vector2::x())]
+    };
+    let ends = [(low, scale.min), (high, scale.max)].into_iter();
+    for (((base, outward), value), _) in ends.zip(clipped).filter(|(_, is)| *is) {
+        let tip = nalgebra::center(&base[0], &base[1]) + outward * ARROW;
+        figure.shapes.push(Shape::Path {
+            contours: vec![vec![base[0], base[1], tip]],
+            closed: true,
+            fill: Some(scale.color(value)),
+            stroke: Some(TICK_LINE),
+        });
+    }
 }

@@ -31,9 +31,14 @@ const FINENESS: usize = 2;
 const LIGHT: Vector3<f64> = Vector3::new(0.30, -0.55, 0.78);
 
 /// Brightness of a facet that the light does not reach, and how much it adds when it falls
-/// straight on it (Lambert's cosine law).
-const AMBIENT: f64 = 0.56;
-const DIRECT: f64 = 0.50;
+/// straight on it (Lambert's cosine law): together 1, which is the color of the color bar.
+const AMBIENT: f64 = 0.54;
+const DIRECT: f64 = 0.46;
+
+/// The brightness of a facet with this unit normal, 0 to 1.
+pub(crate) fn shade(normal: &Vector3<f64>) -> f64 {
+    AMBIENT + DIRECT * normal.dot(&LIGHT.normalize()).max(0.0)
+}
 
 /// The width of facet rims in picture pixels.
 const LINE: f64 = 1.7;
@@ -116,6 +121,11 @@ impl ZBuffer {
         }
     }
 
+    /// Where a point appears, in picture pixels.
+    pub(crate) fn image(&self, point: &Point3<f64>) -> Point2<f64> {
+        self.camera.project(point).xy() / FINENESS as f64
+    }
+
     /// The picture under the shapes of `figure`, its upper left corner at `corner` of the figure,
     /// as the bytes of a PNG file of `scale` pixels per figure unit.
     ///
@@ -162,7 +172,7 @@ impl ZBuffer {
             lines: &lines,
             slopes,
             depths: [bounds.min.z, bounds.max.z],
-            shade: AMBIENT + DIRECT * normal.dot(&LIGHT.normalize()).max(0.0),
+            shade: shade(&normal),
         };
         let mut crossings = std::mem::take(&mut self.crossings);
         for row in pixels(bounds.min.y, bounds.max.y, self.height) {
@@ -186,6 +196,7 @@ impl ZBuffer {
     ) {
         let anchor = facet.rim[0];
         let [least, greatest] = facet.depths;
+        let mut last = (Color::WHITE, Color::WHITE.lit(facet.shade));
         for column in columns {
             let pixel = Point2::new(column as f64 + 0.5, row as f64 + 0.5);
             let arm = pixel - anchor.xy();
@@ -201,7 +212,11 @@ impl ZBuffer {
                 Color::INK
             } else {
                 let image = Point3::new(pixel.x, pixel.y, depth);
-                paint(&self.camera.unproject(&image)).lit(facet.shade)
+                let color = paint(&self.camera.unproject(&image));
+                if color != last.0 {
+                    last = (color, color.lit(facet.shade));
+                }
+                last.1
             };
             self.colors[place] = color.rgb;
         }

@@ -3,7 +3,7 @@
 //! Shape figures are those of section 3.5 of \[BL\] read together with how near a cell is to an
 //! axis-aligned cube: a tessellation of cubes has cubeness, six-facet fraction and axis-aligned
 //! area 1 and volume deviation 0. In the plane, read square for cube and edge for facet: "six"
-//! is then four.
+//! is then four, and `four_sided_fraction` says it so.
 
 use std::collections::BTreeMap;
 
@@ -92,6 +92,12 @@ pub struct Metrics {
     pub cubeness: f64,
     /// Share of the cells with exactly 2·D counted facets.
     pub six_facet_fraction: f64,
+    /// In the plane the same share, of cells with four counted edges.
+    #[cfg_attr(
+        feature = "scene",
+        serde(default, skip_serializing_if = "Option::is_none")
+    )]
+    pub(crate) four_sided_fraction: Option<f64>,
     /// Mean share of axis-aligned facet area.
     pub axis_aligned_area: f64,
     /// Relative standard deviation of the cells' volumes.
@@ -146,6 +152,7 @@ impl Metrics {
             energy_percent: optimum.percent::<D>(mean(&|cell| cell.chebyshev), cells.len()),
             cubeness: mean(&|cell| cell.cubeness),
             six_facet_fraction: cubic as f64 / count,
+            four_sided_fraction: (D == 2).then_some(cubic as f64 / count),
             axis_aligned_area: mean(&|cell| cell.axis_aligned),
             volume_sd: variance.sqrt() / volume_mean,
             facet_histogram,

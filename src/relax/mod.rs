@@ -7,8 +7,8 @@
 //! process needs to go on. An [`optimum`] is what energies are compared with, [`cell_check`] what must
 //! hold of them.
 //!
-//! [`evaluate_cell`] computes a cell's energy and minimizer in its own [`frames`]; [`linf`] the same of an L∞ cell; [`metrics`] are
-//! the figures of cells for `measure`.
+//! [`evaluate_cell`] computes a cell's energy and minimizer in its own [`frames`]; [`linf`] the same of an L∞ cell; [`planar_cell`] of
+//! one in the plane; [`metrics`] are the figures of cells for `measure`.
 
 pub(crate) mod cell_check;
 pub(crate) mod descent;
@@ -24,6 +24,7 @@ pub(crate) mod objective;
 pub(crate) mod optimum;
 pub(crate) mod plan;
 pub(crate) mod planar;
+pub(crate) mod planar_cell;
 pub(crate) mod record;
 pub(crate) mod relaxation;
 pub(crate) mod relaxation_space;

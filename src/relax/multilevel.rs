@@ -12,21 +12,22 @@ pub(crate) fn sites_of_level<const D: usize>(count: usize, level: u32) -> usize 
     (coarse.round() as usize).max(1)
 }
 
-/// The fewest sites of a coarse level: a cube of three by three by three has a cell without walls.
-const FEWEST: usize = 27;
+/// The fewest sites of a coarse level along every axis: a cube of three by three by three has a cell without
+/// walls.
+const FEWEST: usize = 3;
 
-/// Counts that eight does not divide are split anyway while there are more than this: they cannot
+/// Counts that eight (in the plane four) does not divide are split anyway while there are more than this: they cannot
 /// become a grid of cubes, and searching among so many sites takes long.
 const MANY: usize = 4000;
 
-/// How many levels lie below `count` sites that are to become cubes: as long as eight divides
-/// them, and a grid that fits stays one when it is split.
+/// How many levels lie below `count` sites that are to become cubes: as long as eight (in the plane four)
+/// divides them, and a grid that fits stays one when it is split.
 #[must_use]
-pub(crate) fn levels_for_cubes(count: usize) -> u32 {
+pub(crate) fn levels_for_cubes<const D: usize>(count: usize) -> u32 {
     let mut level = 0;
-    while sites_of_level::<3>(count, level + 1) >= FEWEST
-        && (count.is_multiple_of(8_usize.pow(level + 1))
-            || sites_of_level::<3>(count, level) > MANY)
+    while sites_of_level::<D>(count, level + 1) >= FEWEST.pow(D as u32)
+        && (count.is_multiple_of((1_usize << D).pow(level + 1))
+            || sites_of_level::<D>(count, level) > MANY)
     {
         level += 1;
     }

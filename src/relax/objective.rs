@@ -10,7 +10,7 @@
 //! Every cell is visited once and gives one term per facet to the site beyond it. The terms
 //! are added in site order, so the sum does not depend on the number of threads.
 
-use nalgebra::Vector3;
+use nalgebra::{SVector, Vector3};
 
 use crate::domain::domain::Domain;
 use crate::domain::facet_kind::FacetKind;
@@ -23,13 +23,13 @@ use crate::voronoi::cell::Cell;
 
 /// The terms of one cell.
 #[derive(Debug)]
-pub(crate) struct CellTerms {
+pub(crate) struct CellTerms<const D: usize> {
     pub(crate) volume: f64,
     pub(crate) energy: f64,
-    chebyshev: f64,
-    gradient: Vector3<f64>,
+    pub(crate) chebyshev: f64,
+    pub(crate) gradient: SVector<f64, D>,
     /// Terms of the gradients by the neighbors.
-    across: Vec<(u32, Vector3<f64>)>,
+    pub(crate) across: Vec<(u32, SVector<f64, D>)>,
 }
 
 #[derive(Debug, Default)]
@@ -39,12 +39,12 @@ pub(crate) struct ObjectiveScratch {
 }
 
 /// The objective at sites whose cells have these terms, in site order.
-pub(crate) fn sum_of(cells: &[CellTerms]) -> ObjectiveValue<3> {
+pub(crate) fn sum_of<const D: usize>(cells: &[CellTerms<D>]) -> ObjectiveValue<D> {
     let mut sum = ObjectiveValue {
         energy: 0.0,
         chebyshev: 0.0,
         energy_max: 0.0,
-        gradient: vec![Vector3::zeros(); cells.len()],
+        gradient: vec![SVector::zeros(); cells.len()],
         energies: cells.iter().map(|cell| cell.energy).collect(),
     };
     for (site, cell) in cells.iter().enumerate() {
@@ -67,7 +67,7 @@ impl ObjectiveScratch {
         frames: &Frames,
         cell: &Cell<'_>,
         order: u32,
-    ) -> CellTerms {
+    ) -> CellTerms<3> {
         self.cell.load_in_frame(domain, cell, frames.of(cell.site));
         let volume = self.cell.volume();
         let (pieces, walk) = self.cell.pieces();

@@ -17,7 +17,7 @@ pub(crate) const NO_LIMIT: u64 = 1 << 40;
 pub struct Plan {
     /// The energy of cells, and how Lloyd's moves minimize it.
     pub spec: EnergySpec,
-    /// How often the number of sites is divided by eight before the first descent.
+    /// How often the number of sites is divided by eight (in the plane by four) before the first descent.
     pub levels: u32,
     /// Moves in total, over all levels and rounds.
     pub iterations: u64,
@@ -83,7 +83,7 @@ impl Plan {
     #[must_use]
     pub fn cubes(order: u32, count: usize) -> Self {
         Self {
-            levels: levels_for_cubes(count),
+            levels: levels_for_cubes::<3>(count),
             ..Self::perturbed(order, Perturbation::default_of(PerturbationKind::Exchange))
         }
     }

@@ -1,25 +1,22 @@
-//! Relaxation in the plane: the energies, minimizers and figures of planar cells. In the figures read
-//! square for cube and edge for facet.
+//! Relaxation in the plane: the cells of a planar domain's sites.
 
 use nalgebra::{Point2, Vector2};
 use rayon::prelude::*;
 use thiserror::Error;
 
-use crate::domain::facet_kind::FacetKind;
 use crate::domain::planar::PlaneDomain;
-use crate::energy::center::{BOUNDARY_FRACTION, Center, CenterSearch};
-use crate::energy::planar::{energy, energy_with_derivatives};
+use crate::domain::planar_density::PlaneDensity;
+use crate::domain::shape::displacement;
 use crate::geometry::bounds::Bounds;
-use crate::geometry::half_plane::HalfPlane;
-use crate::geometry::polygon::ConvexPolygon;
-use crate::minimize::problem::Evaluation;
-use crate::relax::cell_check::{CellsError, DomainTotals};
-use crate::relax::metrics::{ALIGNED, CellMetrics, FACET_SHARE};
-use crate::relax::relaxation_space::{CellResult, EnergySpec, Norm, RelaxationSpace};
-use crate::voronoi::planar::diagram::{PlaneCell, PlaneDiagram, PlaneDiagramError};
-
-/// A reach above this means that the center lies inside or on the border.
-const ON_BORDER: f64 = 1.0 - 1e-12;
+use crate::relax::cell_check::{CellsError, DomainTotals, EnergyKind};
+use crate::relax::metrics::CellMetrics;
+use crate::relax::objective::sum_of;
+use crate::relax::optimum::{EnergyOptimum, EnergyReference};
+use crate::relax::planar_cell::CellInPlane;
+use crate::relax::relaxation_space::{
+    CellCrowding, CellResult, EnergySpec, ObjectiveValue, RelaxationError, RelaxationSpace,
+};
+use crate::voronoi::planar::diagram::{PlaneDiagram, PlaneDiagramError};
 
 /// Why sites have no cells in a [`Plane`].
 #[derive(Clone, Debug, Error, PartialEq)]
@@ -32,7 +29,7 @@ pub enum PlaneError {
     Cells(#[from] CellsError),
 }
 
-/// A rectangle or convex polygon in which sites relax.
+/// A rectangle or polygon in which sites relax.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plane {
     /// Where the sites live.
@@ -50,9 +47,7 @@ impl Plane {
         spec: EnergySpec,
     ) -> Result<Vec<CellMetrics<2>>, PlaneError> {
         self.check_scale(sites.len(), spec)?;
-        let diagram = PlaneDiagram::new(&self.domain, sites)?;
-        let cells = diagram.cells.par_iter();
-        let cells: Vec<_> = cells.map(|cell| metrics(cell, spec)).collect();
+        let cells = self.map(sites, |cell| cell.metrics(spec))?;
         let figures = cells.iter().map(|cell| (cell.volume, cell.energy));
         self.totals().check::<2>(figures, spec.kind(), || None)?;
         let mut numbered = cells.iter().enumerate();
@@ -60,13 +55,27 @@ impl Plane {
         Ok(cells)
     }
 
+    /// The answers of all cells, in site order.
+    fn map<Answer: Send>(
+        &self,
+        sites: &[Point2<f64>],
+        of_cell: impl Fn(CellInPlane<'_>) -> Answer + Sync,
+    ) -> Result<Vec<Answer>, PlaneDiagramError> {
+        let diagram = PlaneDiagram::new(&self.domain, sites)?;
+        let domain = &self.domain;
+        let cells = diagram.cells.par_iter();
+        Ok(cells
+            .map(|cell| of_cell(CellInPlane { domain, cell }))
+            .collect())
+    }
+
     /// What bounds the energies of any cells.
     fn totals(&self) -> DomainTotals {
-        let area = self.domain.area();
+        let (area, density) = (self.domain.area(), self.domain.density());
         DomainTotals {
             volume: area,
-            mass: area,
-            density: 1.0,
+            mass: area * density.map_or(1.0, PlaneDensity::mean),
+            density: density.map_or(1.0, PlaneDensity::upper_bound),
         }
     }
 }
@@ -86,22 +95,61 @@ impl RelaxationSpace<2> for Plane {
         self.domain.contains(point)
     }
 
+    fn periods(&self) -> [Option<f64>; 2] {
+        self.domain.periods()
+    }
+
+    fn wrap(&self, point: &Point2<f64>) -> Point2<f64> {
+        self.domain.wrap(point)
+    }
+
+    fn varying_density(&self) -> Option<f64> {
+        self.domain.density().map(PlaneDensity::mean)
+    }
+
+    fn optimum(&self) -> EnergyOptimum {
+        let Some(density) = self.domain.density() else {
+            return EnergyOptimum::of_equal_cubes(self.domain.area());
+        };
+        let area = density.optimal_area();
+        EnergyOptimum {
+            kind: EnergyReference::AsymptoticOptimum,
+            volume: area.value,
+            volume_error: area.error,
+            density: density.mean(),
+        }
+    }
+
+    fn check_scale(&self, count: usize, spec: EnergySpec) -> Result<(), CellsError> {
+        self.totals().check_scale::<2>(count, spec.kind())
+    }
+
+    fn displacement(&self, from: &Point2<f64>, to: &Point2<f64>) -> Vector2<f64> {
+        displacement(&self.domain.periods(), from, to)
+    }
+
     fn beyond(&self, site: &Point2<f64>, target: &Point2<f64>, factor: f64) -> Point2<f64> {
-        let far = site + (target - site) * factor;
-        if self.domain.contains(&far) {
+        let step = self.displacement(site, target) * factor;
+        let far = self.domain.wrap(&(site + step));
+        let is_free = self.domain.is_convex() || self.wall_ahead(site, &step).is_none();
+        if is_free && self.domain.contains(&far) {
             far
         } else {
             *target
         }
     }
 
+    fn is_box(&self) -> bool {
+        self.domain.is_box()
+    }
+
+    fn wall_ahead(&self, site: &Point2<f64>, step: &Vector2<f64>) -> Option<(f64, Vector2<f64>)> {
+        self.domain.wall_ahead(site, step)
+    }
+
     fn energy(&self, sites: &[Point2<f64>], spec: EnergySpec) -> Result<f64, PlaneError> {
-        let diagram = PlaneDiagram::new(&self.domain, sites)?;
-        let energies = diagram.cells.iter().map(|cell| match spec.norm {
-            Norm::Linf => energy_at_site(&cell.polygon, spec.order),
-            Norm::L2 => cell.polygon.second_moment(&Point2::origin()),
-        });
-        Ok(energies.sum())
+        let energies = self.map(sites, |cell| cell.energy_at_site(spec))?;
+        Ok(energies.iter().sum())
     }
 
     fn assess(
@@ -110,159 +158,41 @@ impl RelaxationSpace<2> for Plane {
         spec: EnergySpec,
     ) -> Result<Vec<CellResult<2>>, PlaneError> {
         self.check_scale(sites.len(), spec)?;
-        let diagram = PlaneDiagram::new(&self.domain, sites)?;
-        let bounds = self.bounds();
-        let results: Vec<_> = diagram
-            .cells
-            .par_iter()
-            .map(|cell| match spec.norm {
-                Norm::Linf => toward_center(cell, &bounds, spec),
-                Norm::L2 => toward_centroid(cell, &bounds),
-            })
-            .collect();
+        let results = self.map(sites, |cell| cell.assess(spec))?;
         let figures = results.iter().map(|cell| (cell.volume, cell.energy));
         self.totals().check::<2>(figures, spec.kind(), || None)?;
         Ok(results)
     }
 
-    fn check_scale(&self, count: usize, spec: EnergySpec) -> Result<(), CellsError> {
-        self.totals().check_scale::<2>(count, spec.kind())
+    fn objective(
+        &self,
+        sites: &[Point2<f64>],
+        order: u32,
+    ) -> Result<ObjectiveValue<2>, RelaxationError<PlaneError>> {
+        let kind = EnergyKind::Chebyshev(order);
+        self.totals().check_scale::<2>(sites.len(), kind)?;
+        let periods = self.domain.periods().map(Option::unwrap_or_default);
+        let terms = self.map(sites, |cell| {
+            let site = cell.cell.site;
+            cell.terms(order, |other, image| {
+                let moved = [0, 1].map(|axis| f64::from(image[axis]) * periods[axis]);
+                (sites[other as usize] - site) + Vector2::from(moved)
+            })
+        });
+        let terms = terms.map_err(in_plane)?;
+        let figures = terms.iter().map(|cell| (cell.volume, cell.energy));
+        self.totals().check::<2>(figures, kind, || None)?;
+        Ok(sum_of(&terms))
+    }
+
+    fn crowding(
+        &self,
+        sites: &[Point2<f64>],
+    ) -> Result<Vec<CellCrowding<2>>, RelaxationError<PlaneError>> {
+        self.map(sites, |cell| cell.crowding()).map_err(in_plane)
     }
 }
 
-/// The minimum of the cell's energy over its own bounding box, in coordinates relative to the
-/// site; none for a cell that rounding has left without area.
-fn relative_center(cell: &PlaneCell, spec: EnergySpec) -> Option<Center<2>> {
-    let polygon = &cell.polygon;
-    (polygon.area() > 0.0).then(|| {
-        let search = CenterSearch {
-            minimizer: spec.minimizer,
-            order: spec.order,
-            volume: polygon.area(),
-            mass: polygon.area(),
-            bounds: polygon.bounds(),
-        };
-        search.center(|c| energy_with_derivatives(polygon, &Point2::from(*c), spec.order))
-    })
-}
-
-fn toward_center(cell: &PlaneCell, bounds: &Bounds<2>, spec: EnergySpec) -> CellResult<2> {
-    let polygon = &cell.polygon;
-    let minimum = relative_center(cell, spec);
-    let step = minimum.map(|m| step_inside(polygon, &Point2::from(m.point)));
-    CellResult {
-        volume: polygon.area(),
-        energy: energy_at_site(polygon, spec.order),
-        chebyshev: energy_at_site(polygon, 1),
-        target: bounds.clamp(&(cell.site + step.unwrap_or_default())),
-        evaluations: minimum.map_or(0, |m| m.evaluations),
-    }
-}
-
-/// Where a site moves that wants to go to `center`: all the way if that lies in the cell
-/// `polygon` (which has the site as origin), else along the straight line, up to just before the
-/// cell's boundary.
-fn step_inside(polygon: &ConvexPolygon, center: &Point2<f64>) -> Vector2<f64> {
-    let reach = polygon.reach(&Point2::origin(), &center.coords);
-    if reach >= ON_BORDER {
-        center.coords
-    } else {
-        center.coords * (reach * BOUNDARY_FRACTION)
-    }
-}
-
-fn toward_centroid(cell: &PlaneCell, bounds: &Bounds<2>) -> CellResult<2> {
-    let polygon = &cell.polygon;
-    CellResult {
-        volume: polygon.area(),
-        energy: polygon.second_moment(&Point2::origin()),
-        chebyshev: energy_at_site(polygon, 1),
-        target: bounds.clamp(&(cell.site + polygon.centroid().coords)),
-        evaluations: 1,
-    }
-}
-
-fn energy_at_site(polygon: &ConvexPolygon, order: u32) -> f64 {
-    energy(polygon, &Point2::origin(), order)
-}
-
-fn metrics(cell: &PlaneCell, spec: EnergySpec) -> CellMetrics<2> {
-    let polygon = &cell.polygon;
-    let centroid = polygon.centroid();
-    let (at_site, center, center_energy) = match spec.norm {
-        Norm::Linf => chebyshev_metrics(cell, spec),
-        Norm::L2 => euclidean_metrics(polygon, &centroid),
-    };
-    CellMetrics {
-        volume: polygon.area(),
-        centroid: cell.site + centroid.coords,
-        energy: at_site.value,
-        gradient: at_site.gradient,
-        center: cell.site + center,
-        center_energy,
-        facets: facets(polygon),
-        chebyshev: energy(polygon, &Point2::origin(), 1),
-        relative_density: 1.0,
-        cubeness: cubeness(polygon),
-        axis_aligned: axis_aligned(polygon),
-    }
-}
-
-/// The energy about the site, the center relative to the site and the energy there.
-fn chebyshev_metrics(cell: &PlaneCell, spec: EnergySpec) -> (Evaluation<2>, Vector2<f64>, f64) {
-    let polygon = &cell.polygon;
-    let at_site = energy_with_derivatives(polygon, &Point2::origin(), spec.order);
-    match relative_center(cell, spec) {
-        Some(center) => (at_site, center.point, center.energy),
-        None => (at_site, Vector2::zeros(), at_site.value),
-    }
-}
-
-/// The same for ∫ |y − c|₂², whose center is the centroid: the gradient is 2 A (c − centroid).
-fn euclidean_metrics(
-    polygon: &ConvexPolygon,
-    centroid: &Point2<f64>,
-) -> (Evaluation<2>, Vector2<f64>, f64) {
-    let curvature = 2.0 * polygon.area();
-    let at_site = Evaluation {
-        value: polygon.second_moment(&Point2::origin()),
-        gradient: -curvature * centroid.coords,
-        hessian: nalgebra::Matrix2::from_diagonal_element(curvature),
-    };
-    (at_site, centroid.coords, polygon.second_moment(centroid))
-}
-
-fn facets(polygon: &ConvexPolygon) -> u32 {
-    let least = FACET_SHARE * polygon.area().max(0.0).sqrt();
-    polygon.edges().filter(|edge| edge.length() > least).count() as u32
-}
-
-/// The overlap of the polygon with the square of its own area about the origin, over their union.
-fn cubeness(polygon: &ConvexPolygon) -> f64 {
-    let area = polygon.area();
-    if area <= 0.0 {
-        return 0.0;
-    }
-    let offset = 0.5 * area.sqrt();
-    let mut common = polygon.clone();
-    for normal in [Vector2::x(), Vector2::y(), -Vector2::x(), -Vector2::y()] {
-        common.clip(&HalfPlane { normal, offset }, FacetKind::Inner.label());
-    }
-    let overlap = common.area();
-    overlap / (2.0 * area - overlap)
-}
-
-/// The share of the perimeter whose unit normal has a component of at least [`ALIGNED`].
-fn axis_aligned(polygon: &ConvexPolygon) -> f64 {
-    let aligned = polygon
-        .edges()
-        .filter(|edge| (edge.end - edge.start).amax() >= ALIGNED * edge.length())
-        .map(|edge| edge.length())
-        .sum::<f64>();
-    let perimeter = polygon.perimeter();
-    if perimeter > 0.0 {
-        aligned / perimeter
-    } else {
-        0.0
-    }
+fn in_plane(error: PlaneDiagramError) -> RelaxationError<PlaneError> {
+    RelaxationError::Space(PlaneError::Diagram(error))
 }

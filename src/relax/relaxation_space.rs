@@ -11,7 +11,18 @@ use crate::relax::cell_check::{CellsError, EnergyKind};
 use crate::relax::optimum::EnergyOptimum;
 
 /// A displacement that leaves the domain is halved at most so often, then given up.
-pub(crate) const HALVINGS: u32 = 8;
+const HALVINGS: u32 = 8;
+
+/// No step brings a site nearer to a wall than this share of the domain's extent, which is far more than
+/// rounding and far less than a cell.
+const WALL_MARGIN: f64 = 1e-9;
+
+/// The share of the room before a wall that a step into it uses: twenty steps bring a site whose best
+/// place is on the wall as near as is of any use, and one step too long pins no site there.
+const WALL_SHARE: f64 = 0.5;
+
+/// How many walls a step is bent along: three hold a site in a corner.
+const MOST_WALLS: usize = 4;
 
 /// The distance whose energy a site minimizes over its cell.
 ///
@@ -111,9 +122,6 @@ pub enum RelaxationError<E: std::error::Error + 'static> {
     /// The options or the state of the descent are impossible.
     #[error(transparent)]
     Descent(#[from] LbfgsbError),
-    /// The space knows no gradient by all sites, which descents and perturbations need.
-    #[error("in the plane there is plain Lloyd only")]
-    NoGradient,
     /// A level's sites cannot be split.
     #[error(
         "only {placed} of {wanted} sites of a finer level found a place of their own in the domain; \
@@ -203,12 +211,50 @@ pub trait RelaxationSpace<const D: usize>: Sync {
         true
     }
 
+    /// The first wall, of those that are not the box's, that the straight way from `site` along `step`
+    /// meets: the share of the step before it, and the wall's outward unit normal.
+    fn wall_ahead(
+        &self,
+        site: &Point<f64, D>,
+        step: &SVector<f64, D>,
+    ) -> Option<(f64, SVector<f64, D>)> {
+        let _ = (site, step);
+        None
+    }
+
     /// `step`, or what is left of it where walls that are not those of the box stand in its way: it goes
     /// half of the way to such a wall and on along it. The straight way from `site` along what is left
     /// stays in the domain, and forms no obtuse angle with `step`.
     fn along_walls(&self, site: &Point<f64, D>, step: SVector<f64, D>) -> SVector<f64, D> {
-        let _ = site;
-        step
+        let stays = |step: &SVector<f64, D>| self.contains(&self.wrap(&(site + step)));
+        let margin = WALL_MARGIN * self.bounds().extent().max();
+        let mut bent = step;
+        for _ in 0..MOST_WALLS {
+            let Some((share, normal)) = self.wall_ahead(site, &bent) else {
+                if stays(&bent) && bent.dot(&step) >= 0.0 {
+                    return bent;
+                }
+                break;
+            };
+            let climb = normal.dot(&bent);
+            let room = share * climb;
+            let kept = if room > margin {
+                WALL_SHARE * room
+            } else {
+                (room - WALL_SHARE * margin).min(0.0)
+            };
+            bent -= normal * (climb - kept);
+        }
+        // Between walls that lead into each other: straight on, half of the way.
+        let share = self.wall_ahead(site, &step).map_or(1.0, |ahead| ahead.0);
+        let mut straight = step * (WALL_SHARE * share);
+        for _ in 0..HALVINGS {
+            if stays(&straight) {
+                return straight;
+            }
+            straight *= 0.5;
+        }
+        SVector::zeros()
     }
 
     /// The total energy of the cells of `sites`.
@@ -230,15 +276,12 @@ pub trait RelaxationSpace<const D: usize>: Sync {
     /// The energy of order `order` ≥ 1 of all cells with its exact gradient by all sites.
     ///
     /// # Errors
-    /// When the sites have no diagram, or the space knows no gradient.
+    /// When the sites have no diagram.
     fn objective(
         &self,
         sites: &[Point<f64, D>],
         order: u32,
-    ) -> Result<ObjectiveValue<D>, RelaxationError<Self::Error>> {
-        let _ = (sites, order);
-        Err(RelaxationError::NoGradient)
-    }
+    ) -> Result<ObjectiveValue<D>, RelaxationError<Self::Error>>;
 
     /// How crowded the cells of all `sites` are.
     ///
@@ -247,8 +290,5 @@ pub trait RelaxationSpace<const D: usize>: Sync {
     fn crowding(
         &self,
         sites: &[Point<f64, D>],
-    ) -> Result<Vec<CellCrowding<D>>, RelaxationError<Self::Error>> {
-        let _ = sites;
-        Err(RelaxationError::NoGradient)
-    }
+    ) -> Result<Vec<CellCrowding<D>>, RelaxationError<Self::Error>>;
 }

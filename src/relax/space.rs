@@ -19,8 +19,8 @@ use crate::relax::metrics::{BothTessellations, CellMetrics};
 use crate::relax::objective::{ObjectiveScratch, sum_of};
 use crate::relax::optimum::{EnergyOptimum, EnergyReference, optimal_energy};
 use crate::relax::relaxation_space::{
-    CellCrowding, CellResult, EnergySpec, HALVINGS, Minimizer, Norm, ObjectiveValue,
-    RelaxationError, RelaxationSpace,
+    CellCrowding, CellResult, EnergySpec, Minimizer, Norm, ObjectiveValue, RelaxationError,
+    RelaxationSpace,
 };
 use crate::voronoi::cell::Cell;
 use crate::voronoi::diagram::{Diagram, DiagramError};
@@ -283,8 +283,8 @@ impl RelaxationSpace<3> for Space {
         self.domain.is_box()
     }
 
-    fn along_walls(&self, site: &Point3<f64>, step: Vector3<f64>) -> Vector3<f64> {
-        along_walls(self.domain(), site, step)
+    fn wall_ahead(&self, site: &Point3<f64>, step: &Vector3<f64>) -> Option<(f64, Vector3<f64>)> {
+        self.domain.wall_ahead(site, step)
     }
 
     fn energy(&self, sites: &[Point3<f64>], spec: EnergySpec) -> Result<f64, SpaceError> {
@@ -342,50 +342,6 @@ impl RelaxationSpace<3> for Space {
         self.map_loaded(sites, |memory, cell| memory.crowding(self.domain(), cell))
             .map_err(RelaxationError::Space)
     }
-}
-
-/// No step brings a site nearer to a wall than this share of the domain's extent, which is far more than
-/// rounding and far less than a cell.
-const WALL_MARGIN: f64 = 1e-9;
-
-/// The share of the room before a wall that a step into it uses: twenty steps bring a site whose best
-/// place is on the wall as near as is of any use, and one step too long pins no site there.
-const WALL_SHARE: f64 = 0.5;
-
-/// How many walls a step is bent along: three hold a site in a corner.
-const MOST_WALLS: usize = 4;
-
-/// As [`RelaxationSpace::along_walls`].
-fn along_walls(domain: &dyn Domain, site: &Point3<f64>, step: Vector3<f64>) -> Vector3<f64> {
-    let stays = |step: &Vector3<f64>| domain.contains(&domain.wrap(&(site + step)));
-    let margin = WALL_MARGIN * domain.bounds().extent().max();
-    let mut bent = step;
-    for _ in 0..MOST_WALLS {
-        let Some((share, normal)) = domain.wall_ahead(site, &bent) else {
-            if stays(&bent) && bent.dot(&step) >= 0.0 {
-                return bent;
-            }
-            break;
-        };
-        let climb = normal.dot(&bent);
-        let room = share * climb;
-        let kept = if room > margin {
-            WALL_SHARE * room
-        } else {
-            (room - WALL_SHARE * margin).min(0.0)
-        };
-        bent -= normal * (climb - kept);
-    }
-    // Between walls that lead into each other: straight on, half of the way.
-    let share = domain.wall_ahead(site, &step).map_or(1.0, |ahead| ahead.0);
-    let mut straight = step * (WALL_SHARE * share);
-    for _ in 0..HALVINGS {
-        if stays(&straight) {
-            return straight;
-        }
-        straight *= 0.5;
-    }
-    Vector3::zeros()
 }
 
 /// The surface of `cell` within the domain, in the domain's coordinates, for files, and its facets for

@@ -41,6 +41,19 @@ pub enum SceneDensity {
 }
 
 impl SceneDensity {
+    /// The polynomial of a density in the plane.
+    ///
+    /// # Errors
+    /// [`Error::Value`] for other densities and for text that is no polynomial.
+    pub(crate) fn in_plane(&self) -> Result<Polynomial, Error> {
+        let (Self::Text(text) | Self::Polynomial { polynomial: text }) = self else {
+            let message = "in the plane a density is a polynomial in x and y, such as \"1 + 8*x\"";
+            return Err(Error::value("density", message));
+        };
+        text.parse()
+            .map_err(|error| Error::value("density", format!("`{text}`: {error}")))
+    }
+
     /// The domain with this density, for energies of order `order`, and what was repaired in its
     /// mesh.
     pub(crate) fn weigh(

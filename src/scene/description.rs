@@ -6,6 +6,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::domain::domain as space;
+use crate::domain::planar::PlaneDomain;
 use crate::relax::relaxation_space::Norm;
 use crate::scene::density::SceneDensity;
 use crate::scene::domain::SceneDomain;
@@ -55,8 +56,8 @@ pub struct Scene {
     /// How the sites move.
     #[serde(default)]
     pub method: SceneMethod,
-    /// How often the number of sites is divided by eight before the first descent; each level then
-    /// splits every site into eight. Left out, it is what the method thinks best: 0, except for
+    /// How often the number of sites is divided by eight (in the plane by four) before the first descent;
+    /// each level then splits every site into as many. Left out, it is what the method thinks best: 0, except for
     /// exchanges.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub coarse_to_fine: Option<u32>,
@@ -69,13 +70,17 @@ pub struct Scene {
 }
 
 /// Which files a run leaves besides `log.jsonl`, `run.json` and `sites.csv`.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Output {
     /// The cells: `cells.vtu` in space, and a picture of them.
     pub cells: bool,
     /// The energy and movement curves: `convergence.svg`.
     pub plot: bool,
+    /// The energies in percent that the colors of the cells' picture span, so that several pictures have the
+    /// same; left out, all but the outermost 2 % of the cells.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub range: Option<[f64; 2]>,
 }
 
 impl Default for Output {
@@ -83,6 +88,19 @@ impl Default for Output {
         Self {
             cells: true,
             plot: true,
+            range: None,
+        }
+    }
+}
+
+impl Output {
+    fn validate(&self) -> Result<(), Error> {
+        match self.range {
+            Some([low, high]) if !(low.is_finite() && high.is_finite() && low < high) => {
+                let message = format!("{low:?} is not below {high:?}");
+                Err(Error::value("output.range", message))
+            }
+            _ => Ok(()),
         }
     }
 }
@@ -112,6 +130,18 @@ impl Scene {
         }
     }
 
+    /// The domain in the plane with its density, of a validated scene of dimension 2.
+    ///
+    /// # Errors
+    /// As [`SceneDomain::plane`], and when the density does not fit the domain.
+    pub fn plane(&self) -> Result<PlaneDomain, Error> {
+        let domain = self.domain.plane()?;
+        match &self.density {
+            Some(density) => Ok(domain.weighted(&density.in_plane()?)?),
+            None => Ok(domain),
+        }
+    }
+
     /// The JSON Schema of scenes, for editors.
     #[must_use]
     pub fn schema() -> serde_json::Value {
@@ -131,9 +161,8 @@ impl Scene {
             let message = format!("{} is not between 1 and {LARGEST_ORDER}", self.order);
             return Err(Error::value("order", message));
         }
-        if self.density.is_some() && self.dimension != 3 {
-            let message = "only domains in space have one; leave it out or set \"dimension\": 3";
-            return Err(Error::value("density", message));
+        if let Some(density) = self.density.as_ref().filter(|_| self.dimension == 2) {
+            density.in_plane()?;
         }
         self.domain.validate(self.dimension)?;
         self.sites.validate(self.dimension)?;
@@ -141,6 +170,7 @@ impl Scene {
             frames.validate(self.dimension)?;
         }
         self.validate_combinations()?;
+        self.output.validate()?;
         self.method.validate()
     }
 
@@ -153,10 +183,6 @@ impl Scene {
             return Err(Error::value("coarse_to_fine", message));
         }
         let is_lloyd = matches!(self.method, SceneMethod::Lloyd(_));
-        if self.dimension == 2 && !(is_lloyd && levels == 0) {
-            let message = "in the plane there is \"lloyd\" only, without coarse_to_fine";
-            return Err(Error::value("method", message));
-        }
         if self.norm == Norm::L2 && !is_lloyd {
             let message = "only \"lloyd\" can minimize another norm than \"linf\"";
             return Err(Error::value("norm", message));

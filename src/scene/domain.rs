@@ -5,7 +5,7 @@
 
 use std::path::{Path, PathBuf};
 
-use nalgebra::{Vector2, Vector3};
+use nalgebra::{Point2, Vector2, Vector3};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -30,12 +30,26 @@ pub enum SceneDomain {
     /// The intersection of half-spaces `[n_x, n_y, n_z, d]`: the points y with n·y ≤ d
     /// (in the plane `[n_x, n_y, d]`).
     HalfSpaces(Vec<Vec<f64>>),
-    /// The corners of a convex polygon in order, either way round (in the plane only).
-    Polygon(Vec<Vec<f64>>),
+    /// A polygon (in the plane only).
+    Polygon(Loops),
     /// The solid within a closed surface (in space only).
     Surface(MeshDomain),
     /// The solid that tetrahedra fill (in space only).
     Tets(MeshDomain),
+}
+
+/// The corners of a polygon: one loop, or several, of which those within others are holes.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(
+    untagged,
+    expecting = "a polygon is a list of corners [x, y], or a list of such lists: loops, of which those within \
+                 others are holes"
+)]
+pub enum Loops {
+    /// One loop.
+    One(Vec<Vec<f64>>),
+    /// Several loops.
+    Several(Vec<Vec<Vec<f64>>>),
 }
 
 /// An axis-aligned box. Lists left out are those of the unit box without periodic axes.
@@ -64,9 +78,10 @@ pub struct DomainKeys {
     /// (in the plane `[n_x, n_y, d]`).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     half_spaces: Option<Vec<Vec<f64>>>,
-    /// The corners of a convex polygon in order, either way round (in the plane only).
+    /// A polygon (in the plane only): its corners in order, either way round, or a list of such loops, of
+    /// which those within others are holes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    polygon: Option<Vec<Vec<f64>>>,
+    polygon: Option<Loops>,
     /// The solid within a closed surface: an OBJ, OFF, STL or PLY file, relative to the scene's
     /// folder.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -153,7 +168,7 @@ impl SceneDomain {
         match self {
             Self::Box(domain) => domain.validate(dimension),
             Self::HalfSpaces(rows) => validate_half_spaces(rows, dimension),
-            Self::Polygon(corners) => validate_polygon(corners, dimension),
+            Self::Polygon(loops) => loops.validate(dimension),
             Self::Surface(mesh) | Self::Tets(mesh) => mesh.validate(dimension),
         }
     }
@@ -211,11 +226,41 @@ impl SceneDomain {
     /// space has.
     pub fn plane(&self) -> Result<PlaneDomain, Error> {
         Ok(match self {
-            Self::Box(domain) => PlaneDomain::rectangle(&domain.plane()?)?,
+            Self::Box(domain) => {
+                let periodic = std::array::from_fn(|axis| domain.periodic[axis]);
+                PlaneDomain::rectangle(&domain.bounds())?.repeated(periodic)
+            }
             Self::HalfSpaces(rows) => PlaneDomain::from_half_planes(&numbered(rows, half_plane))?,
-            Self::Polygon(corners) => PlaneDomain::from_corners(&numbered(corners, point))?,
+            Self::Polygon(loops) => PlaneDomain::from_loops(&loops.points())?,
             Self::Surface(mesh) | Self::Tets(mesh) => return Err(mesh.in_plane()),
         })
+    }
+}
+
+impl Loops {
+    fn points(&self) -> Vec<Vec<Point2<f64>>> {
+        match self {
+            Self::One(corners) => vec![numbered(corners, point)],
+            Self::Several(loops) => {
+                let points = loops.iter().map(|corners| numbered(corners, point));
+                points.collect()
+            }
+        }
+    }
+
+    fn validate(&self, dimension: usize) -> Result<(), Error> {
+        if dimension != 2 {
+            return Err(polygon_in_space());
+        }
+        match self {
+            Self::One(corners) => rows_match("domain.polygon", corners, 2),
+            Self::Several(loops) => {
+                let mut numbered = loops.iter().enumerate();
+                numbered.try_for_each(|(number, corners)| {
+                    rows_match(&format!("domain.polygon[{number}]"), corners, 2)
+                })
+            }
+        }
     }
 }
 
@@ -225,16 +270,6 @@ impl BoxDomain {
             min: point(&self.min),
             max: point(&self.max),
         }
-    }
-
-    fn plane(&self) -> Result<Bounds<2>, Error> {
-        if self.periodic.contains(&true) {
-            return Err(Error::value(
-                "domain.box.periodic",
-                "only a box in space can be periodic; leave it out or set \"dimension\": 3",
-            ));
-        }
-        Ok(self.bounds())
     }
 
     fn validate(&self, dimension: usize) -> Result<(), Error> {
@@ -296,13 +331,6 @@ fn validate_half_spaces(rows: &[Vec<f64>], dimension: usize) -> Result<(), Error
 fn polygon_in_space() -> Error {
     let message = "a polygon needs \"dimension\": 2 in the scene";
     Error::value("domain.polygon", message)
-}
-
-fn validate_polygon(corners: &[Vec<f64>], dimension: usize) -> Result<(), Error> {
-    if dimension != 2 {
-        return Err(polygon_in_space());
-    }
-    rows_match("domain.polygon", corners, 2)
 }
 
 #[cfg(test)]

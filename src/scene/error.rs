@@ -4,10 +4,10 @@
 //! `b`, `c`"); `unknown_key` takes the words out of it again. A message of another form is shown
 //! as it is.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use crate::domain::error::DomainError;
-use crate::domain::planar::PlaneDomainError;
+use crate::domain::planar_error::PlaneDomainError;
 use crate::mesh::formats::read::LoadError;
 
 /// Why a scene or its sites cannot be used. Site indices count from zero, lines from one.
@@ -185,6 +185,48 @@ pub(crate) fn bare_message(error: &serde_json::Error) -> String {
         .strip_suffix(&position)
         .unwrap_or(&message)
         .to_owned()
+}
+
+/// The error of serde_json in `text` of the file `path`, with its place and the nearest known key;
+/// `mended` adds to a message what would be right.
+pub(crate) fn json_error(
+    error: &serde_json::Error,
+    path: &Path,
+    text: &str,
+    mended: impl FnOnce(String) -> String,
+) -> Error {
+    let (line, column) = (error.line(), error.column());
+    let (path, message) = (path.to_owned(), bare_message(error));
+    match unknown_key(&message) {
+        Some(UnknownKey {
+            key,
+            nearest,
+            known,
+        }) => Error::UnknownKey {
+            path,
+            line,
+            column: start_of(&key, text, line, column),
+            nearest,
+            known,
+            key,
+        },
+        None => Error::Json {
+            path,
+            line: line.max(1),
+            column: column.max(1),
+            message: mended(message),
+        },
+    }
+}
+
+/// serde_json points at the end of a key; this is its first column if the key is found there.
+fn start_of(key: &str, text: &str, line: usize, column: usize) -> usize {
+    let row = text.lines().nth(line.saturating_sub(1)).unwrap_or("");
+    let quoted = format!("\"{key}\"");
+    match row.get(..column) {
+        Some(before) if before.ends_with(&quoted) => column - quoted.len() + 1,
+        _ => column.max(1),
+    }
 }
 
 /// A key, or a name as value, that is not known at its place.

@@ -1,9 +1,12 @@
 //! Field files (`field.json`): a density as `stand` and `spin` found it, for `--density @field.json`.
 
+use std::path::Path;
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::scene::domain::SceneDomain;
+use crate::scene::error::{Error, json_error};
 
 /// A density over a solid, as a file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -74,4 +77,71 @@ pub(crate) enum FieldFormula {
     },
     /// A polynomial, for densities over points (`print`, `points:N`).
     Polynomial(String),
+}
+
+impl FieldFile {
+    /// Reads the field at `path`: paths in it absolute, every number finite.
+    ///
+    /// # Errors
+    /// When the file cannot be read or holds no field; names place and mend.
+    pub(crate) fn read(path: &Path) -> Result<Self, Error> {
+        let read = |source| Error::Read {
+            path: path.to_owned(),
+            source,
+        };
+        let text = std::fs::read_to_string(path).map_err(read)?;
+        if text.trim().is_empty() {
+            return Err(refused(
+                path,
+                "the file is empty; a field needs {\"density\": …}",
+            ));
+        }
+        let mut field: Self = serde_json::from_str(&text)
+            .map_err(|error| json_error(&error, path, &text, |it| it))?;
+        let folder = path.parent().unwrap_or(Path::new("")).join(".");
+        let folder = folder.canonicalize().map_err(read)?;
+        if let FieldDensity::Cells { domain, .. } = &mut field.density {
+            domain.fill_defaults(3);
+            domain.anchor(&folder);
+        }
+        let fault = field.density.fault();
+        fault.map_or(Ok(field), |fault| Err(refused(path, &fault)))
+    }
+
+    /// The JSON Schema of field files, for editors.
+    pub(crate) fn schema() -> serde_json::Value {
+        schemars::schema_for!(Self).to_value()
+    }
+}
+
+impl FieldDensity {
+    /// What makes no sense in its numbers.
+    fn fault(&self) -> Option<String> {
+        match self {
+            Self::Clamp {
+                low,
+                high: Some(high),
+                ..
+            } if high < low => Some(format!(
+                "`density.clamp`: `high` {high} is below `low` {low}; leave `high` out for none"
+            )),
+            Self::Cells { sites, values, .. }
+                if sites.is_empty() || sites.len() != values.len() =>
+            {
+                Some(format!(
+                    "`density.cells` has {} sites and {} values; every site needs one value",
+                    sites.len(),
+                    values.len()
+                ))
+            }
+            _ => None,
+        }
+    }
+}
+
+fn refused(path: &Path, message: &str) -> Error {
+    Error::File {
+        path: path.to_owned(),
+        message: message.to_owned(),
+    }
 }

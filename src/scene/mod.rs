@@ -15,6 +15,7 @@ pub mod density;
 pub mod description;
 pub mod domain;
 pub mod error;
+pub(crate) mod field;
 pub(crate) mod field_file;
 pub mod frames;
 pub(crate) mod memory;

@@ -38,7 +38,7 @@ impl Overrides {
         Ok(())
     }
 
-    /// Takes the method that makes cubes of the cells.
+    /// Takes the method that makes cubes of the cells, in the plane squares.
     pub fn set_cubes(&mut self) {
         let method = json!(SceneMethod::cubes());
         self.scene.insert("method".to_owned(), method);

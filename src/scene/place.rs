@@ -68,7 +68,7 @@ impl<const D: usize> SiteRegion<'_, D> {
     pub fn of_plane(domain: &PlaneDomain) -> SiteRegion<'_, 2> {
         SiteRegion {
             bounds: domain.bounds(),
-            periodic: [false; 2],
+            periodic: domain.periods().map(|period| period.is_some()),
             contains: Box::new(|point| domain.contains(point)),
             closer: Box::new(|| source_in_plane(domain)),
         }

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use crate::scene::description::Scene;
-use crate::scene::error::{Error, UnknownKey, bare_message, unknown_key};
+use crate::scene::error::{Error, json_error};
 
 /// Reads the scene at `path`: defaults filled in, paths absolute, every number validated.
 ///
@@ -38,45 +38,10 @@ pub fn unchecked(path: &Path) -> Result<Scene, Error> {
 /// # Errors
 /// [`Error::Json`] or [`Error::UnknownKey`].
 pub fn parse(text: &str, path: &Path) -> Result<Scene, Error> {
-    let mut scene: Scene =
-        serde_json::from_str(text).map_err(|error| describe(&error, text, path))?;
+    let mut scene: Scene = serde_json::from_str(text)
+        .map_err(|error| json_error(&error, path, text, |message| mended(message, text)))?;
     scene.fill_defaults();
     Ok(scene)
-}
-
-fn describe(error: &serde_json::Error, text: &str, path: &Path) -> Error {
-    let (line, column) = (error.line(), error.column());
-    let (path, message) = (path.to_owned(), bare_message(error));
-    match unknown_key(&message) {
-        Some(UnknownKey {
-            key,
-            nearest,
-            known,
-        }) => Error::UnknownKey {
-            path,
-            line,
-            column: start_of(&key, text, line, column),
-            nearest,
-            known,
-            key,
-        },
-        None => Error::Json {
-            path,
-            line: line.max(1),
-            column: column.max(1),
-            message: mended(message, text),
-        },
-    }
-}
-
-/// serde_json points at the end of a key; this is its first column if the key is found there.
-fn start_of(key: &str, text: &str, line: usize, column: usize) -> usize {
-    let row = text.lines().nth(line.saturating_sub(1)).unwrap_or("");
-    let quoted = format!("\"{key}\"");
-    match row.get(..column) {
-        Some(before) if before.ends_with(&quoted) => column - quoted.len() + 1,
-        _ => column.max(1),
-    }
 }
 
 /// Adds the mend to messages that need one.

@@ -66,7 +66,9 @@ pub fn run(
     };
     let (sites, ended, notes) = if scene.dimension == 2 {
         let plane = plane(scene)?;
-        let mut checkpoint = Checkpoint::at_start(plane.place(scene)?);
+        let sites = plane.place(scene)?;
+        check_memory(scene, sites.len())?;
+        let mut checkpoint = Checkpoint::at_start(sites);
         let ended = relax(&plane, scene, &mut checkpoint, &mut |record, sites, _| {
             keep(record, Points::Plane(sites))
         })?;
@@ -173,9 +175,9 @@ impl RunSpace<3> for Space {
 /// The plane of a validated scene of dimension 2.
 ///
 /// # Errors
-/// When the scene's domain is none.
+/// When the scene's domain or its density is none.
 pub fn plane(scene: &Scene) -> Result<Plane, Error> {
-    let domain = scene.domain.plane()?;
+    let domain = scene.plane()?;
     Ok(Plane { domain })
 }
 
@@ -287,7 +289,10 @@ fn levels(scene: &Scene, count: usize) -> u32 {
     let has_own_frames = scene.frames.as_ref().is_some_and(FrameChoice::is_per_site);
     let chosen = match &scene.method {
         SceneMethod::Anneal(anneal) if anneal.exchange && !has_own_frames => {
-            levels_for_cubes(count)
+            match scene.dimension {
+                2 => levels_for_cubes::<2>(count),
+                _ => levels_for_cubes::<3>(count),
+            }
         }
         _ => 0,
     };

@@ -318,7 +318,7 @@ fn levels_have_the_sites_they_are_asked_for() {
         }
     }
     assert_eq!(sites_of_level::<3>(1003, 1), 125);
-    let levels = [125, 216, 1000, 1728, 4096, 10_648].map(levels_for_cubes);
+    let levels = [125, 216, 1000, 1728, 4096, 10_648].map(levels_for_cubes::<3>);
     assert_eq!(levels, [0, 1, 1, 2, 2, 1]);
 }
 

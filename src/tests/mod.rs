@@ -23,7 +23,9 @@ mod minimize;
 #[path = "../../tests/common/models.rs"]
 mod models;
 mod objective;
+mod pictures;
 mod plane;
+mod plane_methods;
 mod plot;
 mod properties;
 pub(crate) mod quadrature;

@@ -287,6 +287,10 @@ fn a_cell_that_is_not_convex_has_several_contours() {
     }
 }
 
+fn names() -> [String; 2] {
+    ["x", "y"].map(str::to_owned)
+}
+
 fn scale() -> ColorScale {
     ColorScale::fitting("energy (%)", [100.0, 110.0])
 }
@@ -300,7 +304,7 @@ fn a_cut_is_a_picture_of_its_cells() {
         .filter_map(|shell| cut.patch(shell, 104.0))
         .collect();
     assert_eq!(patches.len(), 16);
-    let figure = picture(&patches, &scale(), "Cut z = 0.6");
+    let figure = picture(&patches, &scale(), "Cut z = 0.6", &names());
     let document = svg(&figure);
     tags(&document);
     let fill = format!("fill=\"#{}\" stroke", hex(scale().color(104.0).rgb));
@@ -326,6 +330,7 @@ fn ten_thousand_cells_of_the_plane_are_a_small_picture() {
     ];
     let patches: Vec<Patch> = (0..10_000)
         .map(|k| Patch {
+            rims: None,
             contours: vec![
                 hexagon
                     .map(|[x, y]| corner(k) + nalgebra::Vector2::new(x, y))
@@ -335,7 +340,7 @@ fn ten_thousand_cells_of_the_plane_are_a_small_picture() {
             site: Some(corner(k) + nalgebra::Vector2::new(0.5, 0.5)),
         })
         .collect();
-    let document = svg(&picture(&patches, &scale(), "plane"));
+    let document = svg(&picture(&patches, &scale(), "plane", &names()));
     assert!(document.len() < 3_000_000, "{} bytes", document.len());
     assert_eq!(document.matches("<circle").count(), 10_000);
 }
@@ -343,12 +348,13 @@ fn ten_thousand_cells_of_the_plane_are_a_small_picture() {
 #[test]
 fn odd_patches_still_give_a_picture() {
     let point = Patch {
+        rims: None,
         contours: vec![vec![Point2::new(1.0, 1.0); 3]],
         value: f64::NAN,
         site: None,
     };
     for patches in [vec![], vec![point]] {
-        let figure = picture(&patches, &scale(), "");
+        let figure = picture(&patches, &scale(), "", &names());
         tags(&svg(&figure));
         decoded_size(&png(&figure, 1.0).expect("encodes"));
     }

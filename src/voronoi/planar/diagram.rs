@@ -1,4 +1,4 @@
-//! L2 Voronoi cells of the plane, clipped to a rectangle or convex polygon.
+//! L2 Voronoi cells of the plane, clipped to a rectangle, perhaps periodic, or a polygon.
 //!
 //! The crate `voronator` finds which sites are neighbors; every cell is then the domain's polygon
 //! cut by the bisectors with these neighbors, so each edge is labelled with its neighbor. A neighbor
@@ -6,14 +6,19 @@
 //! to the domain's if and only if none was missed. That sum is checked, and when it fails
 //! (or `voronator` does, or there are too few sites for it) all cells are cut by the bisectors of
 //! ever farther sites of a grid instead, until none can matter: beyond twice the distance to the
-//! cell's farthest vertex, the security radius of \[RSL\].
+//! cell's farthest vertex, the security radius of \[RSL\]. In periodic rectangles all cells are cut so,
+//! by sites and by their images one period away: no image farther than that is the nearest one of its
+//! site anywhere in a cell, which is cut from one period about its site.
+//!
+//! In a domain that is not convex cells are cut from the box around it, and the convex pieces of the
+//! domain are then cut by the bisectors that made a cell ([`PlaneCell::pieces`]).
 //!
 //! Cells are kept relative to their sites: bisectors and cuts are then as exact for a small domain
 //! far from the origin as for one around it.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use nalgebra::Point2;
+use nalgebra::{Point2, Vector2};
 use rayon::prelude::*;
 use thiserror::Error;
 use voronator::VoronoiDiagram;
@@ -23,6 +28,7 @@ use voronator::polygon::Polygon;
 use crate::domain::facet_kind::FacetKind;
 use crate::domain::planar::PlaneDomain;
 use crate::geometry::half_plane::HalfPlane;
+use crate::geometry::label::Label;
 use crate::geometry::polygon::ConvexPolygon;
 use crate::voronoi::planar::grid::PlaneGrid;
 
@@ -75,15 +81,25 @@ pub enum PlaneDiagramError {
 pub(crate) struct PlaneCell {
     /// The site.
     pub site: Point2<f64>,
-    /// The cell with the site as origin. [`FacetKind`] reads the labels of its edges.
+    /// The cell with the site as origin; where the domain is not convex, that in the box around it.
+    /// [`FacetKind`] reads the labels of its edges.
     pub polygon: ConvexPolygon,
+    /// The cell's part in a domain that is not convex, unless that is all of it.
+    parts: Option<Vec<ConvexPolygon>>,
 }
 
 impl PlaneCell {
-    /// The cell's vertices in the domain's coordinates, counter-clockwise.
-    pub(crate) fn outline(&self) -> impl Iterator<Item = Point2<f64>> + '_ {
-        let origin = self.site.coords;
-        self.polygon.vertices().iter().map(move |v| v + origin)
+    /// Convex polygons that fill the cell's part in the domain, with the site as origin.
+    pub(crate) fn pieces(&self) -> &[ConvexPolygon] {
+        match &self.parts {
+            Some(parts) => parts,
+            None => std::slice::from_ref(&self.polygon),
+        }
+    }
+
+    /// The area of the cell's part in the domain (L²).
+    pub(crate) fn area(&self) -> f64 {
+        self.pieces().iter().map(ConvexPolygon::area).sum()
     }
 }
 
@@ -126,7 +142,7 @@ impl PlaneDiagram {
     /// The sum of the cells' areas (L²), which is the domain's up to rounding.
     #[must_use]
     pub(crate) fn area(&self) -> f64 {
-        compensated_sum(self.cells.iter().map(|cell| cell.polygon.area()))
+        compensated_sum(self.cells.iter().map(PlaneCell::area))
     }
 
     fn fills(&self, domain: &PlaneDomain) -> bool {
@@ -139,12 +155,12 @@ fn cut_by_neighbors(
     sites: &[Point2<f64>],
     neighbors: &[Vec<usize>],
 ) -> PlaneDiagram {
-    let cells = sites.par_iter().zip(neighbors).map(|(site, around)| {
-        let mut cell = uncut(domain, site);
-        for &other in around {
-            cut(&mut cell, sites, other);
+    let cells = (0..sites.len()).into_par_iter().map(|index| {
+        let mut cell = Cutting::new(domain, sites, index);
+        for &other in &neighbors[index] {
+            cell.cut(other, [0; 3]);
         }
-        cell
+        cell.finish()
     });
     PlaneDiagram {
         cells: cells.collect(),
@@ -152,49 +168,112 @@ fn cut_by_neighbors(
 }
 
 fn cut_by_rings(domain: &PlaneDomain, sites: &[Point2<f64>]) -> PlaneDiagram {
-    let grid = PlaneGrid::new(sites);
+    let images = images(domain, sites);
+    let positions: Vec<_> = images.iter().map(|image| image.position).collect();
+    let grid = PlaneGrid::new(&positions);
     let cells = (0..sites.len())
         .into_par_iter()
-        .map(|index| cell_by_rings(domain, sites, &grid, index));
+        .map(|index| cell_by_rings(domain, sites, (&grid, &images), index));
     PlaneDiagram {
         cells: cells.collect(),
     }
 }
 
+/// A site, or a copy of one by whole periods.
+struct SiteImage {
+    position: Point2<f64>,
+    site: usize,
+    image: [i8; 3],
+}
+
+/// All sites, and their images one period away.
+fn images(domain: &PlaneDomain, sites: &[Point2<f64>]) -> Vec<SiteImage> {
+    let reach = domain.periods().map(|period| i8::from(period.is_some()));
+    let mut images = Vec::new();
+    for x in -reach[0]..=reach[0] {
+        for y in -reach[1]..=reach[1] {
+            let image = [x, y, 0];
+            let by = shift(domain, image);
+            let moved = sites.iter().enumerate();
+            images.extend(moved.map(|(site, position)| SiteImage {
+                position: position + by,
+                site,
+                image,
+            }));
+        }
+    }
+    images
+}
+
+/// The displacement of an image (L).
+fn shift(domain: &PlaneDomain, image: [i8; 3]) -> Vector2<f64> {
+    let periods = domain.periods().map(Option::unwrap_or_default);
+    Vector2::new(
+        f64::from(image[0]) * periods[0],
+        f64::from(image[1]) * periods[1],
+    )
+}
+
 fn cell_by_rings(
     domain: &PlaneDomain,
     sites: &[Point2<f64>],
-    grid: &PlaneGrid,
+    (grid, images): (&PlaneGrid, &[SiteImage]),
     index: usize,
 ) -> PlaneCell {
-    let mut cell = uncut(domain, &sites[index]);
+    let mut cell = Cutting::new(domain, sites, index);
     for ring in 0..=grid.rings() {
         if grid.distance(ring) > security_radius(&cell.polygon) {
             break;
         }
         for other in grid.ring(&sites[index], ring) {
-            if other != index {
-                cut(&mut cell, sites, other);
+            if images[other].site != index {
+                cell.cut(images[other].site, images[other].image);
             }
         }
     }
-    cell
+    cell.finish()
 }
 
-fn uncut(domain: &PlaneDomain, site: &Point2<f64>) -> PlaneCell {
-    PlaneCell {
-        site: *site,
-        polygon: domain.polygon().translated(&-site.coords),
+/// A cell while it is cut.
+struct Cutting<'a> {
+    domain: &'a PlaneDomain,
+    sites: &'a [Point2<f64>],
+    site: Point2<f64>,
+    polygon: ConvexPolygon,
+    /// The cuts that took something away, where the domain is not convex.
+    cuts: Vec<(HalfPlane, Label)>,
+}
+
+impl<'a> Cutting<'a> {
+    fn new(domain: &'a PlaneDomain, sites: &'a [Point2<f64>], index: usize) -> Self {
+        Self {
+            domain,
+            sites,
+            site: sites[index],
+            polygon: domain.start(&sites[index], index as u32),
+            cuts: Vec::new(),
+        }
     }
-}
 
-fn cut(cell: &mut PlaneCell, sites: &[Point2<f64>], other: usize) {
-    let bisector = HalfPlane::nearer_to_origin(&(sites[other] - cell.site));
-    let neighbor = FacetKind::Neighbor {
-        site: other as u32,
-        image: [0; 3],
-    };
-    cell.polygon.clip(&bisector, neighbor.label());
+    /// Cuts by the bisector with another site's image.
+    fn cut(&mut self, other: usize, image: [i8; 3]) {
+        // This sum is the negative of the other cell's to the last bit.
+        let displacement = (self.sites[other] - self.site) + shift(self.domain, image);
+        let bisector = HalfPlane::nearer_to_origin(&displacement);
+        let site = other as u32;
+        let label = FacetKind::Neighbor { site, image }.label();
+        if self.polygon.clip(&bisector, label) && !self.domain.is_convex() {
+            self.cuts.push((bisector, label));
+        }
+    }
+
+    fn finish(self) -> PlaneCell {
+        PlaneCell {
+            parts: self.domain.parts(&self.site, &self.polygon, &self.cuts),
+            site: self.site,
+            polygon: self.polygon,
+        }
+    }
 }
 
 /// No site farther than this from a cell's own can cut the cell.
@@ -232,6 +311,10 @@ pub(crate) fn check(domain: &PlaneDomain, sites: &[Point2<f64>]) -> Result<(), P
         if !domain.contains(point) {
             return Err(PlaneDiagramError::Outside { site, x, y });
         }
+    }
+    if domain.is_periodic() {
+        let wrapped: Vec<_> = sites.iter().map(|site| domain.wrap(site)).collect();
+        return check_distinct(&wrapped);
     }
     check_distinct(sites)
 }
@@ -272,7 +355,7 @@ pub(crate) fn delaunay_neighbors(
     domain: &PlaneDomain,
     sites: &[Point2<f64>],
 ) -> Option<Vec<Vec<usize>>> {
-    if sites.len() < FEWEST_SITES {
+    if sites.len() < FEWEST_SITES || domain.is_periodic() {
         return None;
     }
     let bounds = domain.bounds();

@@ -1,0 +1,371 @@
+//! The picture of a density in a plane cut through a solid, with centers, support and axes.
+//!
+//! The density is drawn as rows of rectangles, wider than the section; what lies outside the section
+//! is then painted white by one path. So the section's outline stays sharp at any size.
+
+use nalgebra::{Point2, Point3, Vector3};
+use rayon::prelude::*;
+
+use crate::geometry::bounds::Bounds;
+use crate::geometry::shell::Shell;
+use crate::mesh::surface::SurfaceMesh;
+use crate::plot::axis::Axis;
+use crate::plot::color::{Color, ColorScale};
+use crate::plot::figure::{Anchor, Figure, Shape, Stroke};
+use crate::plot::font;
+use crate::plot::panel::{BAR_SPACE, LABEL_SIZE, Panel, draw_color_bar};
+use crate::plot::patches::PlaneCut;
+
+/// A density in a plane cut of a solid, and what is marked there.
+pub(crate) struct DensityCut<'a> {
+    /// The solid's boundary.
+    pub surface: &'a SurfaceMesh,
+    /// The plane.
+    pub cut: PlaneCut,
+    /// The density at a point; NaN where there is none.
+    pub density: &'a (dyn Fn(&Point3<f64>) -> f64 + Sync),
+    /// The picture's title.
+    pub title: &'a str,
+    /// Drawn upon the density, later ones upon earlier ones; the legend names them.
+    pub marks: &'a [Mark],
+}
+
+/// Something drawn upon a cut, projected to its plane.
+#[derive(Clone, Debug)]
+pub(crate) struct Mark {
+    /// Its name in the legend; without one it is not listed.
+    pub name: String,
+    /// Its color.
+    pub color: Color,
+    /// What is drawn.
+    pub shape: MarkShape,
+}
+
+/// The shapes of marks.
+#[derive(Clone, Debug)]
+pub(crate) enum MarkShape {
+    /// A disc, as of a center of mass.
+    Point(Point3<f64>),
+    /// A closed polygon, as of a support; from the side it is a thick line.
+    Polygon(Vec<Point3<f64>>),
+    /// A line through a point along a direction, over the whole picture.
+    Line {
+        /// The point.
+        through: Point3<f64>,
+        /// The direction.
+        along: Vector3<f64>,
+        /// Whether it is dashed.
+        dashed: bool,
+    },
+}
+
+/// The color of what is native: the center of the constant density.
+pub(crate) const NATIVE: Color = Color::WHITE;
+/// The color of what is obtained.
+pub(crate) const OBTAINED: Color = Color::hex(0xe4_1a_1c);
+/// The color of what is wanted: a support, an axis.
+pub(crate) const WANTED: Color = Color::hex(0xff_7f_00);
+
+/// The longer side of the picture proper, in figure units.
+const LONGER_SIDE: f64 = 560.0;
+/// The least of the shorter side.
+const LEAST_SIDE: f64 = 220.0;
+/// Spaces left, above and below of the frame: tick labels, title, axis name and legend.
+const SPACES: [f64; 3] = [78.0, 40.0, 52.0];
+const BAR_GAP: f64 = 18.0;
+const LEGEND_LINE: f64 = 19.0;
+/// Rectangles along the longer side.
+const STEPS: f64 = 280.0;
+/// Colors told apart: neighbors of one color are one rectangle.
+const COLORS: f64 = 96.0;
+/// The margin around section and marks, as a share of their extent.
+const MARGIN: f64 = 0.05;
+const OUTLINE: Stroke = Stroke::solid(Color::INK, 1.2);
+
+/// The picture of a cut.
+#[must_use]
+pub(crate) fn density_cut(input: &DensityCut<'_>) -> Figure {
+    let contours = contours(input);
+    let panel = panel(input, &contours);
+    let [min, max] = panel.frame;
+    let named = input.marks.iter().filter(|mark| !mark.name.is_empty());
+    let names = named.clone();
+    let widest = names.map(|mark| min.x + 50.0 + font::width(&mark.name, LABEL_SIZE));
+    let mut figure = Figure::new(
+        widest.fold(max.x + BAR_GAP + BAR_SPACE, f64::max),
+        max.y + SPACES[2] + LEGEND_LINE * named.clone().count() as f64,
+    );
+    let values = Raster::of(input, &panel);
+    let scale = values.scale(&contours);
+    values.draw(&mut figure, &panel, &scale);
+    let place =
+        |contour: &Vec<Point2<f64>>| contour.iter().map(|p| panel.place(p.x, p.y)).collect();
+    let placed: Vec<Vec<Point2<f64>>> = contours.iter().map(place).collect();
+    mask(&mut figure, &panel, &placed);
+    for mark in input.marks {
+        draw_mark(&mut figure, &panel, &input.cut, mark);
+    }
+    let [x, y] = input.cut.axis_names();
+    panel.draw_ticks(&mut figure);
+    panel.draw_frame(&mut figure, input.title, &x, &y);
+    for (line, mark) in named.enumerate() {
+        let y = max.y + SPACES[2] + LEGEND_LINE * (line as f64 + 0.1);
+        draw_legend(&mut figure, Point2::new(min.x, y), mark);
+    }
+    let corner = Point2::new(max.x + BAR_GAP, min.y);
+    draw_color_bar(&mut figure, corner, max.y - min.y, &scale);
+    figure
+}
+
+/// The section's contours in the plane.
+fn contours(input: &DensityCut<'_>) -> Vec<Vec<Point2<f64>>> {
+    let surface = input.surface;
+    let facets = surface.triangles.iter().copied();
+    let shell = Shell::new(&surface.vertices, facets).unwrap_or_default();
+    let patch = input.cut.patch(&shell, 0.0);
+    patch.map_or(Vec::new(), |patch| patch.contours)
+}
+
+/// Frame and axes around the section and the marks, lines apart.
+fn panel(input: &DensityCut<'_>, contours: &[Vec<Point2<f64>>]) -> Panel {
+    let marked = input.marks.iter().flat_map(|mark| match &mark.shape {
+        MarkShape::Point(point) => vec![*point],
+        MarkShape::Polygon(corners) => corners.clone(),
+        MarkShape::Line { .. } => Vec::new(),
+    });
+    let marked: Vec<_> = marked.map(|point| input.cut.flat(&point)).collect();
+    let mut bounds = Bounds::of(contours.iter().flatten().chain(&marked));
+    if !bounds.extent().iter().all(|length| length.is_finite()) {
+        bounds = Bounds::of(&[Point2::origin(), Point2::new(1.0, 1.0)]);
+    }
+    let longest = bounds.extent().max().max(f64::MIN_POSITIVE);
+    let factor = LONGER_SIDE / (longest * (1.0 + 2.0 * MARGIN));
+    let size = bounds.extent().map(|length| {
+        let side = factor * (length + 2.0 * MARGIN * longest);
+        side.max(LEAST_SIDE)
+    });
+    let (middle, half) = (bounds.center(), size / (2.0 * factor));
+    let corner = Point2::new(SPACES[0], SPACES[1]);
+    Panel {
+        frame: [corner, corner + size],
+        x: Axis::within(middle.x - half.x, middle.x + half.x),
+        y: Axis::within(middle.y - half.y, middle.y + half.y),
+    }
+}
+
+/// Values at the middles of equal squares over a panel.
+struct Raster {
+    columns: usize,
+    /// Row by row from above; where one is NaN, a neighbor's.
+    values: Vec<f64>,
+    places: Vec<Point2<f64>>,
+}
+
+impl Raster {
+    fn of(input: &DensityCut<'_>, panel: &Panel) -> Self {
+        let (width, height) = (panel.x.max - panel.x.min, panel.y.max - panel.y.min);
+        let side = width.max(height) / STEPS;
+        let [columns, rows] = [width, height].map(|length| (length / side).ceil() as usize);
+        let place = |number: usize| {
+            let (row, column) = (number / columns, number % columns);
+            let share = |k: usize, count: usize| (k as f64 + 0.5) / count as f64;
+            Point2::new(
+                panel.x.min + share(column, columns) * width,
+                panel.y.max - share(row, rows) * height,
+            )
+        };
+        let places: Vec<_> = (0..rows * columns).map(place).collect();
+        let value = |place: &Point2<f64>| (input.density)(&input.cut.lifted(place));
+        let known: Vec<f64> = places.par_iter().map(value).collect();
+        let values = (0..known.len()).map(|k| with_neighbors(&known, columns, k));
+        Self {
+            columns,
+            values: values.collect(),
+            places,
+        }
+    }
+
+    /// The scale over the values within the section.
+    fn scale(&self, contours: &[Vec<Point2<f64>>]) -> ColorScale {
+        let pairs = self.places.iter().zip(&self.values);
+        let inside = pairs.filter(|(place, value)| value.is_finite() && holds(contours, place));
+        let ends = inside.fold(None, |ends: Option<[f64; 2]>, (_, &value)| {
+            let [low, high] = ends.unwrap_or([value; 2]);
+            Some([low.min(value), high.max(value)])
+        });
+        let [min, max] = ends.unwrap_or([0.0, 1.0]);
+        let least = 1e-3 * max.abs().max(min.abs()).max(f64::MIN_POSITIVE);
+        ColorScale {
+            label: "density".to_owned(),
+            min,
+            max: max.max(min + least),
+        }
+    }
+
+    /// Every run of one color reaches to the frame's right side, every row a little downward: so no
+    /// seam shows.
+    fn draw(&self, figure: &mut Figure, panel: &Panel, scale: &ColorScale) {
+        let [min, max] = panel.frame;
+        let rows = self.values.len() / self.columns;
+        let [width, height] = [
+            (max.x - min.x) / self.columns as f64,
+            (max.y - min.y) / rows as f64,
+        ];
+        let step = |value: f64| ((value - scale.min) / (scale.max - scale.min) * COLORS).round();
+        for (row, values) in self.values.chunks(self.columns).enumerate() {
+            let top = min.y + row as f64 * height;
+            let bottom = (top + 1.5 * height).min(max.y);
+            let mut last = f64::INFINITY;
+            for (column, &value) in values.iter().enumerate() {
+                let color = step(value).clamp(0.0, COLORS);
+                if color.total_cmp(&last).is_eq() {
+                    continue;
+                }
+                last = color;
+                let start = Point2::new(min.x + column as f64 * width, top);
+                let value = scale.min + color / COLORS * (scale.max - scale.min);
+                let end = Point2::new(max.x, bottom);
+                figure.rectangle([start, end], Some(scale.color(value)), None);
+            }
+        }
+    }
+}
+
+/// The value at place `k`, or the mean of those beside it that are numbers.
+fn with_neighbors(values: &[f64], columns: usize, k: usize) -> f64 {
+    if values[k].is_finite() {
+        return values[k];
+    }
+    let column = k % columns;
+    let beside = [
+        (column > 0).then(|| k - 1),
+        (column + 1 < columns).then_some(k + 1),
+        k.checked_sub(columns),
+        (k + columns < values.len()).then_some(k + columns),
+    ];
+    let known = beside.into_iter().flatten().map(|n| values[n]);
+    let known: Vec<f64> = known.filter(|value| value.is_finite()).collect();
+    known.iter().sum::<f64>() / known.len() as f64
+}
+
+/// Whether a point lies within contours, by the even-odd rule.
+fn holds(contours: &[Vec<Point2<f64>>], point: &Point2<f64>) -> bool {
+    let sides = contours.iter().flat_map(|contour| {
+        let following = contour.iter().cycle().skip(1);
+        contour.iter().zip(following)
+    });
+    let crossed = sides.filter(|(a, b)| {
+        let passes = (a.y > point.y) != (b.y > point.y);
+        passes && point.x < a.x + (point.y - a.y) / (b.y - a.y) * (b.x - a.x)
+    });
+    crossed.count() % 2 == 1
+}
+
+/// Paints what lies in the frame but not in the contours white, and draws those.
+fn mask(figure: &mut Figure, panel: &Panel, contours: &[Vec<Point2<f64>>]) {
+    let [min, max] = panel.frame;
+    let frame = vec![
+        min,
+        Point2::new(max.x, min.y),
+        max,
+        Point2::new(min.x, max.y),
+    ];
+    let path = |contours, fill, stroke| Shape::Path {
+        contours,
+        closed: true,
+        fill,
+        stroke,
+    };
+    let outside = std::iter::once(frame)
+        .chain(contours.iter().cloned())
+        .collect();
+    figure.shapes.push(path(outside, Some(Color::WHITE), None));
+    if !contours.is_empty() {
+        figure
+            .shapes
+            .push(path(contours.to_vec(), None, Some(OUTLINE)));
+    }
+}
+
+fn draw_mark(figure: &mut Figure, panel: &Panel, cut: &PlaneCut, mark: &Mark) {
+    let placed = |point: &Point3<f64>| {
+        let flat = cut.flat(point);
+        panel.place(flat.x, flat.y)
+    };
+    match &mark.shape {
+        MarkShape::Point(point) => disc(figure, placed(point), mark.color),
+        MarkShape::Polygon(corners) => figure.shapes.push(Shape::Path {
+            contours: vec![corners.iter().map(placed).collect()],
+            closed: true,
+            fill: None,
+            stroke: Some(Stroke::solid(mark.color, 3.0)),
+        }),
+        MarkShape::Line {
+            through,
+            along,
+            dashed,
+        } => {
+            let [start, end] = [placed(through), placed(&(through + along.normalize()))];
+            if let Some([from, to]) = across(panel.frame, start, end - start) {
+                figure.line(from, to, line_stroke(mark.color, *dashed));
+            }
+        }
+    }
+}
+
+fn line_stroke(color: Color, dashed: bool) -> Stroke {
+    Stroke {
+        color,
+        width: 1.8,
+        dash: dashed.then_some([7.0, 4.0]),
+    }
+}
+
+fn disc(figure: &mut Figure, center: Point2<f64>, color: Color) {
+    for (radius, fill) in [(6.5, Color::INK), (5.0, color)] {
+        figure.shapes.push(Shape::Disc {
+            center,
+            radius,
+            fill,
+        });
+    }
+}
+
+/// The part of a line in a frame; none where it passes by, or is a point.
+fn across(
+    [min, max]: [Point2<f64>; 2],
+    through: Point2<f64>,
+    along: nalgebra::Vector2<f64>,
+) -> Option<[Point2<f64>; 2]> {
+    if along.norm() < 1e-9 * (max - min).norm() {
+        return None;
+    }
+    let mut range = [f64::NEG_INFINITY, f64::INFINITY];
+    for axis in 0..2 {
+        let ends = [min[axis], max[axis]].map(|side| (side - through[axis]) / along[axis]);
+        if ends.iter().all(|end| !end.is_nan()) {
+            range[0] = range[0].max(ends[0].min(ends[1]));
+            range[1] = range[1].min(ends[0].max(ends[1]));
+        }
+    }
+    let is_inside = range[0] < range[1] && range.iter().all(|end| end.is_finite());
+    is_inside.then(|| range.map(|share| through + along * share))
+}
+
+/// A line of the legend: the mark's sign and name.
+fn draw_legend(figure: &mut Figure, corner: Point2<f64>, mark: &Mark) {
+    let sign = Point2::new(corner.x + 12.0, corner.y);
+    let (left, right) = (
+        Point2::new(corner.x, corner.y),
+        Point2::new(corner.x + 24.0, corner.y),
+    );
+    match &mark.shape {
+        MarkShape::Point(_) => disc(figure, sign, mark.color),
+        MarkShape::Polygon(_) => figure.line(left, right, Stroke::solid(mark.color, 3.0)),
+        MarkShape::Line { dashed, .. } => {
+            figure.line(left, right, line_stroke(mark.color, *dashed));
+        }
+    }
+    let beside = Point2::new(corner.x + 34.0, corner.y + 0.36 * LABEL_SIZE);
+    figure.text(beside, &mark.name, LABEL_SIZE, Anchor::Start);
+}
