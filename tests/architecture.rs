@@ -18,14 +18,7 @@ const MAY_IMPORT: [(&str, &[&str]); 17] = [
     ("complex", &["geometry", "mesh", "domain", "voronoi"]),
     (
         "balance",
-        &[
-            "geometry",
-            "integrals",
-            "mesh",
-            "mass",
-            "domain",
-            "voronoi",
-        ],
+        &["geometry", "integrals", "mesh", "mass", "domain", "voronoi"],
     ),
     (
         "relax",

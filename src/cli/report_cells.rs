@@ -1,8 +1,9 @@
 //! The cells of a run's sites as a page shows them: surfaces and values, of many only those at a plane.
 
-use nalgebra::{Point, Point3};
+use nalgebra::{Point, Point2, Point3};
 
 use crate::cli::cell_files::Colors;
+use crate::domain::facet_kind::FacetKind;
 use crate::domain::shape::PieceScratch;
 use crate::geometry::bounds::Bounds;
 use crate::geometry::shell::Shell;
@@ -57,26 +58,32 @@ impl ShowCells<2> for Plane {
         shown: &(impl Fn(&Shell) -> bool + Sync),
     ) -> Result<Vec<ShownCell>, String> {
         let diagram = PlaneDiagram::new(&self.domain, sites).map_err(|error| error.to_string())?;
-        let cells = (0..).zip(&diagram.cells).map(|(site, cell)| ShownCell {
-            site,
-            position: cell.site.coords.push(0.0).into(),
-            shell: plane_shell(cell),
-        });
+        let cells = (0..).zip(&diagram.cells);
+        let cells = cells.map(|(site, cell)| in_plane(site, cell));
         Ok(cells.filter(|cell| shown(&cell.shell)).collect())
     }
 }
 
-/// The cell's part in the domain, one facet for each convex piece.
-fn plane_shell(cell: &PlaneCell) -> Shell {
-    let (mut vertices, mut facets) = (Vec::new(), Vec::new());
+/// A cell of the plane: its pieces, and the edges between them.
+fn in_plane(site: u32, cell: &PlaneCell) -> ShownCell {
+    let lift = |point: &Point2<f64>| Point3::new(point.x, point.y, 0.0);
+    let (mut vertices, mut facets, mut seams) = (Vec::new(), Vec::new(), Vec::new());
     for piece in cell.pieces() {
+        let piece = piece.translated(&cell.site.coords);
         let first = vertices.len() as u32;
-        let corners = piece.vertices().iter();
-        vertices.extend(corners.map(|at| Point3::from((at + cell.site.coords).coords.push(0.0))));
+        vertices.extend(piece.vertices().iter().map(lift));
         facets.push(first..vertices.len() as u32);
+        let inner = piece.edges();
+        let inner = inner.filter(|edge| FacetKind::of(edge.label) == FacetKind::Inner);
+        seams.extend(inner.map(|edge| [lift(&edge.start), lift(&edge.end)]));
     }
-    // The facets name these vertices only.
-    Shell::new(&vertices, facets).unwrap_or_default()
+    ShownCell {
+        site,
+        position: lift(&cell.site),
+        // The facets name these vertices only.
+        shell: Shell::new(&vertices, facets).unwrap_or_default(),
+        seams,
+    }
 }
 
 impl ShowCells<3> for Space {
@@ -91,6 +98,7 @@ impl ShowCells<3> for Space {
                 site: site as u32,
                 position: self.wrap(&sites[site]),
                 shell,
+                seams: Vec::new(),
             }));
             Ok(())
         };

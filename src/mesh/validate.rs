@@ -23,9 +23,7 @@ use crate::geometry::bounds::Bounds;
 use crate::mesh::closing::{WELD_BOX, closed_surface};
 use crate::mesh::edges::EdgeTable;
 use crate::mesh::nesting::{join_open, turn_outward};
-use crate::mesh::orient::{
-    EdgePlaces, check_balance, orient, touching, turn_to_neighbors,
-};
+use crate::mesh::orient::{EdgePlaces, check_balance, orient, touching, turn_to_neighbors};
 use crate::mesh::overlap::overlaps;
 use crate::mesh::repair::Welder;
 use crate::mesh::report::{Overlap, Refusal, SurfaceReport, Tally, TetReport};

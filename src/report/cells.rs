@@ -45,8 +45,10 @@ pub(crate) struct ShownCell {
     pub(crate) site: u32,
     /// The site's place.
     pub(crate) position: Point3<f64>,
-    /// The cell's surface, in the plane its polygon.
+    /// The cell's surface, in the plane the polygons that fill it.
     pub(crate) shell: Shell,
+    /// Edges between these polygons, which get no lines.
+    pub(crate) seams: Vec<[Point3<f64>; 2]>,
 }
 
 /// The cells of a run that a page shows, in site order.
@@ -82,6 +84,9 @@ const LARGEST: f64 = ((1_u32 << COORDINATE_BITS) - 1) as f64;
 /// 25°, as in `plot::z_buffer`.
 const SMOOTH: f64 = 0.9;
 
+/// Places nearer than this share of an edge are one.
+const SAME_PLACE: f64 = 1e-6;
+
 impl ShownCells {
     /// The cells as text for a page.
     #[must_use]
@@ -90,7 +95,7 @@ impl ShownCells {
         let grid = QuantizedBox::around(self);
         let mut faces = SharedFaces::default();
         for &cell in &order {
-            faces.push_cell(&self.cells[cell].shell, &grid);
+            faces.push_cell(&self.cells[cell], &grid);
         }
         let mut packer = NumberPacker::default();
         faces.pack(&mut packer);
@@ -232,14 +237,14 @@ type FaceCorner = (u32, bool);
 
 impl SharedFaces {
     /// Adds the next cell.
-    fn push_cell(&mut self, shell: &Shell, grid: &QuantizedBox) {
-        let cell = self.owned.len() as u32;
+    fn push_cell(&mut self, shown: &ShownCell, grid: &QuantizedBox) {
+        let (cell, shell) = (self.owned.len() as u32, &shown.shell);
         let numbers: Vec<u32> = shell
             .vertices()
             .iter()
             .map(|vertex| self.number(grid.place(vertex)))
             .collect();
-        let (mut smooth, mut count) = (smooth_edges(shell).into_iter(), 0);
+        let (mut smooth, mut count) = (smooth_edges(shown).into_iter(), 0);
         for facet in shell.facets() {
             let corners = facet.iter().map(|&corner| numbers[corner as usize]);
             let corners: Vec<FaceCorner> = corners.zip(&mut smooth).collect();
@@ -334,10 +339,14 @@ fn without_repetitions(face: &[FaceCorner]) -> Vec<FaceCorner> {
     kept.map(|(&here, _)| here).collect()
 }
 
+/// An edge of a facet: its lower and higher vertex, the facet's normal, the place among all edges.
+type FacetSide = ([u32; 2], Vector3<f64>, usize);
+
 /// For every corner of every facet whether the edge from it to the next lies within a wall: between two
-/// facets that form no crease, or run through twice by one facet.
-fn smooth_edges(shell: &Shell) -> Vec<bool> {
-    let mut sides: Vec<([u32; 2], Vector3<f64>, usize)> = Vec::new();
+/// facets that form no crease, run through twice by one facet, or a seam.
+fn smooth_edges(cell: &ShownCell) -> Vec<bool> {
+    let shell = &cell.shell;
+    let mut sides: Vec<FacetSide> = Vec::new();
     for facet in shell.facets() {
         let normal = unit_normal(shell, facet);
         let following = facet.iter().cycle().skip(1);
@@ -350,11 +359,22 @@ fn smooth_edges(shell: &Shell) -> Vec<bool> {
     for edge in sides.chunk_by(|one, other| one.0 == other.0) {
         let first = edge[0].1;
         let is_smooth = edge.len() > 1 && edge.iter().all(|side| side.1.dot(&first) > SMOOTH);
+        let ends = edge[0].0.map(|corner| shell.vertices()[corner as usize]);
         for (_, _, place) in edge {
-            smooth[*place] = is_smooth;
+            smooth[*place] = is_smooth || cell.has_seam(ends);
         }
     }
     smooth
+}
+
+impl ShownCell {
+    /// Whether there is a seam between these places, to what vertices of a shell are welded.
+    fn has_seam(&self, [one, other]: [Point3<f64>; 2]) -> bool {
+        let reach = SAME_PLACE * (other - one).amax();
+        let near = |a: &Point3<f64>, b: &Point3<f64>| (a - b).amax() <= reach;
+        let mut seams = self.seams.iter();
+        seams.any(|[a, b]| near(a, &one) && near(b, &other) || near(a, &other) && near(b, &one))
+    }
 }
 
 fn unit_normal(shell: &Shell, facet: &[u32]) -> Vector3<f64> {
@@ -372,7 +392,7 @@ mod tests {
     use super::*;
 
     /// A unit cube at `x`, its top cut in two along a diagonal.
-    fn cube(x: f64) -> Shell {
+    fn cube(x: f64) -> ShownCell {
         let corners: Vec<Point3<f64>> = (0..8)
             .map(|k: u32| {
                 Point3::new(
@@ -392,7 +412,35 @@ mod tests {
             &[2, 0, 4, 6],
         ];
         let facets = facets.map(|facet| facet.iter().copied());
-        Shell::new(&corners, facets).expect("corners are there")
+        ShownCell {
+            site: 0,
+            position: Point3::origin(),
+            shell: Shell::new(&corners, facets).expect("corners are there"),
+            seams: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn seams_get_no_lines_where_parts_meet_along_a_piece_of_an_edge_too() {
+        let corners = [
+            [0.0, 0.0],
+            [2.0, 0.0],
+            [2.0, 1.0],
+            [0.0, 1.0],
+            [1.0, 1.0],
+            [1.0, 2.0],
+            [0.0, 2.0],
+        ];
+        let corners = corners.map(|[x, y]| Point3::new(x, y, 0.0));
+        let facets = [vec![0, 1, 2, 3], vec![3, 4, 5, 6]];
+        let cell = ShownCell {
+            site: 0,
+            position: corners[0],
+            shell: Shell::new(&corners, facets).expect("corners are there"),
+            seams: vec![[corners[2], corners[3]], [corners[3], corners[4]]],
+        };
+        let smooth = [false, false, true, false, true, false, false, false];
+        assert_eq!(smooth_edges(&cell), smooth);
     }
 
     #[test]

@@ -12,6 +12,9 @@ const ACROSS = { iteration: "iteration", evaluations: "energy evaluations per si
 const DASHES = ["", "7 4", "2 3"];
 /// The ratio of largest to least value from which movement is drawn on a logarithmic scale.
 const LOGARITHMIC_FROM = 20;
+/// The same of energies above 100 %, and the least of these.
+const ENERGY_LOGARITHMIC_FROM = 3;
+const LEAST_EXCESS = 1e-6;
 /// Smaller movements (%) are rounding noise.
 const LEAST_MOVEMENT = 1e-12;
 
@@ -124,12 +127,16 @@ class CurvePlot {
   }
 
   height(value) {
-    if (this.log && this.isPercent()) return value - 100;
+    if (this.log && this.isPercent()) return value - 100 < LEAST_EXCESS ? NaN : value - 100;
     return this.log && this.quantity === "movement_percent" && value < LEAST_MOVEMENT ? NaN : value;
   }
 
-  /// Whether the vertical scale is logarithmic unless somebody chooses.
+  /// Whether the vertical scale is logarithmic unless somebody chooses, as in src/plot/convergence.rs.
   wantsLog() {
+    if (this.isPercent() && !this.curves.visible().some((run) => run.asymptotic)) {
+      const [low, high] = extent(this.curves.visible().flatMap((run) => run.records.energy_percent));
+      return high - 100 > ENERGY_LOGARITHMIC_FROM * (Math.max(low, 100 + LEAST_EXCESS) - 100);
+    }
     if (!this.quantity.startsWith("movement")) return false;
     const all = this.curves.runs.flatMap((run) => run.records[this.quantity].filter((y) => y > LEAST_MOVEMENT));
     return extent(all)[1] > LOGARITHMIC_FROM * extent(all)[0];
@@ -185,7 +192,8 @@ class CurvePlot {
     const up = this.log ? decades(...this.ys, (bottom - top) / 34) : ticks(...this.ys, (bottom - top) / 44);
     const rows = up.flatMap((value) => [
       drawing("line", { class: "grid", x1: left, x2: right, y1: this.y(value), y2: this.y(value) }),
-      drawing("text", { x: left - 7, y: this.y(value) + 4, "text-anchor": "end" }, numberText(value, 5)),
+      drawing("text", { x: left - 7, y: this.y(value) + 4, "text-anchor": "end" },
+        numberText(this.log && this.isPercent() ? 100 + value : value, this.log && this.isPercent() ? 9 : 5)),
     ]);
     return [...across, ...rows,
       drawing("rect", { class: "frame", x: left, y: top, width: right - left, height: bottom - top }),
