@@ -272,12 +272,9 @@ fn descend(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::balance::bases::of_cells;
     use crate::balance::conditions::SpinAxis;
-    use crate::domain::random_points::random_points;
-    use crate::domain::tri_surface::solid::SurfaceSolid;
+    use crate::mass::body::Body;
     use crate::mesh::shapes::bracket;
-    use crate::voronoi::diagram::Diagram;
     use nalgebra::Vector3;
 
     fn problem(surface: &SurfaceMesh) -> (SpinAxis, Vec<Condition>) {
@@ -319,25 +316,39 @@ mod tests {
     }
 
     #[test]
-    fn starts_lead_to_fields_that_meet_the_conditions_exactly() {
-        let surface = bracket(3);
-        let (axis, conditions) = problem(&surface);
-        let solid = SurfaceSolid::from_arrays(&surface.vertices, &surface.triangles);
-        let solid = solid.expect("a solid");
-        let places = random_points(&solid, 150, 1).expect("room");
-        let diagram = Diagram::new(&solid, &places).expect("cells");
-        let moments = of_cells(&diagram, &axis.through).expect("cells");
+    fn exact_steps_find_the_field_whose_axis_was_taken() {
+        let surface = bracket(2);
+        let bounds = surface.bounds();
+        let extent = bounds.extent().norm();
+        let wanted = SineField {
+            point: bounds.center() + Vector3::new(0.6, -0.5, 0.4) * extent,
+            k: 7.0 / extent,
+        };
+        let (vertices, triangles) = (&surface.vertices, &surface.triangles);
+        let jet = sine_jet(vertices, triangles, &wanted.point, wanted.k, 5);
+        let body = Body::from_moments(1.0, 1.0, &jet.volume, &wanted.point);
+        let axis = SpinAxis::new(&body.center_of_mass(), &body.principal().axes[2]);
+        let axis = axis.expect("a direction");
+        let conditions = [axis.center_on(), axis.principal()].concat();
         let problem = SineProblem {
             surface: &surface,
-            moments: &moments,
+            moments: &[],
             origin: axis.through,
             conditions: &conditions,
         };
-        let fit = problem.fit(60, 1);
-        let field = fit.field.expect("some start leads to one");
-        assert!(fit.met >= 1 && fit.evaluations[1] > 0);
-        let exact = problem.exact(&field, &problem.sizes(), 8);
-        assert!(exact.residual.amax() < 1e-8, "{}", exact.residual);
+        let lengths = vec![extent, extent, extent.powi(2), extent.powi(2)];
+        let sizes = DVector::from_vec(lengths) * surface.volume();
+        let start = SineField {
+            point: wanted.point + Vector3::new(0.002, 0.001, -0.002) * extent,
+            k: wanted.k * 1.002,
+        };
+        let (field, residual, _) = problem.refine(start, &sizes);
+        assert!(residual < EXACT_ENOUGH, "{residual:e}");
+        let off = (field.point - wanted.point).norm() / extent;
+        assert!(
+            off < 0.05 && (field.k / wanted.k - 1.0).abs() < 0.05,
+            "{field:?}"
+        );
     }
 
     /// The fields of `density.md` 2.3, started beside them.
