@@ -1,4 +1,4 @@
-//! What a body stands on, as conditions: the hull of its contacts, or a place.
+//! Standing as conditions on a body's center: over the hull of its contacts, or over a place.
 //!
 //! With the outward normal n of an edge through p, the margin μ and a ground that may tilt by θ to any side,
 //! the center C stays over the polygon where (n + tan θ up)·(C − p) ≤ −μ, p on the ground.
