@@ -1,4 +1,4 @@
-//! What `chebloyd print --report` writes: a layer's deposit, and the infill's profile along an axis.
+//! The files of `chebloyd print --report`: a layer's deposit, and the infill's profile along an axis.
 
 use std::cell::RefCell;
 use std::fs::{self, File};

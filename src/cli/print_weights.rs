@@ -1,4 +1,4 @@
-//! What a print weighs, its infill apart, and how full that is.
+//! The weight of a print, its infill apart, and how full that is.
 
 use nalgebra::Point3;
 use serde::Serialize;

@@ -1,4 +1,4 @@
-//! What a print is to do: stand on its contact, over a place, with its center at a target; or spin.
+//! Wishes of a print: to stand on its contact, over a place, with its center at a target; or spin.
 
 use nalgebra::{Point2, Point3, Vector3};
 

@@ -1,4 +1,4 @@
-//! How much of the sliced flow each piece of infill gets: by a field, or by numbers found for the pieces.
+//! The multiplier of the sliced flow in each piece of infill: by a field, or by numbers found for the pieces.
 
 use nalgebra::Point3;
 

@@ -1,4 +1,4 @@
-//! Which feature types are infill that may be modulated.
+//! The feature types that are infill and may be modulated.
 
 /// The names of sparse infill: PrusaSlicer's `Internal infill`, OrcaSlicer's and Bambu Studio's
 /// `Sparse infill`, Cura's `FILL`, Simplify3D's `infill`.

@@ -1,4 +1,4 @@
-//! What a first reading says about the part on the bed: its box, its first layer, its infill.
+//! The part on the bed by a first reading: its box, its first layer, its infill.
 
 use std::io::{Read, Seek};
 

@@ -1,4 +1,4 @@
-//! What slicers wrote about the whole print, corrected for what is printed now: lengths, volumes, weights
+//! Slicers' totals of a print, corrected for what is printed now: lengths, volumes, weights
 //! and costs of filament, and times.
 
 use crate::gcode::comments::after;
