@@ -198,18 +198,28 @@ fn rows_of_the_methods_table_are_what_runs_end_with() {
     }
 }
 
-/// The figures of octrees at depth 4, where the models are.
+/// The figures of octrees at depths 4 and 8, where the models are.
 #[test]
 #[ignore = "needs ../shared/models; .ci/run runs it where they are"]
 fn rows_of_the_octree_table_are_what_the_command_prints() {
     let models = root().join("../shared/models");
-    for (name, file) in [("rocker-arm", "rocker-arm.obj"), ("casting", "casting.off")] {
+    let both = [("rocker-arm", "rocker-arm.obj"), ("casting", "casting.off")];
+    for ((name, file), depth) in both
+        .into_iter()
+        .flat_map(|model| [(model, "4"), (model, "8")])
+    {
         let file = models.join(file);
-        let printed = program(&["octree", &file.to_string_lossy(), "--depths", "4", "--json"]);
+        let printed = program(&[
+            "octree",
+            &file.to_string_lossy(),
+            "--depths",
+            depth,
+            "--json",
+        ]);
         let report: Value = serde_json::from_str(&printed).expect("JSON");
         let tree = &report["models"][0]["trees"][0];
         let paper = &tree["paper"];
-        let row = row(&format!("| {name} | 4 |"));
+        let row = row(&format!("| {name} | {depth} |"));
         let number = |value: &Value| value.as_f64().expect("a number");
         assert_eq!(row[2], format!("{} ({})", tree["nodes"], paper["nodes"]));
         let both = |key: &str| format!("{:.4} ({:.4})", number(&tree[key]), number(&paper[key]));

@@ -14,6 +14,10 @@ use crate::mesh::winding::{depth, turns};
 /// The greatest depth: beyond it the boxes of a node's column would not fit memory.
 pub(crate) const DEEPEST: u32 = 10;
 
+/// A triangle nearer to a box than this share of the root's extent touches it: faces that lie in the planes
+/// between boxes touch those on both sides, whatever their rounding.
+const SLACK: f64 = 1e-12;
+
 /// A node that is not halved and not outside.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct OctreeLeaf {
@@ -121,7 +125,8 @@ impl Builder<'_> {
         let half = 1_u32 << (self.tree.depth - level - 1);
         for octant in 0..8_u32 {
             let child = [0, 1, 2].map(|axis| place[axis] + (octant >> axis & 1) * half);
-            let node = self.tree.node_box(child, level + 1);
+            let slack = self.tree.bounds.extent() * SLACK;
+            let node = self.tree.node_box(child, level + 1).grown(&slack);
             let touches = |triangle: &&u32| {
                 let corners = self.surface.corners(**triangle as usize);
                 node.meets_triangle(&corners)
