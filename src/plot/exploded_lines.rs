@@ -115,7 +115,7 @@ fn draw_facet(
     let distance = |point: &Point3<f64>| (point - center)[facet.axis].abs();
     for band in (1..=BANDS).rev() {
         let share = f64::from(band) / f64::from(BANDS);
-        let part = nearer(&facet.corners, &distance, share * farthest);
+        let part = nearer(&facet.corners, distance, share * farthest);
         if part.len() > 2 {
             let middle = share - 0.5 / f64::from(BANDS);
             let color = PALE.mix(AXES[facet.axis], middle).lit(facet.shade);
