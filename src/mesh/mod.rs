@@ -8,6 +8,7 @@
 //! the file's name into every message.
 
 pub(crate) mod bores;
+pub(crate) mod closed_surface;
 pub(crate) mod contacts;
 pub(crate) mod cut;
 pub mod edges;
