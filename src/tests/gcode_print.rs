@@ -251,6 +251,23 @@ fn in_box(point: &Point3<f64>, margin: f64) -> bool {
     })
 }
 
+/// The moments of all beads far from the box.
+fn outside_box(text: &str, off: &Vector3<f64>) -> Moments {
+    let mut sum = Moments::default();
+    for (_, printed) in &beads(text.as_bytes()).unwrap() {
+        let path = &printed.bead.path;
+        let near = [0.0, 0.25, 0.5, 0.75, 1.0].iter().any(|&share| {
+            let mut place = path.at(share);
+            place.z -= printed.height / 2.0;
+            in_box(&(place - off), 20.0)
+        });
+        if !near {
+            sum += printed.bead.moments(printed.height, &NEAR);
+        }
+    }
+    sum
+}
+
 #[test]
 fn a_field_that_is_one_outside_a_box_changes_nothing_outside() {
     for (place, sample) in SAMPLES.into_iter().enumerate() {
@@ -289,22 +306,7 @@ fn a_field_that_is_one_outside_a_box_changes_nothing_outside() {
             }
         }
         assert_eq!(new > 10, is_relative);
-        let outside = |text: &str| {
-            let beads = beads(text.as_bytes()).unwrap();
-            let mut sum = Moments::default();
-            for (_, printed) in &beads {
-                let path = &printed.bead.path;
-                let near = [0.0, 0.25, 0.5, 0.75, 1.0].iter().any(|&share| {
-                    let mut place = path.at(share);
-                    place.z -= printed.height / 2.0;
-                    in_box(&(place - off), 20.0)
-                });
-                if !near {
-                    sum += printed.bead.moments(printed.height, &NEAR);
-                }
-            }
-            sum
-        };
+        let outside = |text: &str| outside_box(text, &off);
         assert_same(&outside(&text), &outside(sample), 1e-7);
         let (before, after) = (weighed(sample), weighed(&text));
         assert_same(&after[1], &before[1], 1e-7);
