@@ -146,15 +146,6 @@ impl SpinAxis {
         self.through + self.along.as_ref() * height
     }
 
-    /// The distance of `point` from the line.
-    #[cfg(test)]
-    pub(crate) fn distance(&self, point: &Point3<f64>) -> f64 {
-        let [first, second] = self
-            .across
-            .map(|direction| direction.dot(&(point - self.through)));
-        first.hypot(second)
-    }
-
     /// The same line, with `through` moved to a height.
     pub(crate) fn moved_to(&self, height: f64) -> Self {
         Self {

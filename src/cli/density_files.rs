@@ -165,7 +165,7 @@ fn write_vtu(path: &Path, body: DensityBody<'_>) -> Result<(), Failure> {
             for (solid, field) in body.solids.iter().zip(body.fields) {
                 let density = field.function(solid, body.extent).map_err(Failure::input)?;
                 let part = boundary(solid);
-                values.par_extend(part.vertices.par_iter().map(|vertex| density(vertex)));
+                values.par_extend(part.vertices.par_iter().map(&density));
                 append(&mut surface, part);
             }
             let columns = [("density", &values[..])];
@@ -209,7 +209,7 @@ fn pieces(
         Field::Tets(values) => return Ok(apart(mesh, values)),
         _ => {
             let density = given.function(solid, extent).map_err(Failure::input)?;
-            mesh.vertices.par_iter().map(|at| density(at)).collect()
+            mesh.vertices.par_iter().map(&density).collect()
         }
     };
     let mesh = mesh.clone();

@@ -1,6 +1,6 @@
 //! Files and groups with their densities and masses, weighed.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use crate::geometry::bounds::Bounds;
 use crate::mass::body::Body;
@@ -38,7 +38,7 @@ pub(crate) struct MassAsked<'a> {
 /// The names by which densities and masses may be given: files, with and without folder and extension,
 /// and groups.
 pub(crate) fn known_names(files: &[PathBuf], wholes: &[LabeledSolid]) -> Vec<String> {
-    let mut known: Vec<String> = files.iter().flat_map(names_of).collect();
+    let mut known: Vec<String> = files.iter().flat_map(|file| names_of(file)).collect();
     let groups = wholes
         .iter()
         .flat_map(|whole| whole.elements.groups.names());
@@ -46,7 +46,7 @@ pub(crate) fn known_names(files: &[PathBuf], wholes: &[LabeledSolid]) -> Vec<Str
     known
 }
 
-fn names_of(file: &PathBuf) -> [String; 3] {
+fn names_of(file: &Path) -> [String; 3] {
     let text =
         |part: Option<&std::ffi::OsStr>| part.unwrap_or_default().to_string_lossy().into_owned();
     [

@@ -92,7 +92,7 @@ fn negative_note(solid: &Solid, field: &Field, extent: &Bounds<3>) -> Option<Str
                 Solid::Surface(closed, _) => &closed.mesh().vertices,
                 Solid::Tets(sound, _) => &sound.mesh().vertices,
             };
-            let values: Vec<f64> = vertices.iter().map(|vertex| density(vertex)).collect();
+            let values: Vec<f64> = vertices.iter().map(&density).collect();
             least(vertices, &values)
         }
     }?;

@@ -1,7 +1,7 @@
 //! The parts of a body that `chebloyd mass` weighs: files, placed, and the groups that they name.
 
 use std::collections::HashMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use crate::mesh::elements::Elements;
 use crate::mesh::formats::read::{LabeledSolid, LoadError, read_file};
@@ -216,14 +216,6 @@ impl GivenDensity {
             ));
         }
         Ok(GivenField::of(Field::Tets(field.values.clone())))
-    }
-
-    /// The field file that is read for it.
-    pub(crate) fn file(&self) -> Option<PathBuf> {
-        match &self.kind {
-            DensityKind::Field(field) => field.file.clone(),
-            DensityKind::Cell(_) => None,
-        }
     }
 }
 

@@ -36,7 +36,11 @@ impl Placement {
         let &[a, b, c, x, d, e, f, y, g, h, i, z, l, m, n, o] = numbers else {
             return Err(format!("16 numbers are needed, not {}", numbers.len()));
         };
-        if [l, m, n, o] != [0.0, 0.0, 0.0, 1.0] {
+        let last_row = [l, m, n, o - 1.0];
+        if last_row
+            .iter()
+            .any(|entry| entry.abs() > 0.0 || entry.is_nan())
+        {
             return Err(format!(
                 "the last row of a placement is 0 0 0 1, not {l} {m} {n} {o}; give the matrix row by row"
             ));

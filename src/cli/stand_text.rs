@@ -24,7 +24,9 @@ pub(crate) fn up(text: &str) -> Result<Vector3<f64>, String> {
         return Ok(Vector3::ith(axis, sign));
     }
     match numbers(text).as_deref() {
-        Some(&[x, y, z]) if [x, y, z] != [0.0; 3] => Ok(Vector3::new(x, y, z)),
+        Some(&[x, y, z]) if [x, y, z].iter().any(|part| part.abs() > 0.0) => {
+            Ok(Vector3::new(x, y, z))
+        }
         Some([_, _, _]) => Err("a direction has a length".to_owned()),
         _ => Err("x, -x, y, -y, z, -z or three numbers X,Y,Z are needed".to_owned()),
     }

@@ -19,7 +19,6 @@
 
 use nalgebra::Point3;
 
-use crate::geometry::bounds::Bounds;
 use crate::mesh::closing::{WELD_BOX, closed_surface};
 use crate::mesh::edges::EdgeTable;
 use crate::mesh::nesting::{join_open, turn_outward};

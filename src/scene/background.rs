@@ -74,11 +74,11 @@ pub(crate) fn by_field(
     Ok((WeightedDomain::by_regions(domain, regions)?, note))
 }
 
+/// The value at a point.
+type ValueAt<'a> = Box<dyn Fn(&Point3<f64>) -> f64 + 'a>;
+
 /// A field without vertex data as a function of position.
-fn function<'a>(
-    field: &'a Field,
-    shape: &dyn DomainShape,
-) -> Result<Box<dyn Fn(&Point3<f64>) -> f64 + 'a>, Error> {
+fn function<'a>(field: &'a Field, shape: &dyn DomainShape) -> Result<ValueAt<'a>, Error> {
     Ok(match field {
         Field::Radial(density) => Box::new(|place| density.at(place)),
         Field::Formula(formula) => {
@@ -140,7 +140,10 @@ fn cell_regions(
     sites: &[Point3<f64>],
     values: &[f64],
 ) -> Result<Vec<DensityRegion>, Error> {
-    if let Some(number) = values.iter().position(|value| !(*value > 0.0)) {
+    if let Some(number) = values
+        .iter()
+        .position(|value| value.is_nan() || *value <= 0.0)
+    {
         let message = format!(
             "the field's cell {number} has the value {}; all must be positive",
             values[number]

@@ -256,7 +256,7 @@ fn one_curve_has_no_legend_and_its_canvas_ends_below_the_axis() {
 
 /// The curve of the right panel.
 fn energy_curve(figure: &Figure) -> Vec<Point2<f64>> {
-    let curves = figure.shapes.iter().filter_map(|shape| match shape {
+    let mut curves = figure.shapes.iter().filter_map(|shape| match shape {
         Shape::Path {
             contours,
             closed: false,
@@ -265,7 +265,7 @@ fn energy_curve(figure: &Figure) -> Vec<Point2<f64>> {
         } if stroke.color == Color::hex(0x00_72_b2) => Some(contours[0].clone()),
         _ => None,
     });
-    curves.last().expect("a curve")
+    curves.next_back().expect("a curve")
 }
 
 #[test]

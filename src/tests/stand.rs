@@ -83,7 +83,7 @@ fn a_cube_needs_the_contrast_of_hand_calculation() {
     // Targets on the surface or outside: no density does it.
     for target in [0.0, -0.2, 1.0, 7.0] {
         let balance = SolidBalance::new(&cube, &levels([target, 0.0, 0.0], &[Vector3::x()]));
-        assert_eq!(least_contrast(&balance).growth, f64::INFINITY, "{target}");
+        assert!(least_contrast(&balance).growth.is_infinite(), "{target}");
     }
 }
 
@@ -504,7 +504,9 @@ fn supports_degenerate_to_lines_and_points() {
         Ok(Support::Point(_))
     ));
     let line = at(&[[0.0, 0.0], [1.0, 1.0], [0.5, 0.5], [0.3, 0.3]]).expect("a line");
-    assert!(matches!(line, Support::Segment([a, b]) if a.x == 0.0 && b.x == 1.0));
+    assert!(
+        matches!(line, Support::Segment([a, b]) if a.x.abs() < 1e-15 && (b.x - 1.0).abs() < 1e-15)
+    );
     let square = [
         [0.0, 0.0],
         [1.0, 0.0],

@@ -164,7 +164,7 @@ fn is_iges(bytes: &[u8]) -> bool {
         return false;
     };
     let number = line[73..80].trim_ascii();
-    line[72] == b'S' && number == b"1" || line[72] == b'S' && number == b"0000001"
+    line[72] == b'S' && [&b"1"[..], b"0000001"].contains(&number)
 }
 
 /// JSON with the object `asset`, which glTF demands.

@@ -272,6 +272,7 @@ fn gmsh_with_data(mesh: &TetMesh) -> Mesh {
 }
 
 #[test]
+#[allow(clippy::too_many_lines, reason = "one table")]
 fn formats_of_other_programs_are_refused_with_what_to_export() {
     let text = |bytes: &str| bytes.as_bytes().to_vec();
     let iges = format!("{:72}S      1\n", "");

@@ -59,7 +59,8 @@ fn emit(
     (strip.source, strip.form, strip.is_low) = (source, form, is_low);
     strip.corners.clear();
     for (number, corner) in corners.iter().enumerate() {
-        if *corner != corners[(number + 1) % 4] {
+        let next = corners[(number + 1) % 4];
+        if corner.iter().zip(next).any(|(a, b)| (a - b).abs() > 0.0) {
             strip.corners.push(*corner);
         }
     }
