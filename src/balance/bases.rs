@@ -39,11 +39,8 @@ pub(crate) fn of_vertices(mesh: &TetMesh, origin: &Point3<f64>) -> Vec<Moments> 
         let squares: Matrix3<f64> = arms.iter().map(|arm| arm * arm.transpose()).sum();
         for (&vertex, arm) in tet.iter().zip(&arms) {
             let mixed = arm * sum.transpose();
-            let second = sum * sum.transpose()
-                + squares
-                + mixed
-                + mixed.transpose()
-                + arm * arm.transpose() * 2.0;
+            let own = arm * arm.transpose() * 2.0;
+            let second = sum * sum.transpose() + squares + mixed + mixed.transpose() + own;
             hats[vertex as usize] += Moments {
                 mass: volume / 4.0,
                 first: (sum + arm) * (volume / 20.0),

@@ -80,16 +80,11 @@ impl Condition {
 
     /// φ as a polynomial of the coordinates, as text.
     pub(crate) fn text(&self) -> String {
-        let centered = |axis: usize| match self.about[axis] {
-            0.0 => ["x", "y", "z"][axis].to_owned(),
-            middle if middle < 0.0 => format!("({} + {})", ["x", "y", "z"][axis], -middle),
-            middle => format!("({} - {middle})", ["x", "y", "z"][axis]),
-        };
         let mut text = format!("{}", self.constant);
         let mut add = |factor: f64, names: &[usize]| {
             if factor != 0.0 {
                 let sign = if factor < 0.0 { '-' } else { '+' };
-                let names: Vec<_> = names.iter().map(|&axis| centered(axis)).collect();
+                let names: Vec<_> = names.iter().map(|&axis| self.centered(axis)).collect();
                 text += &format!(" {sign} {}*{}", factor.abs(), names.join("*"));
             }
         };
@@ -101,6 +96,16 @@ impl Condition {
             add(twice * self.quadratic[(one, other)], &[one, other]);
         }
         text
+    }
+
+    /// A coordinate from where φ is centered, as text.
+    fn centered(&self, axis: usize) -> String {
+        let name = ["x", "y", "z"][axis];
+        match self.about[axis] {
+            0.0 => name.to_owned(),
+            middle if middle < 0.0 => format!("({name} + {})", -middle),
+            middle => format!("({name} - {middle})"),
+        }
     }
 
     /// ∫ d φ of a body whose `moments` are measured from `origin`.

@@ -108,10 +108,8 @@ impl Reach<'_> {
         let rows = self.balance.rows(&center) / center.mass;
         let extreme = rows.dot(multipliers);
         let shift = self.shift(multipliers);
-        let outward = self
-            .directions
-            .iter()
-            .map(|direction| direction.dot(&shift));
+        let directions = self.directions.iter();
+        let outward = directions.map(|direction| direction.dot(&shift));
         ReachPoint {
             value: 0.5 * shift.norm_squared() + extreme,
             gradient: rows + DVector::from_iterator(self.directions.len(), outward),

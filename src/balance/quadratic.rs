@@ -18,10 +18,7 @@ pub(crate) fn minimize_quadratic(
     linear: &DVector<f64>,
     relations: &[Relation],
 ) -> DVector<f64> {
-    let scale = matrix.diagonal().map(|entry| {
-        let root = entry.max(0.0).sqrt();
-        if root > 0.0 { 1.0 / root } else { 0.0 }
-    });
+    let scale = matrix.diagonal().map(inverse_root);
     let scaled = |row: usize, column: usize| {
         let ridge = if row == column { RIDGE } else { 0.0 };
         matrix[(row, column)] * scale[row] * scale[column] + ridge
@@ -37,6 +34,12 @@ pub(crate) fn minimize_quadratic(
     };
     program.run(relations, &scale);
     program.point.component_mul(&scale)
+}
+
+/// 1/√ of an entry of the diagonal, 0 of one that is not positive.
+fn inverse_root(entry: f64) -> f64 {
+    let root = entry.max(0.0).sqrt();
+    if root > 0.0 { 1.0 / root } else { 0.0 }
 }
 
 /// A program with a matrix of unit diagonal, and the variables that are not held at zero.

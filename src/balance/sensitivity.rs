@@ -36,14 +36,6 @@ impl ClampDerivatives {
         } else {
             ThreeMoments::default()
         };
-        let raised = |body: &ThreeMoments, axis: usize| {
-            let unit = Vector3::ith(axis, 1.0);
-            Moments {
-                mass: body.low.first[axis],
-                first: body.low.second * unit,
-                second: body.third.along(&unit),
-            }
-        };
         let less = |one: Moments, other: Moments| one + other * -1.0;
         Self {
             low: less(body.whole, above.low),
@@ -72,4 +64,14 @@ impl ClampDerivatives {
 
 fn shift(moments: &Moments, change: &Moments) -> Vector3<f64> {
     (change.first - moments.center() * change.mass) / moments.mass
+}
+
+/// The first moments of a body as a body of its own: its density times the coordinate of an axis.
+fn raised(body: &ThreeMoments, axis: usize) -> Moments {
+    let unit = Vector3::ith(axis, 1.0);
+    Moments {
+        mass: body.low.first[axis],
+        first: body.low.second * unit,
+        second: body.third.along(&unit),
+    }
 }

@@ -181,12 +181,7 @@ impl SineProblem<'_> {
         let mut residual = DVector::zeros(count);
         let mut jacobian = DMatrix::zeros(count, 4);
         for (place, row) in rows {
-            let arm = place - field.point;
-            let distance = arm.norm();
-            let (sine, cosine) = (field.k * distance).sin_cos();
-            let outward = arm / distance.max(f64::MIN_POSITIVE);
-            let slope = outward * (-field.k * cosine);
-            let slopes = Vector4::new(slope.x, slope.y, slope.z, distance * cosine);
+            let (sine, slopes) = sine_at(field, place);
             for (k, weight) in row.iter().enumerate() {
                 let share = weight / sizes[k];
                 residual[k] += share * (sine + 1.0);
@@ -203,8 +198,7 @@ impl SineProblem<'_> {
         let (vertices, triangles) = (&self.surface.vertices, &self.surface.triangles);
         let jet = sine_jet(vertices, triangles, &field.point, field.k, nodes);
         let count = sizes.len();
-        let mut residual = DVector::zeros(count);
-        let mut jacobian = DMatrix::zeros(count, 4);
+        let (mut residual, mut jacobian) = (DVector::zeros(count), DMatrix::zeros(count, 4));
         for (k, condition) in self.conditions.iter().enumerate() {
             let seen = condition.seen_from(&field.point);
             let of = |moments: &Moments| seen.of(moments, &field.point) / sizes[k];
@@ -222,6 +216,17 @@ impl SineProblem<'_> {
         }
         FitPoint { residual, jacobian }
     }
+}
+
+/// sin k|r| at a place r from the field's point, and the derivatives of it by that point and k.
+fn sine_at(field: &SineField, place: &Point3<f64>) -> (f64, Vector4<f64>) {
+    let arm = place - field.point;
+    let distance = arm.norm();
+    let (sine, cosine) = (field.k * distance).sin_cos();
+    let outward = arm / distance.max(f64::MIN_POSITIVE);
+    let slope = outward * (-field.k * cosine);
+    let slopes = Vector4::new(slope.x, slope.y, slope.z, distance * cosine);
+    (sine, slopes)
 }
 
 /// A start: p within twice the box, k of some waves.

@@ -331,23 +331,26 @@ impl StandSearch<'_> {
         };
         let centers = self.body.under(&conditions(demands));
         let directions: Vec<_> = demands.iter().map(|(_, direction)| *direction).collect();
-        let range = self.range();
         let reach = Reach {
             balance: &centers,
             directions: &directions,
-            range: &range,
+            range: &self.range(),
             mass: self.wanted_mass(),
         };
         let start = multipliers.rows(0, demands.len()).into_owned();
-        let has_mass = self.wanted_mass().is_none_or(|mass| {
-            let volume = self.body.whole.mass;
-            (self.low * volume..=self.high * volume).contains(&mass)
-        });
         StandRefusal {
             range: [self.low, self.high],
             proof: balance.combined(&multipliers),
-            nearest: (has_mass && start.amax() > 0.0).then(|| reach.nearest(&start)),
+            nearest: (self.can_have_mass() && start.amax() > 0.0).then(|| reach.nearest(&start)),
         }
+    }
+
+    /// Whether densities of the range can have the mass that is wanted.
+    fn can_have_mass(&self) -> bool {
+        self.wanted_mass().is_none_or(|mass| {
+            let volume = self.body.whole.mass;
+            (self.low * volume..=self.high * volume).contains(&mass)
+        })
     }
 }
 

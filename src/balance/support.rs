@@ -155,10 +155,9 @@ impl Support {
         let upper = half_hull(points.iter().rev());
         hull.extend(&upper);
         let along = (last - first).normalize();
-        let width = hull
-            .iter()
-            .map(|point| turn(&along, &(point - first)).abs());
-        if hull.len() < 3 || width.fold(0.0, f64::max) <= FLAT * extent {
+        let off = |point: &Point2<f64>| turn(&along, &(point - first)).abs();
+        let width = hull.iter().map(off).fold(0.0, f64::max);
+        if hull.len() < 3 || width <= FLAT * extent {
             return Ok(Self::Segment([first, last]));
         }
         Ok(Self::Polygon(hull))

@@ -89,8 +89,7 @@ pub(crate) fn write_density(
     body: DensityBody<'_>,
     section: &Section,
 ) -> Result<(), Failure> {
-    fs::create_dir_all(folder)
-        .map_err(|error| Failure::input(format!("cannot make {}: {error}", folder.display())))?;
+    make_folder(folder)?;
     write_vtu(&folder.join(FILES[0]), body)?;
     let density = body.function()?;
     let figure = density_cut(&DensityCut {
@@ -106,6 +105,11 @@ pub(crate) fn write_density(
         write_file(&folder.join(name), |file| file.write_all(bytes)).map_err(Failure::run)?;
     }
     Ok(())
+}
+
+fn make_folder(folder: &Path) -> Result<(), Failure> {
+    fs::create_dir_all(folder)
+        .map_err(|error| Failure::input(format!("cannot make {}: {error}", folder.display())))
 }
 
 impl DensityBody<'_> {

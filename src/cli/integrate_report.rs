@@ -282,11 +282,16 @@ pub(crate) fn face_figures(surface: &SurfaceMesh, polygons: &[u32]) -> Faces {
         let normal = normal.into();
         figures.push(FaceFigures { area, normal });
     }
-    let note = bent.first().map(|(face, depth)| {
+    let note = bent_note(&bent);
+    Faces { figures, note }
+}
+
+/// The note on faces that are not planar, with the depth of each.
+fn bent_note(bent: &[(usize, f64)]) -> Option<String> {
+    bent.first().map(|(face, depth)| {
         let (count, depth) = (bent.len(), brief(*depth));
         format!("not planar: {count} of the faces, the first face {face}, with corners {depth} apart along its normal; their triangles are integrated")
-    });
-    Faces { figures, note }
+    })
 }
 
 /// How far corners lie apart along a normal; 0 where it is rounding.

@@ -145,10 +145,7 @@ impl MassAsked<'_> {
         density: &GivenDensity,
         mass: Option<f64>,
     ) -> Result<MassLeaf, Failure> {
-        let file = self.files[part].display();
-        let name = group
-            .as_ref()
-            .map_or(file.to_string(), |group| format!("{file}, group {group}"));
+        let name = self.name(part, group.as_deref());
         let field = density.field(&labeled);
         Ok(MassLeaf {
             density: field.map_err(|fault| Failure::input(format!("{name}: {fault}")))?,
@@ -159,6 +156,11 @@ impl MassAsked<'_> {
             labeled,
             mass,
         })
+    }
+
+    fn name(&self, part: usize, group: Option<&str>) -> String {
+        let file = self.files[part].display();
+        group.map_or(file.to_string(), |group| format!("{file}, group {group}"))
     }
 
     /// A file's leaves weighed, scaled together to the file's mass if that is given.

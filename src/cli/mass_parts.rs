@@ -7,7 +7,7 @@ use crate::mesh::elements::Elements;
 use crate::mesh::formats::read::{LabeledSolid, LoadError, read_file};
 use crate::mesh::report::Refusal;
 use crate::mesh::surface::SurfaceMesh;
-use crate::mesh::tets::TetMesh;
+use crate::mesh::tets::{TetMesh, VertexData};
 use crate::mesh::validate::{Solid, number_surface, number_tets};
 use crate::scene::field::{Field, GivenField};
 
@@ -102,11 +102,7 @@ fn tet_group(
     numbers: &[u32],
 ) -> Result<LabeledSolid, Refusal> {
     let (tets, vertices) = used(&mesh.tets, numbers);
-    let mut vertex_data = mesh.vertex_data.clone();
-    for field in &mut vertex_data {
-        let values = vertices.iter().map(|&vertex| field.values[vertex as usize]);
-        field.values = values.collect();
-    }
+    let vertex_data = data_of(&mesh.vertex_data, &vertices);
     let mesh = TetMesh {
         vertices: (vertices
             .iter()
@@ -121,6 +117,16 @@ fn tet_group(
         elements: elements.of_kept(numbers).of_kept(&kept),
         grouped: None,
     })
+}
+
+/// Data with their values at some vertices.
+fn data_of(data: &[VertexData], vertices: &[u32]) -> Vec<VertexData> {
+    let mut data = data.to_vec();
+    for field in &mut data {
+        let values = vertices.iter().map(|&vertex| field.values[vertex as usize]);
+        field.values = values.collect();
+    }
+    data
 }
 
 /// Some elements on the vertices that they use, and which vertices those are.

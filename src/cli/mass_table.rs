@@ -169,17 +169,7 @@ impl SolidReport {
 impl SolidReport {
     /// A line for every part and every group; nothing where there is one part.
     fn parts_table(&self) -> String {
-        let mut rows = Vec::new();
-        for part in &self.parts {
-            let density = part.density.as_deref().unwrap_or("(by groups)");
-            rows.push((part.file.clone(), row(&part.totals, density)));
-            for group in &part.groups {
-                rows.push((
-                    format!("  {}", group.name),
-                    row(&group.totals, &group.density),
-                ));
-            }
-        }
+        let rows = self.part_rows();
         let widths = rows.iter().map(|(name, _)| name.chars().count());
         let Some(width) = widths.max().map(|widest| widest.max(24)) else {
             return String::new();
@@ -192,6 +182,20 @@ impl SolidReport {
             text += &format!("{name:<width$}{figures}\n");
         }
         text
+    }
+
+    /// The names of the parts and their groups, each with its figures.
+    fn part_rows(&self) -> Vec<(String, String)> {
+        let mut rows = Vec::new();
+        for part in &self.parts {
+            let density = part.density.as_deref().unwrap_or("(by groups)");
+            rows.push((part.file.clone(), row(&part.totals, density)));
+            for group in &part.groups {
+                let name = format!("  {}", group.name);
+                rows.push((name, row(&group.totals, &group.density)));
+            }
+        }
+        rows
     }
 }
 

@@ -1,5 +1,6 @@
 //! Command-line options that several commands share: threads, the scene, and its method's keys.
 
+use std::fs::Metadata;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -182,10 +183,7 @@ impl SceneOptions {
             return Ok(());
         };
         // A pipe can be read once, and by nobody who resumes the run.
-        let is_stream = file
-            .metadata()
-            .is_ok_and(|file| !file.is_file() && !file.is_dir());
-        if file.as_os_str() != STANDARD_INPUT && !is_stream {
+        if !is_stream(file) {
             return others.set_site_file(file).map_err(Failure::input);
         }
         let format = self.sites_format.as_deref();
@@ -207,6 +205,12 @@ impl SceneOptions {
         inputs.extend(self.scene.clone());
         inputs
     }
+}
+
+/// Whether a file can be read but once.
+fn is_stream(file: &Path) -> bool {
+    let is_pipe = |file: Metadata| !file.is_file() && !file.is_dir();
+    file.as_os_str() == STANDARD_INPUT || file.metadata().is_ok_and(is_pipe)
 }
 
 /// The sites of a file as a scene lists them, and what there is to say about it.

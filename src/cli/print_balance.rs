@@ -333,14 +333,18 @@ fn refusal(
     let varying: f64 = pieces.moments.iter().map(|piece| piece.mass).sum();
     let fixed = 100.0 * pieces.fixed.mass / (pieces.fixed.mass + varying);
     let takes = needs.text(low);
-    let found = match solution.end {
-        SolveEnd::Refuted => "no multipliers",
-        _ => "no multipliers were found that",
-    };
+    let found = none_found(solution.end);
     Some(format!(
         "{found} between {low} and {high:.4} do this: {takes}; full filling ends them at \
          {most:.4}; {fixed:.1} % of the part is walls and skins, which stay. Nothing is written. Widen \
          --range, or slice with fewer walls and solid layers, or with more infill so that low multipliers \
          have room"
     ))
+}
+
+fn none_found(end: SolveEnd) -> &'static str {
+    match end {
+        SolveEnd::Refuted => "no multipliers",
+        _ => "no multipliers were found that",
+    }
 }

@@ -73,6 +73,21 @@ impl PrintOutcome {
     }
 
     fn note_limits(&mut self) {
+        self.note_widths();
+        if let Some([least, most]) = self.planned.speeds {
+            self.notes.push(format!(
+                "speeds of changed pieces run from {least:.1} to {most:.1} mm/s; the print takes {:+.0} s \
+                 (times in comments follow, those of M73 do not)",
+                self.planned.change.seconds
+            ));
+        }
+        if self.filling.share.is_none() {
+            self.notes
+                .push("how full infill fills space is unknown: give --filling".into());
+        }
+    }
+
+    fn note_widths(&mut self) {
         let [narrow, wide] = self.planned.odd_widths;
         if narrow > 0 {
             self.notes.push(format!(
@@ -85,17 +100,6 @@ impl PrintOutcome {
                 "{wide} of {} pieces are wider than two nozzles: they may not be laid evenly",
                 self.planned.pieces
             ));
-        }
-        if let Some([least, most]) = self.planned.speeds {
-            self.notes.push(format!(
-                "speeds of changed pieces run from {least:.1} to {most:.1} mm/s; the print takes {:+.0} s \
-                 (times in comments follow, those of M73 do not)",
-                self.planned.change.seconds
-            ));
-        }
-        if self.filling.share.is_none() {
-            self.notes
-                .push("how full infill fills space is unknown: give --filling".into());
         }
     }
 
@@ -169,24 +173,26 @@ impl PrintOutcome {
             "{:<24}{:>20}{:>20}{:>20}\n",
             "", "wanted", "obtained", "as sliced"
         );
-        let three = [&self.wanted, &self.obtained, &self.sliced];
-        let mut line = |name: &str, value: &dyn Fn(&Weights) -> Option<f64>| {
-            let shown = |weights| value(weights).map_or(format!("{:>20}", "-"), figure);
-            let values: String = three.iter().map(|weights| shown(weights)).collect();
-            text += &format!("{name:<24}{values}\n");
-        };
-        line("volume", &|one| Some(one.part?.volume));
+        text += &self.line("volume", &|one| Some(one.part?.volume));
         for (axis, name) in ["center of mass x", "y", "z"].iter().enumerate() {
-            line(name, &|one| Some(one.part?.center_of_mass()[axis]));
+            text += &self.line(name, &|one| Some(one.part?.center_of_mass()[axis]));
         }
         for (place, name) in ["principal moments", "", ""].iter().enumerate() {
-            line(name, &|one| Some(one.part?.principal().moments[place]));
+            text += &self.line(name, &|one| Some(one.part?.principal().moments[place]));
         }
-        line("infill volume", &|one| Some(one.infill?.volume));
+        text += &self.line("infill volume", &|one| Some(one.infill?.volume));
         for (axis, name) in ["infill center x", "y", "z"].iter().enumerate() {
-            line(name, &|one| Some(one.infill?.center_of_mass()[axis]));
+            text += &self.line(name, &|one| Some(one.infill?.center_of_mass()[axis]));
         }
         text + &self.other_lines()
+    }
+
+    /// What is wanted, obtained and sliced of one figure.
+    fn line(&self, name: &str, value: &dyn Fn(&Weights) -> Option<f64>) -> String {
+        let three = [&self.wanted, &self.obtained, &self.sliced];
+        let shown = |weights| value(weights).map_or(format!("{:>20}", "-"), figure);
+        let values: String = three.iter().map(|weights| shown(weights)).collect();
+        format!("{name:<24}{values}\n")
     }
 
     /// Figures of the pieces, and of what the print is to do.

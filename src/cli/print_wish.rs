@@ -140,12 +140,9 @@ impl Wish {
         else {
             return None;
         };
-        let low = corners
-            .iter()
-            .fold(corners[0], |low, corner| low.inf(corner));
-        let high = corners
-            .iter()
-            .fold(corners[0], |high, corner| high.sup(corner));
+        let first = corners[0];
+        let low = corners.iter().fold(first, |low, corner| low.inf(corner));
+        let high = corners.iter().fold(first, |high, corner| high.sup(corner));
         Some(format!(
             "it stands on a polygon of {} corners from ({:.3}, {:.3}) to ({:.3}, {:.3}), at the height {:.3}",
             corners.len(),
@@ -165,11 +162,7 @@ impl Wish {
             Self::Stand {
                 support: Support::Target(target),
                 ..
-            } => {
-                let squares =
-                    (0..3).filter_map(|axis| Some((center[axis] - target[axis]?).powi(2)));
-                off(squares.sum::<f64>().sqrt())
-            }
+            } => off(distance(&center, target)),
             Self::Stand {
                 ground,
                 support,
@@ -242,4 +235,10 @@ fn contact(
     let (height, points) = found.map_err(Failure::input)?;
     let places = points.iter().map(|point| ground.shadow(point)).collect();
     Ok((height, places))
+}
+
+/// How far a place is from a target along the coordinates that this gives.
+fn distance(place: &Point3<f64>, target: &[Option<f64>; 3]) -> f64 {
+    let squares = (0..3).filter_map(|axis| Some((place[axis] - target[axis]?).powi(2)));
+    squares.sum::<f64>().sqrt()
 }

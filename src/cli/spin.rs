@@ -304,8 +304,7 @@ impl SpinTask<'_> {
         let mut widest = 1.0;
         loop {
             let contrast = self.body.least_contrast(&conditions, 1.0).contrast;
-            let high = f64::max(AMPLE * contrast, widest);
-            let low = 1.0;
+            let (low, high) = (1.0, f64::max(AMPLE * contrast, widest));
             let prefer = self.options.prefer.unwrap_or(low);
             if !(low..=high).contains(&prefer) {
                 return Err(Failure::input(format!(
@@ -339,12 +338,9 @@ impl SpinTask<'_> {
         let diagram = Diagram::new(&self.solid.domain, sites).map_err(Failure::run)?;
         let mesh = assemble_whole(&diagram).map_err(Failure::run)?;
         let origin = self.body.axis.through;
-        let densities = &outcome.solution.densities;
-        let bodies = of_cells(&mesh, densities, moments, &origin, count);
-        let greatest = densities.iter().copied().fold(0.0, f64::max);
-        let high = Some(outcome.range.high).filter(|high| high.is_finite());
+        let bodies = of_cells(&mesh, &outcome.solution.densities, moments, &origin, count);
         let surface = self.solid.domain.surface();
-        let solid_density = high.unwrap_or(greatest);
+        let solid_density = greatest_density(outcome);
         let report = write_modifiers(directory, surface, &bodies, solid_density)?;
         let state = self.state(&weigh_bodies(&bodies, &origin));
         Ok(Some((report, state)))
@@ -397,4 +393,12 @@ pub(crate) fn density_range(text: &str) -> Result<[f64; 2], String> {
         [_, _] => Err("LO must be positive: air is not printed".to_owned()),
         _ => Err(format!("two numbers are needed, not {}", numbers.len())),
     }
+}
+
+/// The range's upper end; where it has none, the greatest density of the field.
+fn greatest_density(outcome: &Outcome) -> f64 {
+    let densities = outcome.solution.densities.iter();
+    let greatest = densities.copied().fold(0.0, f64::max);
+    let high = Some(outcome.range.high).filter(|high| high.is_finite());
+    high.unwrap_or(greatest)
 }

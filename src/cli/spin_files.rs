@@ -65,15 +65,7 @@ impl SpinFiles<'_> {
         let directory = self.directory.display();
         fs::create_dir_all(self.directory)
             .map_err(|error| Failure::run(format!("cannot make {directory}: {error}")))?;
-        let log = outcome.solution.variance.log.iter().map(|step| {
-            serde_json::to_string(&LogLine {
-                iteration: step.iteration,
-                residual: step.residual,
-                dual_value: step.value,
-            })
-        });
-        let log: Vec<String> = log.collect::<Result<_, _>>().map_err(Failure::run)?;
-        self.write_text("log.jsonl", &(log.join("\n") + "\n"))?;
+        self.write_text("log.jsonl", &log_text(outcome)?)?;
         if outcome.is_met() {
             let field = field(self.solid, self.elements, outcome, self.domain()?);
             let json = serde_json::to_string_pretty(&field).map_err(Failure::run)?;
@@ -120,6 +112,19 @@ impl SpinFiles<'_> {
         };
         write_density(self.directory, body, &section(outcome, native))
     }
+}
+
+/// A line of JSON for every step towards the field.
+fn log_text(outcome: &Outcome) -> Result<String, Failure> {
+    let log = outcome.solution.variance.log.iter().map(|step| {
+        serde_json::to_string(&LogLine {
+            iteration: step.iteration,
+            residual: step.residual,
+            dual_value: step.value,
+        })
+    });
+    let log: Vec<String> = log.collect::<Result<_, _>>().map_err(Failure::run)?;
+    Ok(log.join("\n") + "\n")
 }
 
 /// The cut along the axis and the principal axis nearest to it before.

@@ -66,11 +66,7 @@ impl Outcome {
     pub(crate) fn refusal(&self) -> Option<String> {
         let DensityRange { low, high, .. } = self.range;
         let least = self.contrast.contrast;
-        let needed = if least.is_finite() {
-            format!("it takes a contrast of {least:.6} (greatest density to least)")
-        } else {
-            "no contrast suffices: the solid lies on one side of what is asked".to_owned()
-        };
+        let needed = needed(least);
         // The least contrast has a proof of its own.
         let is_refuted = self.solution.variance.end == SolveEnd::Refuted || least * low > high;
         if self.is_met() {
@@ -278,5 +274,14 @@ impl SpinReport {
              moments the axis's is the {}\n",
             self.axis_moment
         )
+    }
+}
+
+/// The least contrast that suffices, in words.
+fn needed(least: f64) -> String {
+    if least.is_finite() {
+        format!("it takes a contrast of {least:.6} (greatest density to least)")
+    } else {
+        "no contrast suffices: the solid lies on one side of what is asked".to_owned()
     }
 }

@@ -124,19 +124,23 @@ fn write(directory: &Path, solid: &SpinSolid, fit: &SineFit, report: &str) -> Re
         .map_err(Failure::run)
     };
     if let Some(field) = fit.field {
-        let bounds = solid.domain.bounds();
-        let file = FieldFile {
-            schema: None,
-            density: FieldDensity::Text(field.text()),
-            bounds: Some(FieldBounds {
-                min: bounds.min.into(),
-                max: bounds.max.into(),
-            }),
-        };
+        let file = field_file(&field, solid);
         let json = serde_json::to_string_pretty(&file).map_err(Failure::run)?;
         write("field.json", &(json + "\n"))?;
     }
     write("report.json", report)
+}
+
+fn field_file(field: &SineField, solid: &SpinSolid) -> FieldFile {
+    let bounds = solid.domain.bounds();
+    FieldFile {
+        schema: None,
+        density: FieldDensity::Text(field.text()),
+        bounds: Some(FieldBounds {
+            min: bounds.min.into(),
+            max: bounds.max.into(),
+        }),
+    }
 }
 
 impl SineReport {
@@ -155,10 +159,7 @@ impl SineReport {
         Self {
             feasible: found.is_some(),
             found,
-            native: SineNative {
-                distance: native.distance,
-                angle_degrees: native.angle_degrees,
-            },
+            native: SineNative::of(native),
             starts,
             met: fit.met,
             evaluations: fit.evaluations[0] + fit.evaluations[1],
@@ -187,5 +188,14 @@ impl SineReport {
             "{} of {} starts met it; {} evaluations, {} of them exact\n",
             self.met, self.starts, self.evaluations, self.evaluations_exact
         )
+    }
+}
+
+impl SineNative {
+    fn of(state: &SpinState) -> Self {
+        Self {
+            distance: state.distance,
+            angle_degrees: state.angle_degrees,
+        }
     }
 }

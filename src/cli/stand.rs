@@ -195,10 +195,7 @@ impl StandOptions {
         else {
             return Ok(None);
         };
-        let mut part = SurfaceMesh::default();
-        for surface in surfaces {
-            part.append(surface);
-        }
+        let part = joined(surfaces);
         let range = DensityRange {
             low: field.low,
             high: field.high.unwrap_or(f64::INFINITY),
@@ -273,4 +270,12 @@ fn degrees(text: &str) -> Result<f64, String> {
     is_tilt
         .then_some(angle)
         .ok_or_else(|| "a tilt is less than 90 degrees".to_owned())
+}
+
+fn joined(surfaces: &[SurfaceMesh]) -> SurfaceMesh {
+    let mut all = SurfaceMesh::default();
+    for surface in surfaces {
+        all.append(surface);
+    }
+    all
 }

@@ -54,18 +54,7 @@ impl StandFiles<'_> {
         let folder = self.folder.display();
         fs::create_dir_all(self.folder)
             .map_err(|error| Failure::run(format!("cannot make {folder}: {error}")))?;
-        let mut log = String::new();
-        if let Ok(field) = &standing.field {
-            for step in &field.solution.log {
-                let line = LogLine {
-                    iteration: step.iteration,
-                    residual: step.residual,
-                    dual_value: step.value,
-                };
-                log += &(serde_json::to_string(&line).map_err(Failure::run)? + "\n");
-            }
-        }
-        self.write_text("log.jsonl", &log)?;
+        self.write_text("log.jsonl", &log_text(standing)?)?;
         if let Some(clamp) = self.report.field() {
             let json = serde_json::to_string_pretty(&self.field_file(clamp));
             self.write_text("field.json", &(json.map_err(Failure::run)? + "\n"))?;
@@ -124,14 +113,8 @@ impl StandFiles<'_> {
         let after = after.unwrap_or(before);
         let ground = &self.plan.ground;
         let up = *ground.up.as_ref();
-        let across = |way: Vector3<f64>| {
-            let level = way - up * up.dot(&way);
-            let is_long = level.norm() > 1e-9 * way.norm();
-            is_long
-                .then(|| up.cross(&level))
-                .and_then(|normal| normal.try_normalize(0.0))
-        };
-        let normal = across(after - before).or_else(|| across(clamp.gradient.into()));
+        let normal = across(&up, after - before);
+        let normal = normal.or_else(|| across(&up, clamp.gradient.into()));
         let normal = normal.unwrap_or(-ground.across[1]);
         let plane = HalfSpace {
             normal,
@@ -178,4 +161,29 @@ impl StandFiles<'_> {
         marks.push(center_mark("center of mass", OBTAINED, after));
         marks
     }
+}
+
+/// A line of JSON for every step towards the field.
+fn log_text(standing: &Standing) -> Result<String, Failure> {
+    let mut log = String::new();
+    if let Ok(field) = &standing.field {
+        for step in &field.solution.log {
+            let line = LogLine {
+                iteration: step.iteration,
+                residual: step.residual,
+                dual_value: step.value,
+            };
+            log += &(serde_json::to_string(&line).map_err(Failure::run)? + "\n");
+        }
+    }
+    Ok(log)
+}
+
+/// The level direction across a way, if that is not upright.
+fn across(up: &Vector3<f64>, way: Vector3<f64>) -> Option<Vector3<f64>> {
+    let level = way - up * up.dot(&way);
+    let is_long = level.norm() > 1e-9 * way.norm();
+    is_long
+        .then(|| up.cross(&level))
+        .and_then(|normal| normal.try_normalize(0.0))
 }

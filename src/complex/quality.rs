@@ -89,11 +89,7 @@ impl MeshQuality {
             ..Self::default()
         };
         quality.add_faces(&faces);
-        for cell in all {
-            quality.aspect_max = quality.aspect_max.max(cell.aspect);
-            quality.open_cells += usize::from(cell.is_open);
-            quality.concave_cells += usize::from(cell.is_concave);
-        }
+        quality.add_cells(&all);
         quality
     }
 
@@ -118,6 +114,14 @@ impl MeshQuality {
         if count > 0.0 {
             self.non_orthogonality_max = degrees(least);
             self.non_orthogonality_mean = degrees(sum / count);
+        }
+    }
+
+    fn add_cells(&mut self, cells: &[CellQuality]) {
+        for cell in cells {
+            self.aspect_max = self.aspect_max.max(cell.aspect);
+            self.open_cells += usize::from(cell.is_open);
+            self.concave_cells += usize::from(cell.is_concave);
         }
     }
 }

@@ -36,16 +36,9 @@ pub(crate) fn write_mesh(
     columns: &[(&str, CellColumn)],
     standard: bool,
 ) -> io::Result<()> {
-    let mut arrays = vec![(
-        "Points",
-        "Float64",
-        "Points".to_owned(),
-        real_bytes(
-            mesh.points
-                .iter()
-                .flat_map(|point| [point.x, point.y, point.z]),
-        ),
-    )];
+    let points = mesh.points.iter();
+    let coordinates = real_bytes(points.flat_map(|point| [point.x, point.y, point.z]));
+    let mut arrays = vec![("Points", "Float64", "Points".to_owned(), coordinates)];
     arrays.extend(cell_arrays(mesh, standard));
     arrays.extend(
         columns

@@ -5,6 +5,7 @@
 
 use std::fs;
 use std::io::{self, Write};
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
@@ -101,14 +102,7 @@ fn write_list(
     count: usize,
     entry: impl Fn(usize, &mut Vec<u8>) -> io::Result<()> + Sync,
 ) -> Result<(), CaseError> {
-    let chunk = |first: usize| {
-        let mut text = Vec::new();
-        let entries = first..count.min(first + CHUNK);
-        entries
-            .into_iter()
-            .try_for_each(|number| entry(number, &mut text))?;
-        Ok(text)
-    };
+    let chunk = |first: usize| text_of(first..count.min(first + CHUNK), &entry);
     let firsts: Vec<usize> = (0..count).step_by(CHUNK).collect();
     let chunks: io::Result<Vec<Vec<u8>>> = firsts.into_par_iter().map(chunk).collect();
     write_file(folder, name, class, note, |file| {
@@ -118,6 +112,15 @@ fn write_list(
         }
         writeln!(file, ")")
     })
+}
+
+fn text_of(
+    mut entries: Range<usize>,
+    entry: impl Fn(usize, &mut Vec<u8>) -> io::Result<()>,
+) -> io::Result<Vec<u8>> {
+    let mut text = Vec::new();
+    entries.try_for_each(|number| entry(number, &mut text))?;
+    Ok(text)
 }
 
 fn write_file(

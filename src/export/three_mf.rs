@@ -59,16 +59,18 @@ pub(crate) fn write_3mf(
     )
 }
 
+/// A model up to its vertices.
+const MODEL_HEAD: &str = "\
+     <?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<model unit=\"millimeter\" xml:lang=\"en-US\" \
+     xmlns=\"http://schemas.microsoft.com/3dmanufacturing/core/2015/02\" \
+     xmlns:slic3rpe=\"http://schemas.slic3r.org/3mf/2017/06\">\n \
+     <metadata name=\"slic3rpe:Version3mf\">1</metadata>\n <resources>\n  \
+     <object id=\"1\" type=\"model\">\n   <mesh>\n    <vertices>\n";
+
 /// All triangles as one object, in millimeters.
 fn model(part: &SurfaceMesh, bodies: &[FilledBody<'_>]) -> String {
     let surfaces = || std::iter::once(part).chain(bodies.iter().map(|body| body.surface));
-    let mut text = String::from(
-        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<model unit=\"millimeter\" xml:lang=\"en-US\" \
-         xmlns=\"http://schemas.microsoft.com/3dmanufacturing/core/2015/02\" \
-         xmlns:slic3rpe=\"http://schemas.slic3r.org/3mf/2017/06\">\n \
-         <metadata name=\"slic3rpe:Version3mf\">1</metadata>\n <resources>\n  \
-         <object id=\"1\" type=\"model\">\n   <mesh>\n    <vertices>\n",
-    );
+    let mut text = String::from(MODEL_HEAD);
     for vertex in surfaces().flat_map(|surface| &surface.vertices) {
         let (x, y, z) = (vertex.x, vertex.y, vertex.z);
         let _ = writeln!(text, "     <vertex x=\"{x}\" y=\"{y}\" z=\"{z}\"/>");

@@ -246,10 +246,7 @@ impl Machine {
                 }
             }
             (b'M', 200) => self.count_volumes(words)?,
-            (b'M', 208) => {
-                let extra = words.number(b'S')?.unwrap_or(0.0);
-                self.extra = extra * self.unit_e();
-            }
+            (b'M', 208) => self.extra = words.number(b'S')?.unwrap_or(0.0) * self.unit_e(),
             (b'M', 221) => self.set_flow(words)?,
             _ => {}
         }

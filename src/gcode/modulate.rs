@@ -328,12 +328,7 @@ impl<W: Write> Modulator<'_, W> {
         let mut stretches: Vec<Stretch> = Vec::new();
         for place in 0..count {
             let [from, to] = [place, place + 1].map(|end| end as f64 / count as f64);
-            let piece = Piece {
-                index: self.done.pieces,
-                bead: printed.bead.part(from, to),
-                height: printed.height,
-            };
-            self.done.pieces += 1;
+            let piece = self.next_piece(printed, [from, to]);
             self.done.wanted += modulation.flow.wanted(&piece, &modulation.near);
             let multiplier = self.limited(&piece);
             let next = Stretch {
@@ -344,6 +339,17 @@ impl<W: Write> Modulator<'_, W> {
             join(&mut stretches, next, sweep(&printed.bead.path));
         }
         stretches
+    }
+
+    /// The part of a move between two shares of it, as the next piece of the file.
+    fn next_piece(&mut self, printed: &Printed, [from, to]: [f64; 2]) -> Piece {
+        let index = self.done.pieces;
+        self.done.pieces += 1;
+        Piece {
+            index,
+            bead: printed.bead.part(from, to),
+            height: printed.height,
+        }
     }
 
     /// The piece's multiplier within the limits.

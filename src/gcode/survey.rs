@@ -104,18 +104,7 @@ pub(crate) fn survey(source: impl Read) -> Result<Survey, GcodeError> {
         if let Some(b'G' | b'g' | b'M' | b'm' | b'N' | b'n') = text.first() {
             moves.notice(text);
         }
-        match text.first() {
-            Some(b';') => {
-                survey.settings.notice(&text[1..]);
-                survey.notice(mark(&text[1..]));
-            }
-            Some(b'E' | b'e') => survey.notice(foreign_mark(text)),
-            Some(b'M' | b'm') if text[1..].starts_with(b"486") => {
-                let object = Mark::Object(ObjectMark::Marlin, None);
-                survey.notice(Some(object));
-            }
-            _ => {}
-        }
+        survey.notice_line(text);
     }
     survey.settings.finish();
     survey.absolute_e = moves.tell_absolute();
@@ -123,6 +112,20 @@ pub(crate) fn survey(source: impl Read) -> Result<Survey, GcodeError> {
 }
 
 impl Survey {
+    fn notice_line(&mut self, text: &[u8]) {
+        match text.first() {
+            Some(b';') => {
+                self.settings.notice(&text[1..]);
+                self.notice(mark(&text[1..]));
+            }
+            Some(b'E' | b'e') => self.notice(foreign_mark(text)),
+            Some(b'M' | b'm') if text[1..].starts_with(b"486") => {
+                let object = Mark::Object(ObjectMark::Marlin, None);
+                self.notice(Some(object));
+            }
+            _ => {}
+        }
+    }
     fn notice(&mut self, mark: Option<Mark>) {
         match mark {
             Some(Mark::Type(_)) => self.types = true,

@@ -183,16 +183,18 @@ impl<'a> Reader<'a> {
                 self.steps.push(Step::Number(number));
                 Ok(0)
             }
-            Some(first) if first.is_alphabetic() => {
-                let column = self.column();
-                let name = self.taken_while(|c| c.is_alphanumeric() || c == '_');
-                Err(PolynomialError::Unexpected {
-                    column,
-                    expected: "a number, `x`, `y`, `z` or `(` (a polynomial has no functions)",
-                    found: format!("`{name}`, which is not known"),
-                })
-            }
+            Some(first) if first.is_alphabetic() => Err(self.unknown_name()),
             _ => Err(self.unexpected("a number, `x`, `y`, `z` or `(`")),
+        }
+    }
+
+    fn unknown_name(&mut self) -> PolynomialError {
+        let column = self.column();
+        let name = self.taken_while(|c| c.is_alphanumeric() || c == '_');
+        PolynomialError::Unexpected {
+            column,
+            expected: "a number, `x`, `y`, `z` or `(` (a polynomial has no functions)",
+            found: format!("`{name}`, which is not known"),
         }
     }
 

@@ -135,18 +135,22 @@ impl SolidLayer {
             return self.add_cone(sum, corners);
         }
         let part = ClippedPolygon::of(corners, &heights.map(|height| height - self.low));
-        let below = |corner: &Vector3<f64>| self.high - self.direction.dot(corner);
-        let mut depths = [0.0; 4];
-        for (depth, corner) in depths.iter_mut().zip(part.corners()) {
-            *depth = below(corner);
-        }
-        let part = ClippedPolygon::of(part.corners(), &depths[..part.corners().len()]);
+        let part = self.below_top(part.corners());
         for triangle in part.triangles() {
             self.add_cone(sum, &triangle);
         }
         if let (Some([leaves, returns]), true) = (part.edge, self.high > 0.0) {
             self.add_cone(sum, &[self.top, returns, leaves]);
         }
+    }
+
+    /// What of a polygon of at most four corners lies below the layer's upper plane.
+    fn below_top(&self, corners: &[Vector3<f64>]) -> ClippedPolygon {
+        let mut depths = [0.0; 4];
+        for (depth, corner) in depths.iter_mut().zip(corners) {
+            *depth = self.high - self.direction.dot(corner);
+        }
+        ClippedPolygon::of(corners, &depths[..corners.len()])
     }
 
     /// Adds the cone of linear density over a triangle: with σ = Σ ρ_i, S = Σ v_i, u_i = (σ/2 + ρ_i) v_i

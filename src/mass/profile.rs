@@ -52,23 +52,11 @@ impl Profile {
     ///
     /// What is wrong with the direction or with which break.
     pub fn new(direction: &Vector3<f64>, breaks: Vec<[f64; 2]>) -> Result<Self, ProfileError> {
-        let finite = |value: &f64| value.is_finite();
         let unit = direction
             .try_normalize(0.0)
-            .filter(|unit| unit.iter().all(finite));
+            .filter(|unit| unit.iter().all(|value| value.is_finite()));
         let direction = unit.ok_or(ProfileError::Direction)?;
-        if breaks.is_empty() {
-            return Err(ProfileError::Empty);
-        }
-        if let Some(place) = breaks.iter().position(|pair| !pair.iter().all(finite)) {
-            return Err(ProfileError::NotFinite { number: place + 1 });
-        }
-        if let Some(place) = breaks.windows(2).position(|pair| pair[1][0] <= pair[0][0]) {
-            return Err(ProfileError::Order {
-                number: place + 2,
-                position: breaks[place + 1][0],
-            });
-        }
+        check_breaks(&breaks)?;
         Ok(Self {
             direction,
             breaks,
@@ -212,4 +200,22 @@ impl Profile {
         });
         layers
     }
+}
+
+/// Refuses breaks that are none, not finite or not in order.
+fn check_breaks(breaks: &[[f64; 2]]) -> Result<(), ProfileError> {
+    if breaks.is_empty() {
+        return Err(ProfileError::Empty);
+    }
+    let is_finite = |pair: &[f64; 2]| pair.iter().all(|value| value.is_finite());
+    if let Some(place) = breaks.iter().position(|pair| !is_finite(pair)) {
+        return Err(ProfileError::NotFinite { number: place + 1 });
+    }
+    if let Some(place) = breaks.windows(2).position(|pair| pair[1][0] <= pair[0][0]) {
+        return Err(ProfileError::Order {
+            number: place + 2,
+            position: breaks[place + 1][0],
+        });
+    }
+    Ok(())
 }

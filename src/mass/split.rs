@@ -63,11 +63,7 @@ pub type TetPiece = (Side, [Node; 4]);
 pub fn split(sides: [Side; 4], ids: [u32; 4]) -> Option<Vec<TetPiece>> {
     let count = |wanted: Side| sides.iter().filter(|&&side| side == wanted).count();
     // The smaller side comes first, then the plane's corners, then the larger side.
-    let small = match (count(Side::Below), count(Side::Above)) {
-        (0, _) | (_, 0) => return None,
-        (below, above) if below <= above => Side::Below,
-        _ => Side::Above,
-    };
+    let small = smaller(count(Side::Below), count(Side::Above))?;
     let large = small.opposite();
     let mut order = [0, 1, 2, 3];
     let rank = |side: Side| [small, Side::On, large].iter().position(|&s| s == side);
@@ -85,6 +81,15 @@ pub fn split(sides: [Side; 4], ids: [u32; 4]) -> Option<Vec<TetPiece>> {
             .map(|piece| renamed(piece, order, odd, ids))
             .collect(),
     )
+}
+
+/// The side with fewer corners, if both have some.
+fn smaller(below: usize, above: usize) -> Option<Side> {
+    match (below, above) {
+        (0, _) | (_, 0) => None,
+        _ if below <= above => Some(Side::Below),
+        _ => Some(Side::Above),
+    }
 }
 
 /// a │ b c d, in terms of the sorted corners 0 │ 1 2 3.

@@ -62,25 +62,7 @@ pub(crate) struct Bore {
 
 /// The cylindrical holes of a surface, the widest first.
 pub(crate) fn bores(mesh: &SurfaceMesh) -> Vec<Bore> {
-    let search = BoreSearch::new(mesh);
-    let mut is_free = vec![true; mesh.triangles.len()];
-    let mut found = Vec::new();
-    for seed in 0..mesh.triangles.len() {
-        if !is_free[seed] {
-            continue;
-        }
-        let near = search.grown(seed, NEIGHBORHOOD, |_| true);
-        let hole = search.hole_at(&near);
-        // Where a seed fails, those next to it would too.
-        let failed = near.into_iter().take(ALIKE).collect();
-        let done = hole.map_or(failed, |(bore, wall)| {
-            found.push(bore);
-            wall
-        });
-        for triangle in done {
-            is_free[triangle] = false;
-        }
-    }
+    let mut found = BoreSearch::new(mesh).holes();
     found.sort_by(|one: &Bore, other| other.radius.total_cmp(&one.radius));
     found
 }
@@ -109,9 +91,7 @@ impl Cylinder {
 
     /// One step of Gauss-Newton on the vertices' distances from the cylinder.
     fn refined(&self, vertices: &[Point3<f64>]) -> Option<Self> {
-        let helper = Vector3::ith(self.direction.iamin(), 1.0);
-        let u = helper.cross(&self.direction).normalize();
-        let v = self.direction.cross(&u);
+        let [u, v] = across(&self.direction);
         let (mut matrix, mut right) = (Matrix5::zeros(), Vector5::zeros());
         for place in vertices {
             let arm = self.arm(place);
@@ -184,6 +164,29 @@ impl<'a> BoreSearch<'a> {
         (bore.covered >= LEAST_COVERED).then_some((bore, wall))
     }
 
+    /// The holes in the order of their first triangles.
+    fn holes(&self) -> Vec<Bore> {
+        let mut is_free = vec![true; self.mesh.triangles.len()];
+        let mut found = Vec::new();
+        for seed in 0..self.mesh.triangles.len() {
+            if !is_free[seed] {
+                continue;
+            }
+            let near = self.grown(seed, NEIGHBORHOOD, |_| true);
+            let hole = self.hole_at(&near);
+            // Where a seed fails, those next to it would too.
+            let failed = near.into_iter().take(ALIKE).collect();
+            let done = hole.map_or(failed, |(bore, wall)| {
+                found.push(bore);
+                wall
+            });
+            for triangle in done {
+                is_free[triangle] = false;
+            }
+        }
+        found
+    }
+
     /// Up to `most` triangles that hang together with `seed` smoothly and are wanted.
     fn grown(&self, seed: usize, most: usize, is_wanted: impl Fn(usize) -> bool) -> Vec<usize> {
         if !is_wanted(seed) {
@@ -194,20 +197,22 @@ impl<'a> BoreSearch<'a> {
         while next < list.len() && list.len() < most {
             let triangle = list[next];
             next += 1;
-            for side in 3 * triangle..3 * triangle + 3 {
-                let partner = self.partners[side];
-                if partner == NO_PARTNER {
-                    continue;
-                }
-                let other = partner as usize / 3;
-                let is_smooth = self.normals[triangle].dot(&self.normals[other]) > SMOOTH;
-                if is_smooth && !seen.contains(&other) && is_wanted(other) {
+            for other in self.continued(triangle) {
+                if !seen.contains(&other) && is_wanted(other) {
                     seen.insert(other);
                     list.push(other);
                 }
             }
         }
         list
+    }
+
+    /// The triangles that continue one smoothly.
+    fn continued(&self, triangle: usize) -> impl Iterator<Item = usize> {
+        let partners = self.partners[3 * triangle..3 * triangle + 3].iter();
+        let partners = partners.filter(|&&partner| partner != NO_PARTNER);
+        let others = partners.map(|&partner| partner as usize / 3);
+        others.filter(move |&other| self.normals[triangle].dot(&self.normals[other]) > SMOOTH)
     }
 
     /// The vertices of triangles, each once.
@@ -275,9 +280,7 @@ impl<'a> BoreSearch<'a> {
 
     /// The share of the circle that a wall's triangles cover.
     fn covered(&self, cylinder: &Cylinder, wall: &[usize]) -> f64 {
-        let helper = Vector3::ith(cylinder.direction.iamin(), 1.0);
-        let u = helper.cross(&cylinder.direction).normalize();
-        let v = cylinder.direction.cross(&u);
+        let [u, v] = across(&cylinder.direction);
         let mut sectors = [false; SECTORS];
         let turn = std::f64::consts::TAU;
         for &triangle in wall {
@@ -301,30 +304,33 @@ impl<'a> BoreSearch<'a> {
 
 /// The circle nearest to vertices seen along a direction (least squares of x² + y² − 2ax − 2by − c).
 fn circle(vertices: &[Point3<f64>], direction: Vector3<f64>) -> Option<Cylinder> {
-    let helper = Vector3::ith(direction.iamin(), 1.0);
-    let u = helper.cross(&direction).normalize();
-    let v = direction.cross(&u);
+    let [u, v] = across(&direction);
     let count = vertices.len() as f64;
     let mean = vertices.iter().map(|p| p.coords).sum::<Vector3<f64>>() / count;
-    let flat = |place: &Point3<f64>| {
-        let way = place.coords - mean;
-        Vector2::new(way.dot(&u), way.dot(&v))
-    };
-    let squares = vertices.iter().map(|p| flat(p).norm_squared()).sum::<f64>() / count;
+    let ways = vertices.iter().map(|place| place.coords - mean);
+    let flat = ways.map(|way| Vector2::new(way.dot(&u), way.dot(&v)));
+    let flat: Vec<_> = flat.collect();
+    let squares = flat.iter().map(Vector2::norm_squared).sum::<f64>() / count;
     let (mut matrix, mut right) = (Matrix2::zeros(), Vector2::zeros());
-    for place in vertices {
-        let at = flat(place);
+    for at in &flat {
         matrix += at * at.transpose();
         right += at * (0.5 * (at.norm_squared() - squares));
     }
     let center = matrix.try_inverse()? * right;
     let radius = (center.norm_squared() + squares).sqrt();
-    let extent = vertices.iter().map(|p| flat(p).norm()).fold(0.0, f64::max);
+    let extent = flat.iter().map(Vector2::norm).fold(0.0, f64::max);
     (radius < 100.0 * extent).then(|| Cylinder {
         point: Point3::from(mean + u * center.x + v * center.y),
         direction,
         radius,
     })
+}
+
+/// Two unit vectors perpendicular to a direction and to each other.
+fn across(direction: &Vector3<f64>) -> [Vector3<f64>; 2] {
+    let helper = Vector3::ith(direction.iamin(), 1.0);
+    let u = helper.cross(direction).normalize();
+    [u, direction.cross(&u)]
 }
 
 #[cfg(test)]

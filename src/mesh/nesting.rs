@@ -40,10 +40,15 @@ pub(crate) fn join_open(triangles: &[[u32; 3]], edges: &EdgeTable, orientation: 
             joined[component as usize] = first;
         }
     }
+    renumber(&joined, orientation);
+}
+
+/// Numbers the components that are joined from 0 up, in the order in which they occur.
+fn renumber(joined: &[u32], orientation: &mut Orientation) {
     let mut numbers = HashMap::new();
     for component in &mut orientation.component {
         let count = numbers.len() as u32;
-        *component = *numbers.entry(root(&joined, *component)).or_insert(count);
+        *component = *numbers.entry(root(joined, *component)).or_insert(count);
     }
     orientation.components = numbers.len();
 }

@@ -34,11 +34,8 @@ pub(crate) fn shared_volume(solids: &[Solid]) -> Option<SharedVolume> {
     let (all, part_of) = together(solids);
     let edges = EdgeTable::of(&all.triangles, all.vertices.len());
     let Overlap { volume, place, .. } = overlaps(&all, &edges).repeated?;
-    let own: f64 = solids
-        .iter()
-        .filter_map(Solid::repeated)
-        .map(|o| o.volume)
-        .sum();
+    let repeated = solids.iter().filter_map(Solid::repeated);
+    let own: f64 = repeated.map(|overlap| overlap.volume).sum();
     let shared = volume - own;
     let tree = Bvh::new(all.all_corners().map(|corners| Bounds::of(&corners)));
     let mut windings = vec![0; solids.len()];

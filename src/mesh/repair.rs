@@ -163,11 +163,15 @@ pub(crate) fn weld(
     let merged = vertices.len() - welded.len();
     if merged > 0 {
         *vertices = welded;
-        for vertex in triangles.corners.iter_mut().flatten() {
-            *vertex = new_index[*vertex as usize];
-        }
+        renumber(triangles, &new_index);
     }
     (merged, apart)
+}
+
+fn renumber(triangles: &mut Triangles, new_index: &[u32]) {
+    for vertex in triangles.corners.iter_mut().flatten() {
+        *vertex = new_index[*vertex as usize];
+    }
 }
 
 /// The points without those within `distance` of an earlier one, the new number of each, and the

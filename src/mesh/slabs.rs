@@ -109,20 +109,25 @@ impl<'a> SlabCutter<'a> {
             if from == slab {
                 part.push(triangle[corner]);
             }
-            // The planes below and above the slab, in the order in which the edge meets them.
-            let ends = [slab.wrapping_sub(1), slab];
-            let is_crossed = |plane: &usize| {
-                *plane < self.offsets.len() && from.min(to) <= *plane && *plane < from.max(to)
-            };
-            let mut met: Vec<usize> = ends.into_iter().filter(is_crossed).collect();
-            if from > to {
-                met.reverse();
-            }
-            for plane in met {
+            for plane in self.crossed([from, to], slab) {
                 part.push(self.crossing(triangle[corner], triangle[next], plane));
             }
         }
         part
+    }
+
+    /// The planes below and above the slab that an edge between two slabs crosses, in the order in which
+    /// the edge meets them.
+    fn crossed(&self, [from, to]: [usize; 2], slab: usize) -> Vec<usize> {
+        let ends = [slab.wrapping_sub(1), slab];
+        let is_crossed = |plane: &usize| {
+            *plane < self.offsets.len() && from.min(to) <= *plane && *plane < from.max(to)
+        };
+        let mut met: Vec<usize> = ends.into_iter().filter(is_crossed).collect();
+        if from > to {
+            met.reverse();
+        }
+        met
     }
 
     /// The segment in which a triangle meets a plane, as an edge of the cap below.

@@ -17,9 +17,8 @@ pub(crate) fn welded_tets(
     may_collapse: bool,
 ) -> Option<(TetMesh, usize, f64)> {
     let places = boundary_vertices(mesh);
-    let points: Vec<Point3<f64>> = (places.iter())
-        .map(|&place| mesh.vertices[place as usize])
-        .collect();
+    let at = |&place: &u32| mesh.vertices[place as usize];
+    let points: Vec<Point3<f64>> = places.iter().map(at).collect();
     let (kept, new_index, apart) = merge_near(&points, distance);
     let merged = points.len() - kept.len();
     if merged == 0 {

@@ -128,11 +128,7 @@ fn contours(input: &DensityCut<'_>) -> Vec<Vec<Point2<f64>>> {
 
 /// Frame and axes around the section and the marks, lines apart.
 fn panel(input: &DensityCut<'_>, contours: &[Vec<Point2<f64>>]) -> Panel {
-    let marked = input.marks.iter().flat_map(|mark| match &mark.shape {
-        MarkShape::Point(point) => vec![*point],
-        MarkShape::Polygon(corners) => corners.clone(),
-        MarkShape::Line { .. } => Vec::new(),
-    });
+    let marked = input.marks.iter().flat_map(points_of);
     let marked: Vec<_> = marked.map(|point| input.cut.flat(&point)).collect();
     let mut bounds = Bounds::of(contours.iter().flatten().chain(&marked));
     if !bounds.extent().iter().all(|length| length.is_finite()) {
@@ -150,6 +146,15 @@ fn panel(input: &DensityCut<'_>, contours: &[Vec<Point2<f64>>]) -> Panel {
         frame: [corner, corner + size],
         x: Axis::within(middle.x - half.x, middle.x + half.x),
         y: Axis::within(middle.y - half.y, middle.y + half.y),
+    }
+}
+
+/// The points that a mark shows; none of a line without ends.
+fn points_of(mark: &Mark) -> Vec<Point3<f64>> {
+    match &mark.shape {
+        MarkShape::Point(point) => vec![*point],
+        MarkShape::Polygon(corners) => corners.clone(),
+        MarkShape::Line { .. } => Vec::new(),
     }
 }
 
@@ -217,15 +222,12 @@ impl Raster {
     /// seam shows.
     fn draw(&self, figure: &mut Figure, panel: &Panel, scale: &ColorScale) {
         let [min, max] = panel.frame;
-        let rows = self.values.len() / self.columns;
-        let [width, height] = [
-            (max.x - min.x) / self.columns as f64,
-            (max.y - min.y) / rows as f64,
-        ];
+        let width = (max.x - min.x) / self.columns as f64;
+        let height = (max.y - min.y) / (self.values.len() / self.columns) as f64;
         let step = |value: f64| ((value - scale.min) / (scale.max - scale.min) * COLORS).round();
         for (row, values) in self.values.chunks(self.columns).enumerate() {
             let top = min.y + row as f64 * height;
-            let bottom = (top + 1.5 * height).min(max.y);
+            let end = Point2::new(max.x, (top + 1.5 * height).min(max.y));
             let mut last = f64::INFINITY;
             for (column, &value) in values.iter().enumerate() {
                 let color = step(value).clamp(0.0, COLORS);
@@ -235,7 +237,6 @@ impl Raster {
                 last = color;
                 let start = Point2::new(min.x + column as f64 * width, top);
                 let value = scale.min + color / COLORS * (scale.max - scale.min);
-                let end = Point2::new(max.x, bottom);
                 figure.rectangle([start, end], Some(scale.color(value)), None);
             }
         }
@@ -274,20 +275,13 @@ fn holds(contours: &[Vec<Point2<f64>>], point: &Point2<f64>) -> bool {
 
 /// Paints what lies in the frame but not in the contours white, and draws those.
 fn mask(figure: &mut Figure, panel: &Panel, contours: &[Vec<Point2<f64>>]) {
-    let [min, max] = panel.frame;
-    let frame = vec![
-        min,
-        Point2::new(max.x, min.y),
-        max,
-        Point2::new(min.x, max.y),
-    ];
     let path = |contours, fill, stroke| Shape::Path {
         contours,
         closed: true,
         fill,
         stroke,
     };
-    let outside = std::iter::once(frame)
+    let outside = std::iter::once(corners(panel.frame))
         .chain(contours.iter().cloned())
         .collect();
     figure.shapes.push(path(outside, Some(Color::WHITE), None));
@@ -298,19 +292,25 @@ fn mask(figure: &mut Figure, panel: &Panel, contours: &[Vec<Point2<f64>>]) {
     }
 }
 
+/// The corners of a rectangle, one after the other.
+fn corners([min, max]: [Point2<f64>; 2]) -> Vec<Point2<f64>> {
+    vec![
+        min,
+        Point2::new(max.x, min.y),
+        max,
+        Point2::new(min.x, max.y),
+    ]
+}
+
 fn draw_mark(figure: &mut Figure, panel: &Panel, cut: &PlaneCut, mark: &Mark) {
-    let placed = |point: &Point3<f64>| {
-        let flat = cut.flat(point);
-        panel.place(flat.x, flat.y)
-    };
+    let at = |flat: Point2<f64>| panel.place(flat.x, flat.y);
+    let placed = |point: &Point3<f64>| at(cut.flat(point));
     match &mark.shape {
         MarkShape::Point(point) => disc(figure, placed(point), mark.color),
-        MarkShape::Polygon(corners) => figure.shapes.push(Shape::Path {
-            contours: vec![corners.iter().map(placed).collect()],
-            closed: true,
-            fill: None,
-            stroke: Some(Stroke::solid(mark.color, 3.0)),
-        }),
+        MarkShape::Polygon(corners) => {
+            let contour = corners.iter().map(placed).collect();
+            figure.shapes.push(outline(contour, mark.color));
+        }
         MarkShape::Line {
             through,
             along,
@@ -321,6 +321,15 @@ fn draw_mark(figure: &mut Figure, panel: &Panel, cut: &PlaneCut, mark: &Mark) {
                 draw_line(figure, [from, to], mark.color, *dashed);
             }
         }
+    }
+}
+
+fn outline(contour: Vec<Point2<f64>>, color: Color) -> Shape {
+    Shape::Path {
+        contours: vec![contour],
+        closed: true,
+        fill: None,
+        stroke: Some(Stroke::solid(color, 3.0)),
     }
 }
 

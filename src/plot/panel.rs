@@ -187,11 +187,8 @@ pub(crate) fn draw_level_color_bar(
     draw_arrows(figure, [start, end], (scale, clipped), false);
     for tick in &axis.ticks {
         let x = start.x + axis.share(tick.value) * (end.x - start.x);
-        figure.line(
-            Point2::new(x, end.y),
-            Point2::new(x, end.y + 4.0),
-            TICK_LINE,
-        );
+        let foot = Point2::new(x, end.y + 4.0);
+        figure.line(Point2::new(x, end.y), foot, TICK_LINE);
         let under = Point2::new(x, end.y + 8.0 + 0.8 * TICK_SIZE);
         figure.text(under, &tick.label, TICK_SIZE, Anchor::Middle);
     }

@@ -129,16 +129,20 @@ fn paint(
         sheet.fill_path(&path, &ink(color), FillRule::EvenOdd, to_pixels, None);
     }
     if let Some(stroke) = stroke {
-        let style = tiny_skia::Stroke {
-            width: stroke.width as f32,
-            line_cap: LineCap::Butt,
-            line_join: LineJoin::Round,
-            dash: stroke
-                .dash
-                .and_then(|lengths| StrokeDash::new(lengths.map(|l| l as f32).to_vec(), 0.0)),
-            ..tiny_skia::Stroke::default()
-        };
+        let style = style(stroke);
         sheet.stroke_path(&path, &ink(stroke.color), &style, to_pixels, None);
+    }
+}
+
+fn style(stroke: &Stroke) -> tiny_skia::Stroke {
+    tiny_skia::Stroke {
+        width: stroke.width as f32,
+        line_cap: LineCap::Butt,
+        line_join: LineJoin::Round,
+        dash: stroke
+            .dash
+            .and_then(|lengths| StrokeDash::new(lengths.map(|l| l as f32).to_vec(), 0.0)),
+        ..tiny_skia::Stroke::default()
     }
 }
 

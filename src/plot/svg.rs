@@ -60,11 +60,7 @@ fn push_shape(out: &mut String, shape: &Shape) {
 }
 
 fn push_text(out: &mut String, text: &Text) {
-    let (x, y, size) = (
-        Number(text.position.x),
-        Number(text.position.y),
-        Number(text.size),
-    );
+    let [x, y, size] = [text.position.x, text.position.y, text.size].map(Number);
     push(out, format_args!("<text font-size=\"{size}\""));
     if text.upward {
         push(

@@ -186,15 +186,9 @@ fn by_data(
 ) -> Result<WeightedDomain, Error> {
     let mesh = tets.mesh();
     let Some(field) = mesh.field(name) else {
-        let known: Vec<&str> = mesh
-            .vertex_data
-            .iter()
-            .map(|field| field.name.as_str())
-            .collect();
-        let message = format!(
-            "the mesh has no vertex data `{name}`; it has: {}",
-            known.join(", ")
-        );
+        let known = mesh.vertex_data.iter().map(|field| field.name.as_str());
+        let known = known.collect::<Vec<_>>().join(", ");
+        let message = format!("the mesh has no vertex data `{name}`; it has: {known}");
         return Err(Error::value("density", message));
     };
     let values = field

@@ -91,10 +91,8 @@ impl FieldFile {
         };
         let text = std::fs::read_to_string(path).map_err(read)?;
         if text.trim().is_empty() {
-            return Err(refused(
-                path,
-                "the file is empty; a field needs {\"density\": …}",
-            ));
+            let message = "the file is empty; a field needs {\"density\": …}";
+            return Err(refused(path, message));
         }
         let mut field: Self = serde_json::from_str(&text)
             .map_err(|error| json_error(&error, path, &text, |it| it))?;

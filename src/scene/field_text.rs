@@ -66,12 +66,10 @@ impl FromStr for FieldText {
         if let Some(formula) = text.strip_prefix("vertex:=") {
             return expression(text, formula).map(Self::Sampled);
         }
-        match text.split_once(':') {
-            Some(("sine", settings)) => return radial(text, settings, "sine").map(Self::Radial),
-            Some(("radial", settings)) => {
-                return radial(text, settings, "radial").map(Self::Radial);
+        for kind in ["sine", "radial"] {
+            if let Some((_, settings)) = text.split_once(':').filter(|(name, _)| *name == kind) {
+                return radial(text, settings, kind).map(Self::Radial);
             }
-            _ => {}
         }
         match text.parse() {
             Ok(density) => Ok(Self::Solid(density)),

@@ -119,9 +119,8 @@ impl<'a> NpyHeader<'a> {
         };
         let chunks = data.chunks_exact(kind.width());
         let rest = chunks.remainder();
-        let values: Vec<f64> = chunks
-            .map(|bytes| kind.decode(bytes, order == '>'))
-            .collect();
+        let decode = |bytes: &[u8]| kind.decode(bytes, order == '>');
+        let values: Vec<f64> = chunks.map(decode).collect();
         let is_wide = matches!(kind, Scalar::Int64 | Scalar::UInt64);
         match values.iter().find(|value| is_wide && value.abs() >= EXACT) {
             None => Ok((values, rest)),

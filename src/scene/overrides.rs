@@ -87,14 +87,7 @@ impl Overrides {
     /// The refusal of the override at which the reader has stopped.
     fn explain(&self, error: &serde_json::Error) -> Error {
         let message = error.to_string();
-        let maps = [
-            &self.scene,
-            &self.sites,
-            &self.method,
-            &self.output,
-            &self.domain,
-        ];
-        let mut all = maps.into_iter().flatten();
+        let mut all = self.maps().into_iter().flatten();
         let Some(UnknownKey {
             key,
             nearest,
@@ -108,6 +101,16 @@ impl Overrides {
         let option = all.find(is_unknown).map_or(&key, |(name, _)| name);
         let message = format!("unknown key `{key}`; did you mean `{nearest}`? Known here: {known}");
         refused(option, message)
+    }
+
+    fn maps(&self) -> [&Map<String, Value>; 5] {
+        [
+            &self.scene,
+            &self.sites,
+            &self.method,
+            &self.output,
+            &self.domain,
+        ]
     }
 }
 

@@ -67,10 +67,8 @@ fn of_run(path: &Path) -> Result<(Scene, Vec<String>), Error> {
     } else {
         "the sites that it began with: it has left none yet"
     };
-    let note = format!(
-        "{} is a run; its scene is taken with {which}",
-        path.display()
-    );
+    let path = path.display();
+    let note = format!("{path} is a run; its scene is taken with {which}");
     Ok((scene, vec![note]))
 }
 

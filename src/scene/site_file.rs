@@ -46,11 +46,7 @@ pub(crate) fn read_as<const D: usize>(
 ) -> Result<SiteFile<D>, Error> {
     memory::check_file(path)?;
     let bytes = read_unpacked(path).map_err(|error| Error::of_bytes(path, error))?;
-    let name = if path == Path::new(STANDARD_INPUT) {
-        Path::new("standard input")
-    } else {
-        path
-    };
+    let name = shown(path);
     let format = format
         .or_else(|| SiteFormat::of_extension(&extension_of(path)))
         .or_else(|| SiteFormat::of_content(&bytes));
@@ -65,6 +61,15 @@ pub(crate) fn read_as<const D: usize>(
         });
     }
     Ok(file)
+}
+
+/// A file's name in messages.
+fn shown(path: &Path) -> &Path {
+    if path == Path::new(STANDARD_INPUT) {
+        Path::new("standard input")
+    } else {
+        path
+    }
 }
 
 impl SiteFormat {

@@ -64,21 +64,22 @@ fn position_column<const D: usize>(remarks: &str) -> Result<Option<usize>, Strin
     let list: Vec<&str> = list.take(1).flat_map(|list| list.split(':')).collect();
     let mut column = 0_usize;
     for property in list.chunks(3) {
-        let width = property
-            .get(2)
-            .and_then(|width| width.parse::<usize>().ok());
-        let width = width.ok_or("`Properties` is not a list of name:type:columns")?;
+        let width = width_of(property)?;
         if property[0].eq_ignore_ascii_case("pos") {
-            let expected = format!("`pos` has {width} columns where {D} are expected");
-            return if width == D {
-                Ok(Some(column))
-            } else {
-                Err(expected)
-            };
+            if width != D {
+                return Err(format!("`pos` has {width} columns where {D} are expected"));
+            }
+            return Ok(Some(column));
         }
         column = column.saturating_add(width);
     }
     Err("`Properties` names no `pos`".to_owned())
+}
+
+/// The number of columns of a property of extended XYZ.
+fn width_of(property: &[&str]) -> Result<usize, String> {
+    let width = property.get(2).and_then(|width| width.parse().ok());
+    width.ok_or_else(|| "`Properties` is not a list of name:type:columns".to_owned())
 }
 
 /// The coordinates in an atom's line, in the given column or after the symbol.

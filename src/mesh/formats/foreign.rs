@@ -136,6 +136,11 @@ pub(crate) fn check_signature(bytes: &[u8]) -> Result<(), ParseError> {
     if is_fluent(start) {
         return refuse("a mesh of ANSYS Fluent", SOLVER);
     }
+    check_element(start)
+}
+
+/// Refuses a text whose first element is that of a format of XML that is not read.
+fn check_element(start: &[u8]) -> Result<(), ParseError> {
     let element = || next_tag(start, 0).map(|tag| tag.name);
     let is_named =
         |(name, ..): &&(&[u8], _, _)| start.starts_with(b"<") && element() == Some(*name);

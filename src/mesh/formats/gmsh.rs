@@ -31,23 +31,7 @@ pub(crate) fn read(bytes: &[u8]) -> Result<MeshFile, ParseError> {
     let mut file = GmshFile::new(bytes);
     while let Some(section) = file.input.words.word() {
         let section = section.to_ascii_lowercase();
-        match section.as_slice() {
-            b"$meshformat" => file.read_format()?,
-            b"$nod" => file.read_old(GmshFile::read_nodes)?,
-            b"$elm" => file.read_old(GmshFile::read_elements)?,
-            b"$nodes" => file.read_nodes()?,
-            b"$parametricnodes" => file.read_parametric_nodes()?,
-            b"$elements" => file.read_elements()?,
-            b"$nodedata" => file.read_node_data()?,
-            b"$elementdata" => file.read_element_data()?,
-            b"$physicalnames" => file.groups.read_names(&mut file.input)?,
-            b"$entities" => file.read_entities(),
-            _ if section.starts_with(b"$") => {}
-            _ => {
-                let expected = ErrorKind::expected("a section such as $Nodes", shown(&section));
-                return Err(file.input.error(expected));
-            }
-        }
+        file.read_section(&section)?;
         file.skip_to_end(&section)?;
     }
     file.into_mesh()
@@ -315,11 +299,7 @@ impl<'a> GmshFile<'a> {
             let tags = self.input.count("the number of tags")?;
             for _ in 0..run {
                 let number = self.input.count("an element's number")?;
-                let mut physical = None;
-                for _ in 0..tags {
-                    let tag = self.input.integer("a tag")?;
-                    physical.get_or_insert(tag);
-                }
+                let physical = self.first_tag(tags)?;
                 self.read_element(kind, false)?;
                 self.label(number, |groups| groups.name(dimension_of(kind), physical));
             }
@@ -327,6 +307,16 @@ impl<'a> GmshFile<'a> {
             found = found.saturating_add(run.max(1));
         }
         Ok(())
+    }
+
+    /// The first of an element's tags, all of which are read.
+    fn first_tag(&mut self, tags: usize) -> Result<Option<i64>, ParseError> {
+        let mut first = None;
+        for _ in 0..tags {
+            let tag = self.input.integer("a tag")?;
+            first.get_or_insert(tag);
+        }
+        Ok(first)
     }
 
     /// Reads a block of elements of one type; returns their number.
@@ -422,12 +412,7 @@ impl<'a> GmshFile<'a> {
     /// Moves past the line `$End…` of a section, whose name is given in small letters.
     fn skip_to_end(&mut self, section: &[u8]) -> Result<(), ParseError> {
         if self.input.binary.is_some() {
-            let end = [b"$end", &section[1..]].concat();
-            let expected = "the end of a section";
-            return match self.input.words.skip_past(&end) {
-                true => Ok(()),
-                false => Err(self.input.error(ErrorKind::Truncated { expected })),
-            };
+            return self.skip_to_binary_end(section);
         }
         let counted = ["$nodes", "$parametricnodes", "$elements", "$nod", "$elm"];
         let is_counted = counted.iter().any(|name| name.as_bytes() == section);
@@ -443,6 +428,37 @@ impl<'a> GmshFile<'a> {
             }
             self.input.words.next_line();
         }
+    }
+
+    fn skip_to_binary_end(&mut self, section: &[u8]) -> Result<(), ParseError> {
+        let end = [b"$end", &section[1..]].concat();
+        let expected = "the end of a section";
+        match self.input.words.skip_past(&end) {
+            true => Ok(()),
+            false => Err(self.input.error(ErrorKind::Truncated { expected })),
+        }
+    }
+
+    /// Reads the content of a section, whose name is given in small letters, as far as it is of use.
+    fn read_section(&mut self, section: &[u8]) -> Result<(), ParseError> {
+        match section {
+            b"$meshformat" => self.read_format()?,
+            b"$nod" => self.read_old(GmshFile::read_nodes)?,
+            b"$elm" => self.read_old(GmshFile::read_elements)?,
+            b"$nodes" => self.read_nodes()?,
+            b"$parametricnodes" => self.read_parametric_nodes()?,
+            b"$elements" => self.read_elements()?,
+            b"$nodedata" => self.read_node_data()?,
+            b"$elementdata" => self.read_element_data()?,
+            b"$physicalnames" => self.groups.read_names(&mut self.input)?,
+            b"$entities" => self.read_entities(),
+            _ if section.starts_with(b"$") => {}
+            _ => {
+                let expected = ErrorKind::expected("a section such as $Nodes", shown(section));
+                return Err(self.input.error(expected));
+            }
+        }
+        Ok(())
     }
 }
 

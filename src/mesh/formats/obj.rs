@@ -65,6 +65,10 @@ impl Default for Labels {
 const UNNAMED: &str = "default";
 
 impl Labels {
+    fn start_group(&mut self, name: &str) {
+        self.groups.1 = self.groups.0.named(name);
+        self.has_groups = true;
+    }
     /// Labels the triangles up to `count`, of the next face.
     fn fill(&mut self, count: usize) {
         self.elements.polygons.resize(count, self.faces);
@@ -88,10 +92,7 @@ fn read_mesh(bytes: &[u8], labels: &mut Labels) -> Result<SurfaceMesh, ParseErro
                 words.check_limit("triangles", mesh.triangles.len())?;
                 labels.fill(mesh.triangles.len());
             }
-            b"g" | b"G" => {
-                labels.groups.1 = labels.groups.0.named(&name(&mut words));
-                labels.has_groups = true;
-            }
+            b"g" | b"G" => labels.start_group(&name(&mut words)),
             b"o" | b"O" => labels.objects.1 = labels.objects.0.named(&name(&mut words)),
             _ => {}
         }

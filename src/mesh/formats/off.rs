@@ -125,19 +125,28 @@ fn read_faces(
     mesh.triangles.reserve(words.capacity_for(count, 8));
     let mut polygon = Vec::new();
     for face in 0..count as u32 {
-        let corners = words.count("a face's number of vertices")?;
-        polygon.clear();
-        for _ in 0..corners {
-            polygon.push(words.vertex_on_line(mesh.vertices.len(), 0)?);
-        }
-        if corners < 3 {
-            let found = corners.to_string();
-            return Err(words.unexpected("a face of at least 3 vertices", found.as_bytes()));
-        }
+        read_polygon(words, mesh.vertices.len(), &mut polygon)?;
         triangulate(&mesh.vertices, &polygon, &mut mesh.triangles);
         words.check_limit("triangles", mesh.triangles.len())?;
         elements.polygons.resize(mesh.triangles.len(), face);
         words.next_line();
+    }
+    Ok(())
+}
+
+fn read_polygon(
+    words: &mut Words<'_>,
+    vertices: usize,
+    polygon: &mut Vec<u32>,
+) -> Result<(), ParseError> {
+    let corners = words.count("a face's number of vertices")?;
+    polygon.clear();
+    for _ in 0..corners {
+        polygon.push(words.vertex_on_line(vertices, 0)?);
+    }
+    if corners < 3 {
+        let found = corners.to_string();
+        return Err(words.unexpected("a face of at least 3 vertices", found.as_bytes()));
     }
     Ok(())
 }

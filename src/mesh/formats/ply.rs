@@ -85,10 +85,7 @@ struct Property {
 
 /// Reads up to and including the line `end_header`.
 fn read_header(words: &mut Words<'_>) -> Result<PlyHeader, ParseError> {
-    let magic = words.some_word("the header ply")?;
-    if !magic.eq_ignore_ascii_case(b"ply") {
-        return Err(words.unexpected("the header ply", magic));
-    }
+    check_magic(words)?;
     let mut encoding = None;
     let mut elements = Vec::new();
     loop {
@@ -98,10 +95,7 @@ fn read_header(words: &mut Words<'_>) -> Result<PlyHeader, ParseError> {
             b"end_header" => break,
             b"comment" | b"obj_info" => {}
             b"format" => encoding = Some(read_encoding(words)?),
-            b"element" => {
-                let element = read_element(words, &elements)?;
-                elements.push(element);
-            }
+            b"element" => elements.push(read_element(words, &elements)?),
             b"property" => read_property(words, &mut elements)?,
             _ => return Err(words.unexpected("a header line", word)),
         }
@@ -109,6 +103,14 @@ fn read_header(words: &mut Words<'_>) -> Result<PlyHeader, ParseError> {
     let missing = || words.unexpected("a line `format`", b"end_header");
     let encoding = encoding.ok_or_else(missing)?;
     Ok(PlyHeader { encoding, elements })
+}
+
+fn check_magic(words: &mut Words<'_>) -> Result<(), ParseError> {
+    let magic = words.some_word("the header ply")?;
+    match magic.eq_ignore_ascii_case(b"ply") {
+        true => Ok(()),
+        false => Err(words.unexpected("the header ply", magic)),
+    }
 }
 
 fn read_encoding(words: &mut Words<'_>) -> Result<PlyEncoding, ParseError> {

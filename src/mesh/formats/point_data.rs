@@ -96,6 +96,15 @@ impl PointData {
             times => format!("{node} has {times} values"),
         })
     }
+
+    fn into_vertex_data(mut self, vertices: usize, fault: Option<String>) -> VertexData {
+        self.values.resize(vertices, f64::NAN);
+        VertexData {
+            name: self.name,
+            values: self.values,
+            fault,
+        }
+    }
 }
 
 /// The fields by name with what is wrong with each; `node` names a vertex as the file does.
@@ -113,15 +122,7 @@ pub(crate) fn vertex_data(
             continue;
         }
         let fault = field.first_fault(&used, &node);
-        let PointData {
-            name, mut values, ..
-        } = field;
-        values.resize(vertices, f64::NAN);
-        fields.push(VertexData {
-            name,
-            values,
-            fault,
-        });
+        fields.push(field.into_vertex_data(vertices, fault));
     }
     fields
 }

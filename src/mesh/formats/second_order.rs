@@ -28,14 +28,10 @@ pub(crate) fn check_straight(
     corners: usize,
     edges: &[[usize; 2]],
 ) -> Result<(), ErrorKind> {
-    let at = |node: u32| vertices[node as usize];
     let mut taken = vec![false; edges.len()];
     for &middle in &nodes[corners..] {
-        let point = at(middle);
-        let off = |[a, b]: [usize; 2]| share_off(&point, &at(nodes[a]), &at(nodes[b]));
-        let nearest = (edges.iter().enumerate())
-            .map(|(edge, &ends)| (off(ends), edge))
-            .min_by(|one, other| one.0.total_cmp(&other.0));
+        let point = vertices[middle as usize];
+        let nearest = nearest_edge(&point, vertices, nodes, edges);
         let Some((share, edge)) = nearest else { break };
         if share > OFF_EDGE {
             let place = [point.x, point.y, point.z];
@@ -47,6 +43,19 @@ pub(crate) fn check_straight(
         }
     }
     Ok(())
+}
+
+/// The edge of an element to which a point is nearest, after its share off it.
+fn nearest_edge(
+    point: &Point3<f64>,
+    vertices: &[Point3<f64>],
+    nodes: &[u32],
+    edges: &[[usize; 2]],
+) -> Option<(f64, usize)> {
+    let at = |place: usize| vertices[nodes[place] as usize];
+    (edges.iter().enumerate())
+        .map(|(edge, &[a, b])| (share_off(point, &at(a), &at(b)), edge))
+        .min_by(|one, other| one.0.total_cmp(&other.0))
 }
 
 /// The distance of a point from the segment between a and b, in lengths of the segment.

@@ -219,22 +219,25 @@ impl Package<'_> {
             let count = self.left_out;
             notes.push(format!("{count} objects for support are left out"));
         }
-        let settings = ["Slic3r_PE_model.config", "model_settings.config"];
-        let settings = settings.map(|name| self.archive.file(&format!("Metadata/{name}")));
-        let has_modifiers = |text: Vec<u8>| {
-            text.windows(8)
-                .any(|word| word == b"odifier\"" || word == b"odifier_")
-        };
-        if settings
-            .into_iter()
-            .any(|file| file.ok().flatten().is_some_and(has_modifiers))
-        {
+        if self.has_modifiers() {
             notes.push(
                 "modifiers of the slicer count as parts of the solid; export without them"
                     .to_owned(),
             );
         }
         notes
+    }
+
+    /// Whether the settings of a slicer name modifiers.
+    fn has_modifiers(&self) -> bool {
+        let settings = ["Slic3r_PE_model.config", "model_settings.config"];
+        let settings = settings.map(|name| self.archive.file(&format!("Metadata/{name}")));
+        let names_some = |text: Vec<u8>| {
+            text.windows(8)
+                .any(|word| word == b"odifier\"" || word == b"odifier_")
+        };
+        let mut texts = settings.into_iter().filter_map(|file| file.ok().flatten());
+        texts.any(names_some)
     }
 }
 

@@ -35,12 +35,7 @@ pub(crate) fn read(bytes: &[u8]) -> Result<MeshFile, ParseError> {
     let mut words = Words::new(bytes, None);
     words.next_line();
     words.next_line();
-    let encoding = words.some_word("ASCII or BINARY")?;
-    let is_binary = is(encoding, "binary");
-    if !is_binary && !is(encoding, "ascii") {
-        let what = format!("a {} .vtk file", shown(encoding));
-        return Err(words.unsupported(what, "export it as ASCII, BINARY or as .vtu"));
-    }
+    let is_binary = read_is_binary(&mut words)?;
     let mut file = VtkFile {
         input: VtkInput { words, is_binary },
         mesh: MeshParts::default(),
@@ -53,6 +48,17 @@ pub(crate) fn read(bytes: &[u8]) -> Result<MeshFile, ParseError> {
         file.read_section(&keyword)?;
     }
     file.into_mesh()
+}
+
+/// Reads whether the data are binary.
+fn read_is_binary(words: &mut Words<'_>) -> Result<bool, ParseError> {
+    let encoding = words.some_word("ASCII or BINARY")?;
+    let is_binary = is(encoding, "binary");
+    if !is_binary && !is(encoding, "ascii") {
+        let what = format!("a {} .vtk file", shown(encoding));
+        return Err(words.unsupported(what, "export it as ASCII, BINARY or as .vtu"));
+    }
+    Ok(is_binary)
 }
 
 /// The owner of the data that follow, points or cells, and the number of tuples.
@@ -365,18 +371,25 @@ pub(crate) fn add_cell(mesh: &mut MeshParts, kind: u32, cell: &[u32]) -> Result<
             triangulate(&mesh.vertices, cell, &mut mesh.triangles);
         }
         (1..=4 | 21 | 35 | 68, _) => {}
-        (5 | 7..=10 | 22..=24 | 28, count) => {
-            let expected = "a cell with the vertices of its type";
-            let found = format!("type {kind} with {count} vertices");
-            return Err(ErrorKind::expected(expected, found));
-        }
-        (69..=71, count) => {
-            let what = format!("a cell of order above two (VTK {kind} with {count} nodes)");
-            return Err(ErrorKind::unsupported(what, "export first-order cells"));
-        }
-        _ => return Err(no_tetrahedron(format!("VTK {kind}"))),
+        (_, count) => return Err(refused_cell(kind, count)),
     }
     Ok(())
+}
+
+/// The refusal of a cell with `count` vertices.
+fn refused_cell(kind: u32, count: usize) -> ErrorKind {
+    match kind {
+        5 | 7..=10 | 22..=24 | 28 => {
+            let expected = "a cell with the vertices of its type";
+            let found = format!("type {kind} with {count} vertices");
+            ErrorKind::expected(expected, found)
+        }
+        69..=71 => {
+            let what = format!("a cell of order above two (VTK {kind} with {count} nodes)");
+            ErrorKind::unsupported(what, "export first-order cells")
+        }
+        _ => no_tetrahedron(format!("VTK {kind}")),
+    }
 }
 
 /// Adds the triangles of a strip, every second one turned.

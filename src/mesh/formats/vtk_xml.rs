@@ -65,10 +65,8 @@ pub(crate) fn decode(
         _ => Err(unknown("array format", format)),
     };
     let data = data.map_err(at_tag)?;
-    let numbers = data.chunks_exact(kind.width());
-    Ok(numbers
-        .map(|number| kind.decode(number, encoding.big_endian))
-        .collect())
+    let decode = |number: &[u8]| kind.decode(number, encoding.big_endian);
+    Ok(data.chunks_exact(kind.width()).map(decode).collect())
 }
 
 fn unknown(what: &str, name: &[u8]) -> ErrorKind {

@@ -27,11 +27,7 @@ pub fn parse(bytes: &[u8]) -> Result<Mesh, ParseError> {
 
 /// As [`parse`], with what there is to say about the file.
 pub(crate) fn read(bytes: &[u8]) -> Result<MeshFile, ParseError> {
-    let mut file = VtuFile {
-        bytes,
-        mesh: MeshParts::default(),
-        cells: 0,
-    };
+    let mut file = VtuFile::of(bytes);
     let (encoding, mut position) = file.read_header()?;
     let mut piece = VtuPiece::default();
     let mut section: &[u8] = b"";
@@ -116,6 +112,14 @@ struct VtuFile<'a> {
 }
 
 impl<'a> VtuFile<'a> {
+    /// A file of which nothing is read yet.
+    fn of(bytes: &'a [u8]) -> Self {
+        Self {
+            bytes,
+            mesh: MeshParts::default(),
+            cells: 0,
+        }
+    }
     /// The encoding that the tag `VTKFile` gives, and the byte offset of its end.
     fn read_header(&self) -> Result<(VtkEncoding<'a>, usize), ParseError> {
         let mut position = 0;

@@ -57,15 +57,19 @@ pub(crate) fn next_tag(bytes: &[u8], mut position: usize) -> Option<Tag<'_>> {
         if rest.starts_with(b"?") || rest.starts_with(b"!") {
             continue;
         }
-        let inside = &rest[..length];
-        let ends_name = |byte: &u8| byte.is_ascii_whitespace();
-        let split = inside.iter().position(ends_name).unwrap_or(inside.len());
-        let (name, attributes) = inside.split_at(split);
-        return Some(Tag {
-            name,
-            attributes,
-            end: position,
-        });
+        return Some(tag_of(&rest[..length], position));
+    }
+}
+
+/// The tag with the text `inside` its brackets, which ends at `end`.
+fn tag_of(inside: &[u8], end: usize) -> Tag<'_> {
+    let ends_name = |byte: &u8| byte.is_ascii_whitespace();
+    let split = inside.iter().position(ends_name).unwrap_or(inside.len());
+    let (name, attributes) = inside.split_at(split);
+    Tag {
+        name,
+        attributes,
+        end,
     }
 }
 

@@ -82,10 +82,8 @@ impl<'a> ZipArchive<'a> {
         let mut crc = Crc::new();
         crc.update(&content);
         if content.len() != entry.size || crc.sum() != entry.crc {
-            let damage = format!(
-                "{} has another length or checksum than announced",
-                entry.name
-            );
+            let name = &entry.name;
+            let damage = format!("{name} has another length or checksum than announced");
             return Err(ErrorKind::Damaged(damage));
         }
         Ok(Some(content))
@@ -123,10 +121,8 @@ fn entry(bytes: &[u8], at: usize) -> Result<(ZipEntry, usize), ErrorKind> {
     let next = extra + lengths[1] + lengths[2];
     let text = bytes.get(name..extra).ok_or_else(truncated)?;
     let mut sizes = [field(24, 4)?, field(20, 4)?, field(42, 4)?];
-    widen(
-        &mut sizes,
-        bytes.get(extra..extra + lengths[1]).ok_or_else(truncated)?,
-    )?;
+    let wide = bytes.get(extra..extra + lengths[1]);
+    widen(&mut sizes, wide.ok_or_else(truncated)?)?;
     let [size, packed, start] = sizes;
     let entry = ZipEntry {
         name: String::from_utf8_lossy(text).replace('\\', "/"),
