@@ -271,13 +271,13 @@ fn along(
         let trial = b + 0.381_966 * (wide - b);
         let found = evaluated(trial);
         if found < next {
-            if wide == c {
+            if (wide - c).abs() <= 0.0 {
                 a = b
             } else {
                 c = b
             }
             (b, next) = (trial, found);
-        } else if wide == c {
+        } else if (wide - c).abs() <= 0.0 {
             c = trial;
         } else {
             a = trial;

@@ -1,4 +1,4 @@
-//! What cuts a cone: quadrants of neighbors, and walls.
+//! Quadrants of neighbors and walls, which cut a cone.
 
 use crate::voronoi::linf::block::{CONE_SIDE, Line};
 
