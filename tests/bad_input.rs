@@ -166,7 +166,11 @@ const BAD_SITES: &[(&str, &[u8], &[&str])] = &[
     ("p.json", b"[]", &["p.json", "holds no sites"]),
     ("p.npy", b"\x93NUMPY\x01\x00\x46\x00{'descr'", &["p.npy"]),
     ("p.npy", b"", &["p.npy"]),
-    ("p.vtk", b"0 0 0\n", &["format of p.vtk", ".csv"]),
+    (
+        "p.vtk",
+        b"# vtk DataFile Version 3.0\n",
+        &["format of p.vtk", ".csv"],
+    ),
 ];
 
 #[test]

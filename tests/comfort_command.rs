@@ -208,7 +208,10 @@ fn signs_follow_operators_in_densities() {
         "{\"sites\": {\"random\": {\"count\": 3}}, \"density\": \"1 + wurst(x)\"}",
     );
     let message = dir.refusal(&["measure", "s.json"]);
-    assert_all_in(&message, &["density", "column 5", "`wurst`", "not known"]);
+    assert_all_in(
+        &message,
+        &["density", "column 5", "`wurst`", "one of the functions"],
+    );
 }
 
 #[test]

@@ -477,7 +477,10 @@ fn bad_options_are_refused_with_nothing_written() {
                 &["--clip is for --density"],
             ),
             (&["good.gcode", "--spin"], &["--axis"]),
-            (&["good.gcode", "--stand"], &["has no area"]),
+            (
+                &["good.gcode", "--stand", "--margin", "1"],
+                &["a line only"],
+            ),
             (
                 &["good.gcode", "--density", "1", "--range", "2,1"],
                 &["LO 2 is above HI 1"],

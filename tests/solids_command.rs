@@ -272,8 +272,10 @@ fn sites_outside_a_solid_are_named_or_dropped() {
         &refusal(&dir),
         &["site 1 (2.0, 2.0, 2.0)", "1 more", "--drop-outside"],
     );
-    let text = dir.stdout(&["measure", "scene.json", "--drop-outside"]);
-    let measured: Value = serde_json::from_str(&text).expect("JSON");
+    let output = dir.run(&["measure", "scene.json", "--drop-outside"]);
+    let note = String::from_utf8_lossy(&output.stderr);
+    assert_all_in(&note, &["note: 2 of 4 sites lie outside"]);
+    let measured: Value = serde_json::from_slice(&output.stdout).expect("JSON");
     assert_eq!(measured["sites"], 2);
     assert_eq!(measured["volume_sum"], 1.0);
     dir.write("p.csv", "2,2,2\n");

@@ -101,7 +101,10 @@ impl BodyErrors {
     pub(crate) fn of(body: &Body, errors: &MomentErrors, near: &Point3<f64>, extent: f64) -> Self {
         let arm = (body.center_of_mass() - near).norm();
         let about = errors.moved(arm);
-        let (center, inertia) = (about.first / body.mass, about.inertia);
+        // The true center is |∫d y| over the true mass away from the one found, the tensor about it less by the
+        // product of both.
+        let center = about.first / (body.mass - about.mass).max(0.0);
+        let inertia = about.inertia + about.first * center;
         let shares = [
             about.mass / body.mass,
             center / extent,

@@ -105,7 +105,7 @@ mod tests {
             OctreeError::of(&body, &exact).mass
         };
         assert!(
-            mass_error(2) > 0.01 && mass_error(6) < 0.003,
+            mass_error(2) > 0.005 && mass_error(6) < 0.003,
             "{}",
             mass_error(2)
         );

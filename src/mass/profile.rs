@@ -2,7 +2,7 @@
 //! ramp, constant), among them those of an affine function clamped to a range.
 //!
 //! The density is linear in each layer between break planes, and layers have moments from the clipped
-//! triangles of the surface ([`layers`](crate::mass::layers)); tetrahedra have their boundary.
+//! triangles of the surface (`mass::layers`); tetrahedra have their boundary.
 
 use crate::geometry::moments::Moments;
 use crate::integrals::polynomial::Polynomial;

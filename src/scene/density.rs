@@ -2,7 +2,7 @@
 //!
 //! A polynomial holds for any domain, and so does a size that is one. Values at tetrahedron
 //! vertices, be they densities or sizes, make a density that is linear on every tetrahedron. Fields of
-//! other kinds are cut into regions ([`background`](crate::scene::background)).
+//! other kinds are cut into regions (`scene::background`).
 
 use std::path::Path;
 

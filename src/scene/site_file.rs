@@ -93,6 +93,9 @@ impl SiteFormat {
         if start.is_empty() || start.starts_with('[') {
             return Some(Self::Json);
         }
+        if xyz::parse::<3>(bytes).is_some() {
+            return Some(Self::Xyz);
+        }
         let line = site_table::first_line(text)?;
         let separator = Separator::of(line);
         let fields = separator.fields(line);

@@ -813,7 +813,12 @@ fn what_is_no_polynomial_is_refused_with_its_column() {
     let atom = "expected a number, `x`, `y`, `z` or `(`";
     for (text, message) in [
         ("", format!("column 1: {atom}, found the end")),
-        ("1 + w", format!("column 5: {atom}, found `w`")),
+        (
+            "1 + w",
+            format!(
+                "column 5: {atom} (a polynomial has no functions), found `w`, which is not known"
+            ),
+        ),
         (
             "2 x",
             "column 3: expected an operator or the end, found `x`".into(),
