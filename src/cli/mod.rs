@@ -47,6 +47,7 @@ pub(crate) mod relax;
 pub(crate) mod report;
 pub(crate) mod report_cells;
 pub(crate) mod run;
+mod solve_log;
 pub(crate) mod spin;
 pub(crate) mod spin_bores;
 pub(crate) mod spin_files;

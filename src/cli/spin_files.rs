@@ -4,11 +4,10 @@ use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use serde::Serialize;
-
 use crate::balance::spin::SpinState;
 use crate::cli::density_files::{DensityBody, Section, center_mark, density_files, write_density};
 use crate::cli::failure::{Failure, write_file};
+use crate::cli::solve_log::solve_log;
 use crate::cli::spin_report::{Outcome, SpinReport};
 use crate::cli::spin_solid::{SpinElements, SpinSolid};
 use crate::domain::shape::DomainShape;
@@ -38,14 +37,6 @@ pub(crate) fn spin_files(directory: &Path) -> Vec<PathBuf> {
     files
 }
 
-/// A line of the log.
-#[derive(Debug, Serialize)]
-struct LogLine {
-    iteration: usize,
-    residual: f64,
-    dual_value: f64,
-}
-
 /// What is written of a run, and where.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SpinFiles<'a> {
@@ -65,7 +56,7 @@ impl SpinFiles<'_> {
         let directory = self.directory.display();
         fs::create_dir_all(self.directory)
             .map_err(|error| Failure::run(format!("cannot make {directory}: {error}")))?;
-        self.write_text("log.jsonl", &log_text(outcome)?)?;
+        self.write_text("log.jsonl", &solve_log(&outcome.solution.variance.log)?)?;
         if outcome.is_met() {
             let field = field(self.solid, self.elements, outcome, self.domain()?);
             let json = serde_json::to_string_pretty(&field).map_err(Failure::run)?;
@@ -112,19 +103,6 @@ impl SpinFiles<'_> {
         };
         write_density(self.directory, body, &section(outcome, native))
     }
-}
-
-/// A line of JSON for every step towards the field.
-fn log_text(outcome: &Outcome) -> Result<String, Failure> {
-    let log = outcome.solution.variance.log.iter().map(|step| {
-        serde_json::to_string(&LogLine {
-            iteration: step.iteration,
-            residual: step.residual,
-            dual_value: step.value,
-        })
-    });
-    let log: Vec<String> = log.collect::<Result<_, _>>().map_err(Failure::run)?;
-    Ok(log.join("\n") + "\n")
 }
 
 /// The cut along the axis and the principal axis nearest to it before.

@@ -5,12 +5,12 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use nalgebra::{Point3, Vector3};
-use serde::Serialize;
 
 use crate::balance::stand::{StandPlan, Standing};
 use crate::balance::support::Support;
 use crate::cli::density_files::{DensityBody, Section, center_mark, density_files, write_density};
 use crate::cli::failure::{Failure, write_file};
+use crate::cli::solve_log::solve_log;
 use crate::cli::stand_report::{ClampReport, StandReport};
 use crate::geometry::bounds::Bounds;
 use crate::geometry::half_space::HalfSpace;
@@ -29,14 +29,6 @@ pub(crate) fn stand_files(folder: &Path) -> Vec<PathBuf> {
     let mut files = density_files(folder);
     files.extend(FILES.map(|name| folder.join(name)));
     files
-}
-
-/// A line of the log.
-#[derive(Debug, Serialize)]
-struct LogLine {
-    iteration: usize,
-    residual: f64,
-    dual_value: f64,
 }
 
 /// What is written of a run, and where.
@@ -165,18 +157,10 @@ impl StandFiles<'_> {
 
 /// A line of JSON for every step towards the field.
 fn log_text(standing: &Standing) -> Result<String, Failure> {
-    let mut log = String::new();
-    if let Ok(field) = &standing.field {
-        for step in &field.solution.log {
-            let line = LogLine {
-                iteration: step.iteration,
-                residual: step.residual,
-                dual_value: step.value,
-            };
-            log += &(serde_json::to_string(&line).map_err(Failure::run)? + "\n");
-        }
+    match &standing.field {
+        Ok(field) => solve_log(&field.solution.log),
+        Err(_) => Ok(String::new()),
     }
-    Ok(log)
 }
 
 /// The level direction across a way, if that is not upright.
