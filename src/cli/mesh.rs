@@ -7,28 +7,23 @@ use clap::Args;
 use nalgebra::Point3;
 
 use crate::cli::failure::{Failure, print, write_file};
+use crate::cli::mesh_cells::{CellMeshing, MeshedCells, mesh_cells, patches_of};
 use crate::cli::mesh_elements::{element_columns, elements, file_of, write_elements};
 use crate::cli::mesh_report::{MeshLimit, MeshReport};
 use crate::cli::options::{Common, change, finite, given, length, named, space};
 use crate::cli::output::OutputRule;
 use crate::cli::run::RunDescription;
-use crate::complex::assemble::assemble;
-use crate::complex::collapse::{collapse, straighten_edges};
-use crate::complex::edit_mesh::EditMesh;
 use crate::complex::element_mesh::ElementMesh;
 use crate::complex::face_geometry::MeshGeometry;
-use crate::complex::wall_patches::WallPatches;
 use crate::export::mesh_vtu::{CellColumn, write_mesh};
 use crate::export::poly_mesh::{MESH_FILES, write_case};
 use crate::mesh::formats::open_foam::load_case;
 use crate::mesh::poly_mesh::PolyMesh;
 use crate::relax::space::Space;
 use crate::scene::description::Scene;
-use crate::scene::domain::SceneDomain;
 use crate::scene::overrides::Overrides;
 use crate::scene::run::energy_spec;
 use crate::scene::site_file;
-use crate::voronoi::diagram::Diagram;
 
 const FORMATS: [(&str, &str); 6] = [
     ("polymesh", "OpenFOAM's constant/polyMesh, in ASCII"),
@@ -45,12 +40,23 @@ const FORMATS: [(&str, &str); 6] = [
     ("su2", "mesh.su2, for SU2, patches as markers; hexes only"),
 ];
 
+/// Edges up to this share of the mean cell's side collapse for hexahedra unless an option says otherwise.
+const HEX_COLLAPSE: f64 = 0.3;
+
 const ELEMENTS: [(&str, &str); 2] = [
     ("cells", "the cells themselves: polyhedra"),
     (
         "hexes",
         "hexahedra with corners at the sites, prisms, pyramids and tetrahedra between them",
     ),
+];
+
+const WALLS: [(&str, &str); 2] = [
+    (
+        "polygons",
+        "merged, straightened, cells cut at re-entrant edges, bad ones improved; the report says the volume lost",
+    ),
+    ("exact", "as the surface is, to rounding"),
 ];
 
 /// Write the cells of a run as a conforming mesh, or measure a mesh
@@ -66,7 +72,7 @@ pub(crate) struct MeshOptions {
     #[arg(long, short, value_name = "OUT", required_unless_present = "check")]
     output: Option<PathBuf>,
     /// Measure the polyMesh (ASCII or binary, plain or .gz) in PATH instead
-    #[arg(long, value_name = "PATH", conflicts_with_all = ["run", "output", "to", "scale", "feature_angle", "collapse"])]
+    #[arg(long, value_name = "PATH", conflicts_with_all = ["run", "output", "to", "scale", "feature_angle", "walls", "collapse"])]
     check: Option<PathBuf>,
     /// Formats to write
     #[arg(long, value_name = "FORMAT", value_delimiter = ',', default_value = "polymesh", value_parser = named(&FORMATS))]
@@ -80,9 +86,13 @@ pub(crate) struct MeshOptions {
     /// Part the walls of a solid into patches along edges where they turn by more than A degrees
     #[arg(long, value_name = "A", value_parser = finite, default_value = "40")]
     feature_angle: f64,
-    /// Collapse edges shorter than E sides of the mean cell where quality allows it, up to 0.5
-    #[arg(long, value_name = "E", value_parser = finite, default_value = "0")]
-    collapse: f64,
+    /// Walls of a solid: few polygons a cell with corners on the surface, or all its triangles
+    #[arg(long, value_name = "WALLS", default_value = "polygons", value_parser = named(&WALLS))]
+    walls: String,
+    /// Collapse edges shorter than E sides of the mean cell where quality allows it, up to 0.5 [default:
+    /// 0.1 with polygons on walls, otherwise 0]
+    #[arg(long, value_name = "E", value_parser = finite)]
+    collapse: Option<f64>,
     /// Merge vertices of the run's mesh up to L apart, as `relax --weld` [default: as the run did]
     #[arg(long, value_name = "L", value_parser = length)]
     weld: Option<f64>,
@@ -98,8 +108,8 @@ pub(crate) struct MeshOptions {
 }
 
 pub(crate) fn run(options: &MeshOptions, common: Common) -> Result<(), Failure> {
-    let report = match (&options.check, &options.run, &options.output) {
-        (Some(path), ..) => check(path)?,
+    let (report, complaint) = match (&options.check, &options.run, &options.output) {
+        (Some(path), ..) => (check(path)?, None),
         (None, Some(run), Some(output)) => make(options, run, output)?,
         _ => return Err(Failure::input("name a run and --output, or --check a mesh")),
     };
@@ -109,11 +119,16 @@ pub(crate) fn run(options: &MeshOptions, common: Common) -> Result<(), Failure> 
         print(report.table())?;
     }
     let passed = report.beyond(&options.limit);
-    match passed.is_empty() {
-        true => Ok(()),
-        false => Err(Failure::run(format!(
+    match (complaint, passed.is_empty()) {
+        (None, true) => Ok(()),
+        (Some(complaint), true) => Err(Failure::run(complaint)),
+        (complaint, false) => Err(Failure::run(format!(
             "limits are passed: {}",
-            passed.join("; ")
+            passed
+                .into_iter()
+                .chain(complaint)
+                .collect::<Vec<_>>()
+                .join("; ")
         ))),
     }
 }
@@ -132,19 +147,22 @@ fn check(path: &Path) -> Result<MeshReport, Failure> {
     Ok(MeshReport::new(&mesh, &geometry, None))
 }
 
-/// Writes the mesh of a run.
-fn make(options: &MeshOptions, run: &Path, output: &Path) -> Result<MeshReport, Failure> {
+/// Writes the mesh of a run; returns its report, and what is wrong with it.
+fn make(
+    options: &MeshOptions,
+    run: &Path,
+    output: &Path,
+) -> Result<(MeshReport, Option<String>), Failure> {
     if options.scale <= 0.0 {
         return Err(Failure::input(format!(
             "--scale {} is not positive",
             options.scale
         )));
     }
-    if !(0.0..=0.5).contains(&options.collapse) {
-        return Err(Failure::input(format!(
-            "--collapse {} is not between 0 and 0.5",
-            options.collapse
-        )));
+    let is_beyond = |share: &f64| !(0.0..=0.5).contains(share);
+    if let Some(share) = options.collapse.filter(is_beyond) {
+        let message = format!("--collapse {share} is not between 0 and 0.5");
+        return Err(Failure::input(message));
     }
     refuse_formats(options)?;
     let outputs = output_files(output, &options.to);
@@ -183,22 +201,7 @@ fn make(options: &MeshOptions, run: &Path, output: &Path) -> Result<MeshReport, 
         std::io::Write::write_all(file, text.as_bytes())
     })
     .map_err(Failure::run)?;
-    Ok(report)
-}
-
-/// The mesh without edges shorter than `share` sides of the mean cell, as far as quality allows it.
-fn collapsed(mesh: &PolyMesh, volume: f64, share: f64) -> Result<PolyMesh, Failure> {
-    if mesh.patches.iter().any(|patch| patch.partner.is_some()) {
-        let message = "edges across a period are not collapsed: leave out --collapse";
-        return Err(Failure::input(message));
-    }
-    let side = (volume / mesh.cell_count as f64).cbrt();
-    let mut edited = EditMesh::of(mesh);
-    collapse(&mut edited, share * side, side);
-    straighten_edges(&mut edited, 0.5 * share * side);
-    let mesh = edited.finish();
-    mesh.check_closed().map_err(Failure::run)?;
-    Ok(mesh)
+    Ok((report, made.complaint))
 }
 
 /// A mesh in the coordinates of the domain's own file.
@@ -208,6 +211,8 @@ struct MadeMesh {
     elements: Option<ElementMesh>,
     /// How much longer its lengths are than the scene's.
     factor: f64,
+    /// What is wrong with its cells still.
+    complaint: Option<String>,
 }
 
 impl MadeMesh {
@@ -217,17 +222,24 @@ impl MadeMesh {
         scene: &Scene,
         sites: &[Point3<f64>],
     ) -> Result<Self, Failure> {
-        let mut mesh = mesh_of(space, scene, sites, options.feature_angle)?;
-        if options.collapse > 0.0 {
-            mesh = collapsed(&mesh, space.domain().volume(), options.collapse)?;
-        }
+        let is_hexes = options.elements == "hexes";
+        let meshing = CellMeshing {
+            is_exact: options.walls == "exact",
+            angle: options.feature_angle,
+            collapse: options.collapse.or(is_hexes.then_some(HEX_COLLAPSE)),
+        };
+        let MeshedCells {
+            mut mesh,
+            complaint,
+        } = mesh_cells(space, scene, sites, meshing)?;
         let (factor, from, to) = placement(scene, options.scale)?;
-        if options.elements == "cells" {
+        if !is_hexes {
             mesh.transform(factor, &from, &to);
             return Ok(Self {
                 mesh,
                 elements: None,
                 factor,
+                complaint,
             });
         }
         let patches = patches_of(space, scene, options.feature_angle);
@@ -242,6 +254,7 @@ impl MadeMesh {
             mesh,
             elements: Some(elements),
             factor,
+            complaint: None,
         })
     }
 }
@@ -334,32 +347,6 @@ fn read_run(run: &Path) -> Result<(Scene, Vec<Point3<f64>>), Failure> {
     }
     let sites = site_file::read::<3>(&run.join("sites.csv")).map_err(Failure::input)?;
     Ok((scene, sites))
-}
-
-fn mesh_of(
-    space: &Space,
-    scene: &Scene,
-    sites: &[Point3<f64>],
-    angle: f64,
-) -> Result<PolyMesh, Failure> {
-    let domain = space.domain();
-    let patches = patches_of(space, scene, angle);
-    let diagram = Diagram::new(domain, sites).map_err(Failure::input)?;
-    let mesh = assemble(&diagram, &patches).map_err(Failure::run)?;
-    let not_balls = mesh.check_closed().map_err(Failure::run)?;
-    if let Some(first) = not_balls.first() {
-        let count = not_balls.len();
-        eprintln!("note: {count} cells are no balls, the first: {first}; more sites mend that");
-    }
-    Ok(mesh)
-}
-
-fn patches_of(space: &Space, scene: &Scene, angle: f64) -> WallPatches {
-    match (&scene.domain, space.domain().surface_mesh()) {
-        (SceneDomain::Box(_), _) => WallPatches::Box,
-        (_, Some(surface)) => WallPatches::by_features(surface, angle),
-        (_, None) => WallPatches::Each,
-    }
 }
 
 /// The data of every cell.

@@ -5,11 +5,12 @@ use std::path::Path;
 use nalgebra::Point3;
 
 use crate::cli::failure::Failure;
-use crate::complex::divide::divide;
+use crate::complex::divide::{divide, unseen};
 use crate::complex::dual::DualMesh;
 use crate::complex::element::{CellElement, scaled_jacobian};
 use crate::complex::element_mesh::ElementMesh;
 use crate::complex::face_geometry::MeshGeometry;
+use crate::complex::merge_flat::merge_flat;
 use crate::complex::straighten_all::without_chains;
 use crate::complex::untangle::{project, untangle};
 use crate::complex::wall_patches::WallPatches;
@@ -29,6 +30,9 @@ const ELEMENT_FORMATS: [(&str, &str); 4] = [
     ("medit", "mesh.mesh"),
     ("su2", "mesh.su2"),
 ];
+
+/// How often flat elements are joined to neighbors.
+const MERGES: usize = 8;
 
 /// The file of a format of elements.
 pub(crate) fn file_of(format: &str) -> Option<&'static str> {
@@ -83,7 +87,7 @@ pub(crate) fn elements(
         let message = "hexahedra across a period are not made: take a domain without periods, or --elements cells";
         return Err(Failure::input(message));
     }
-    let cells = without_chains(cells);
+    let cells = without_chains(cells, angle);
     let side = (domain.volume() / cells.cell_count.max(1) as f64).cbrt();
     let walls = domain.surface_mesh().map(|surface| {
         let numbers: Vec<u32> = (0..surface.triangles.len() as u32)
@@ -96,7 +100,14 @@ pub(crate) fn elements(
         project(&mut dual.mesh.points, &dual.anchors, walls);
     }
     dual.mesh.check_closed().map_err(Failure::run)?;
-    let (mut mesh, _) = divide(&dual.mesh);
+    for _ in 0..MERGES {
+        let flat = unseen(&dual.mesh);
+        if merge_flat(&mut dual, &flat) == 0 {
+            break;
+        }
+    }
+    dual.mesh.check_closed().map_err(Failure::run)?;
+    let mut mesh = divide(&dual.mesh);
     let bad = untangle(&mut mesh, &dual.anchors, walls.as_ref());
     refuse_inverted(&mesh, &bad)?;
     Ok(mesh)

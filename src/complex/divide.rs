@@ -25,17 +25,18 @@ const STEPS: usize = 100;
 /// How often faces are cut for given centers and centers found for given faces.
 const ROUNDS: usize = 3;
 
-/// The parts of `mesh`, and per element the cell from which it is. The points of the mesh come first, then
-/// the centers of cells that were parted.
+/// The parts of `mesh`. The points of the mesh come first, then the centers of cells that were parted.
 #[must_use]
-pub(crate) fn divide(mesh: &PolyMesh) -> (ElementMesh, Vec<u32>) {
-    let mut division = Division::new(mesh);
-    for _ in 0..ROUNDS {
-        division.cut_faces();
-        division.raise_centers();
-    }
-    division.cut_faces();
-    division.finish()
+pub(crate) fn divide(mesh: &PolyMesh) -> ElementMesh {
+    Division::done(mesh).finish()
+}
+
+/// The cells that have no place from which all parts of their faces are seen.
+#[must_use]
+pub(crate) fn unseen(mesh: &PolyMesh) -> Vec<usize> {
+    let division = Division::done(mesh);
+    let is_unseen = |&cell: &usize| !division.is_whole[cell] && division.least(cell) <= 0.0;
+    (0..mesh.cell_count).filter(is_unseen).collect()
 }
 
 struct Division<'a> {
@@ -72,6 +73,24 @@ impl<'a> Division<'a> {
                 .collect(),
             parts: Vec::new(),
         }
+    }
+
+    /// The division of a mesh.
+    fn done(mesh: &'a PolyMesh) -> Self {
+        let mut division = Self::new(mesh);
+        for _ in 0..ROUNDS {
+            division.cut_faces();
+            division.raise_centers();
+        }
+        division.cut_faces();
+        division
+    }
+
+    /// The least height (L) of a cell's center above the planes of its faces' parts.
+    fn least(&self, cell: usize) -> f64 {
+        let planes = self.planes(cell).into_iter();
+        let heights = planes.map(|(point, normal)| normal.dot(&(point - self.centers[cell])));
+        heights.fold(f64::INFINITY, f64::min)
     }
 
     /// The cells at a face that are parted, and whether each owns it.
@@ -158,24 +177,18 @@ impl<'a> Division<'a> {
         planes
     }
 
-    fn finish(self) -> (ElementMesh, Vec<u32>) {
+    fn finish(self) -> ElementMesh {
+        let patches = self.mesh.patches.iter();
         let mut made = ElementMesh {
             points: self.mesh.points.clone(),
-            patches: self
-                .mesh
-                .patches
-                .iter()
-                .map(|patch| patch.name.clone())
-                .collect(),
+            patches: patches.map(|patch| patch.name.clone()).collect(),
             ..ElementMesh::default()
         };
-        let mut sources = Vec::new();
         for cell in 0..self.mesh.cell_count {
             match self.is_whole[cell] {
                 true => made.elements.push(self.elements[cell].clone()),
                 false => self.push_parts(cell, &mut made),
             }
-            sources.resize(made.elements.len(), cell as u32);
         }
         for (number, patch) in (0..).zip(&self.mesh.patches) {
             for face in patch.start..patch.start + patch.count {
@@ -183,7 +196,7 @@ impl<'a> Division<'a> {
                 made.walls.extend(parts.map(|part| (part.clone(), number)));
             }
         }
-        (made, sources)
+        made
     }
 
     fn push_parts(&self, cell: usize, made: &mut ElementMesh) {

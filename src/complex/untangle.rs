@@ -1,7 +1,8 @@
 //! Elements without a positive Jacobian mended by moving their points a little.
 //!
-//! A point of a bad element tries places around it, at three distances, and goes where the worst of its
-//! elements is best; points on walls and features stay there. Only points of bad elements move.
+//! A point of a bad element tries places around it, near ones first, and goes where its elements lack least
+//! of being good, as little as that takes; points on walls and features stay there. Centers of parted
+//! cells move before points on walls, and these before sites, and only points of bad elements do.
 
 use nalgebra::{Point3, Vector3};
 
@@ -10,14 +11,17 @@ use crate::complex::element_mesh::ElementMesh;
 use crate::complex::jacobian::least_jacobian;
 use crate::complex::wall_projection::WallProjection;
 
-/// An element is bad below this share of the cube of its longest edge.
-const GOOD: f64 = 2e-3;
+/// The Jacobian of an element is bad below this share of the cube of its longest edge.
+const BAD: f64 = 1e-5;
+
+/// Bad elements are mended until their Jacobians are this share.
+const GOOD: f64 = 1e-3;
 
 /// How often all bad elements are visited.
-const ROUNDS: usize = 30;
+const ROUNDS: usize = 40;
 
 /// Distances of tried places in lengths of the longest edge at a point.
-const REACHES: [f64; 4] = [0.3, 0.12, 0.04, 0.01];
+const REACHES: [f64; 5] = [0.004, 0.012, 0.04, 0.1, 0.2];
 
 /// Moves points of `mesh`, the first of which are anchored, until all elements are good or nothing helps.
 /// Returns the elements whose Jacobian is not positive.
@@ -79,19 +83,19 @@ impl Untangling<'_> {
             .collect()
     }
 
-    /// The least quality at a point.
-    fn worst(&self, point: u32) -> f64 {
+    /// What the elements at a point lack of being good.
+    fn lack(&self, point: u32) -> f64 {
         let elements = self.at_point[point as usize].iter();
-        let qualities = elements.map(|&element| self.quality(element as usize));
-        qualities.fold(f64::INFINITY, f64::min)
+        let lacks = elements.map(|&element| (GOOD - self.quality(element as usize)).max(0.0));
+        lacks.sum()
     }
 
     /// Moves the points of bad elements; whether one moved.
     fn round(&mut self) -> bool {
-        let bad = self.below(GOOD).into_iter();
+        let bad = self.below(BAD).into_iter();
         let points = bad.flat_map(|element| self.mesh.elements[element].corners().to_vec());
         let mut points: Vec<u32> = points.collect();
-        points.sort_unstable();
+        points.sort_unstable_by_key(|&point| (self.rank(point), point));
         points.dedup();
         let mut has_moved = false;
         for point in points {
@@ -100,30 +104,41 @@ impl Untangling<'_> {
         has_moved
     }
 
+    /// Which points move first.
+    fn rank(&self, point: u32) -> u8 {
+        match self.anchors.get(point as usize) {
+            None => 0,
+            Some(DualAnchor::Site) => 2,
+            Some(_) => 1,
+        }
+    }
+
     /// Moves a point to the best of the places around it; whether it is better there.
     fn improve(&mut self, point: u32) -> bool {
         let from = self.mesh.points[point as usize];
-        let first = self.worst(point);
+        let first = self.lack(point);
         let elements = self.at_point[point as usize].iter();
         let size = elements
             .map(|&element| self.longest(element as usize))
             .fold(0.0, f64::max);
         let mut best = (first, from);
         for reach in REACHES {
-            let center = best.1;
+            if best.0 <= 0.0 {
+                break;
+            }
             for way in ways() {
-                let Some(place) = self.placed(point, center + way * (reach * size)) else {
+                let Some(place) = self.placed(point, from + way * (reach * size)) else {
                     return false;
                 };
                 self.mesh.points[point as usize] = place;
-                let worst = self.worst(point);
-                if worst > best.0 {
-                    best = (worst, place);
+                let lack = self.lack(point);
+                if lack < best.0 {
+                    best = (lack, place);
                 }
             }
         }
         self.mesh.points[point as usize] = best.1;
-        best.0 > first
+        best.0 < first
     }
 
     /// The place nearest to `place` where a point may be; none if it may not move.
