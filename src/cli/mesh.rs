@@ -7,30 +7,56 @@ use clap::Args;
 use nalgebra::Point3;
 
 use crate::cli::failure::{Failure, print, write_file};
+use crate::cli::mesh_cells::{CellMeshing, MeshedCells, mesh_cells, patches_of};
+use crate::cli::mesh_elements::{element_columns, elements, file_of, write_elements};
 use crate::cli::mesh_report::{MeshLimit, MeshReport};
 use crate::cli::options::{Common, change, finite, given, length, named, space};
 use crate::cli::output::OutputRule;
 use crate::cli::run::RunDescription;
-use crate::complex::assemble::assemble;
-use crate::complex::collapse::{collapse, straighten_edges};
-use crate::complex::edit_mesh::EditMesh;
+use crate::complex::element_mesh::ElementMesh;
 use crate::complex::face_geometry::MeshGeometry;
-use crate::complex::wall_patches::WallPatches;
 use crate::export::mesh_vtu::{CellColumn, write_mesh};
 use crate::export::poly_mesh::{MESH_FILES, write_case};
 use crate::mesh::formats::open_foam::load_case;
 use crate::mesh::poly_mesh::PolyMesh;
 use crate::relax::space::Space;
 use crate::scene::description::Scene;
-use crate::scene::domain::SceneDomain;
 use crate::scene::overrides::Overrides;
 use crate::scene::run::energy_spec;
 use crate::scene::site_file;
-use crate::voronoi::diagram::Diagram;
 
-const FORMATS: [(&str, &str); 2] = [
+const FORMATS: [(&str, &str); 6] = [
     ("polymesh", "OpenFOAM's constant/polyMesh, in ASCII"),
     ("vtu", "mesh.vtu, for ParaView and all readers of VTK files"),
+    (
+        "msh",
+        "mesh.msh, Gmsh's MSH 4.1, patches as physical groups; hexes only",
+    ),
+    (
+        "inp",
+        "mesh.inp, for Abaqus and CalculiX, pyramids as degenerate C3D8; hexes only",
+    ),
+    ("medit", "mesh.mesh, for MEDIT, Mmg and FreeFEM; hexes only"),
+    ("su2", "mesh.su2, for SU2, patches as markers; hexes only"),
+];
+
+/// Edges up to this share of the mean cell's side collapse for hexahedra unless an option says otherwise.
+const HEX_COLLAPSE: f64 = 0.3;
+
+const ELEMENTS: [(&str, &str); 2] = [
+    ("cells", "the cells themselves: polyhedra"),
+    (
+        "hexes",
+        "hexahedra with corners at the sites, prisms, pyramids and tetrahedra between them",
+    ),
+];
+
+const WALLS: [(&str, &str); 2] = [
+    (
+        "polygons",
+        "merged, straightened, cells cut at re-entrant edges, bad ones improved; the report says the volume lost",
+    ),
+    ("exact", "as the surface is, to rounding"),
 ];
 
 /// Write the cells of a run as a conforming mesh, or measure a mesh
@@ -46,20 +72,27 @@ pub(crate) struct MeshOptions {
     #[arg(long, short, value_name = "OUT", required_unless_present = "check")]
     output: Option<PathBuf>,
     /// Measure the polyMesh (ASCII or binary, plain or .gz) in PATH instead
-    #[arg(long, value_name = "PATH", conflicts_with_all = ["run", "output", "to", "scale", "feature_angle", "collapse"])]
+    #[arg(long, value_name = "PATH", conflicts_with_all = ["run", "output", "to", "scale", "feature_angle", "walls", "collapse"])]
     check: Option<PathBuf>,
     /// Formats to write
     #[arg(long, value_name = "FORMAT", value_delimiter = ',', default_value = "polymesh", value_parser = named(&FORMATS))]
     to: Vec<String>,
+    /// Elements of the mesh
+    #[arg(long, value_name = "KIND", default_value = "cells", value_parser = named(&ELEMENTS))]
+    elements: String,
     /// Fail where a measure is above its limit: nonorth=70,skew=4,pyramids=0,aspect=…,concave=…,open=0
     #[arg(long, value_name = "NAME=MOST", value_delimiter = ',')]
     limit: Vec<MeshLimit>,
     /// Part the walls of a solid into patches along edges where they turn by more than A degrees
     #[arg(long, value_name = "A", value_parser = finite, default_value = "40")]
     feature_angle: f64,
-    /// Collapse edges shorter than E sides of the mean cell where quality allows it, up to 0.5
-    #[arg(long, value_name = "E", value_parser = finite, default_value = "0")]
-    collapse: f64,
+    /// Walls of a solid: few polygons a cell with corners on the surface, or all its triangles
+    #[arg(long, value_name = "WALLS", default_value = "polygons", value_parser = named(&WALLS))]
+    walls: String,
+    /// Collapse edges shorter than E sides of the mean cell where quality allows it, up to 0.5 [default:
+    /// 0.1 with polygons on walls, otherwise 0]
+    #[arg(long, value_name = "E", value_parser = finite)]
+    collapse: Option<f64>,
     /// Merge vertices of the run's mesh up to L apart, as `relax --weld` [default: as the run did]
     #[arg(long, value_name = "L", value_parser = length)]
     weld: Option<f64>,
@@ -75,8 +108,8 @@ pub(crate) struct MeshOptions {
 }
 
 pub(crate) fn run(options: &MeshOptions, common: Common) -> Result<(), Failure> {
-    let report = match (&options.check, &options.run, &options.output) {
-        (Some(path), ..) => check(path)?,
+    let (report, complaint) = match (&options.check, &options.run, &options.output) {
+        (Some(path), ..) => (check(path)?, None),
         (None, Some(run), Some(output)) => make(options, run, output)?,
         _ => return Err(Failure::input("name a run and --output, or --check a mesh")),
     };
@@ -86,11 +119,16 @@ pub(crate) fn run(options: &MeshOptions, common: Common) -> Result<(), Failure> 
         print(report.table())?;
     }
     let passed = report.beyond(&options.limit);
-    match passed.is_empty() {
-        true => Ok(()),
-        false => Err(Failure::run(format!(
+    match (complaint, passed.is_empty()) {
+        (None, true) => Ok(()),
+        (Some(complaint), true) => Err(Failure::run(complaint)),
+        (complaint, false) => Err(Failure::run(format!(
             "limits are passed: {}",
-            passed.join("; ")
+            passed
+                .into_iter()
+                .chain(complaint)
+                .collect::<Vec<_>>()
+                .join("; ")
         ))),
     }
 }
@@ -109,20 +147,24 @@ fn check(path: &Path) -> Result<MeshReport, Failure> {
     Ok(MeshReport::new(&mesh, &geometry, None))
 }
 
-/// Writes the mesh of a run.
-fn make(options: &MeshOptions, run: &Path, output: &Path) -> Result<MeshReport, Failure> {
+/// Writes the mesh of a run; returns its report, and what is wrong with it.
+fn make(
+    options: &MeshOptions,
+    run: &Path,
+    output: &Path,
+) -> Result<(MeshReport, Option<String>), Failure> {
     if options.scale <= 0.0 {
         return Err(Failure::input(format!(
             "--scale {} is not positive",
             options.scale
         )));
     }
-    if !(0.0..=0.5).contains(&options.collapse) {
-        return Err(Failure::input(format!(
-            "--collapse {} is not between 0 and 0.5",
-            options.collapse
-        )));
+    let is_beyond = |share: &f64| !(0.0..=0.5).contains(share);
+    if let Some(share) = options.collapse.filter(is_beyond) {
+        let message = format!("--collapse {share} is not between 0 and 0.5");
+        return Err(Failure::input(message));
     }
+    refuse_formats(options)?;
     let outputs = output_files(output, &options.to);
     if !options.force {
         refuse_existing(&outputs)?;
@@ -137,58 +179,118 @@ fn make(options: &MeshOptions, run: &Path, output: &Path) -> Result<MeshReport, 
     }
     refuse_inputs(run, &scene, &outputs)?;
     let space = space(&scene)?;
-    let mut mesh = mesh_of(&space, &scene, &sites, options.feature_angle)?;
-    if options.collapse > 0.0 {
-        mesh = collapsed(&mesh, space.domain().volume(), options.collapse)?;
-    }
-    let factor = place_back(&mut mesh, &scene, options.scale)?;
-    let geometry = MeshGeometry::of(&mesh, &mesh.cell_faces());
-    let volume = space.domain().volume() * factor.powi(3);
-    let report = MeshReport::new(&mesh, &geometry, Some(volume));
-    if options.to.iter().any(|format| format == "polymesh") {
-        write_case(output, &mesh).map_err(Failure::run)?;
-    }
-    if options.to.iter().any(|format| format == "vtu") {
-        let columns = columns(&space, &scene, (&sites, &mesh.sites), &geometry)?;
-        let path = output.join("mesh.vtu");
-        fs::create_dir_all(output)
-            .map_err(|error| Failure::run(format!("cannot make {}: {error}", output.display())))?;
-        write_mesh(&path, &mesh, &columns, true)
-            .map_err(|error| Failure::run(format!("cannot write {}: {error}", path.display())))?;
+    let made = MadeMesh::new(options, &space, &scene, &sites)?;
+    let mesh = &made.mesh;
+    let geometry = MeshGeometry::of(mesh, &mesh.cell_faces());
+    let volume = space.domain().volume() * made.factor.powi(3);
+    let report = MeshReport::new(mesh, &geometry, Some(volume));
+    for format in &options.to {
+        match (format.as_str(), &made.elements) {
+            ("polymesh", _) => write_case(output, mesh).map_err(Failure::run)?,
+            ("vtu", None) => {
+                let columns = columns(&space, &scene, (&sites, &mesh.sites), &geometry)?;
+                write_vtu(output, mesh, &columns)?;
+            }
+            ("vtu", Some(_)) => write_vtu(output, mesh, &element_columns(mesh, &geometry))?,
+            (_, Some(elements)) => write_elements(output, format, elements)?,
+            (_, None) => {}
+        }
     }
     let text = json(&report)?;
     write_file(&output.join("mesh.json"), |file| {
         std::io::Write::write_all(file, text.as_bytes())
     })
     .map_err(Failure::run)?;
-    Ok(report)
+    Ok((report, made.complaint))
 }
 
-/// The mesh without edges shorter than `share` sides of the mean cell, as far as quality allows it.
-fn collapsed(mesh: &PolyMesh, volume: f64, share: f64) -> Result<PolyMesh, Failure> {
-    if mesh.patches.iter().any(|patch| patch.partner.is_some()) {
-        let message = "edges across a period are not collapsed: leave out --collapse";
-        return Err(Failure::input(message));
+/// A mesh in the coordinates of the domain's own file.
+struct MadeMesh {
+    mesh: PolyMesh,
+    /// The same as elements, where these were asked for.
+    elements: Option<ElementMesh>,
+    /// How much longer its lengths are than the scene's.
+    factor: f64,
+    /// What is wrong with its cells still.
+    complaint: Option<String>,
+}
+
+impl MadeMesh {
+    fn new(
+        options: &MeshOptions,
+        space: &Space,
+        scene: &Scene,
+        sites: &[Point3<f64>],
+    ) -> Result<Self, Failure> {
+        let is_hexes = options.elements == "hexes";
+        let meshing = CellMeshing {
+            is_exact: options.walls == "exact",
+            angle: options.feature_angle,
+            collapse: options.collapse.or(is_hexes.then_some(HEX_COLLAPSE)),
+        };
+        let MeshedCells {
+            mut mesh,
+            complaint,
+        } = mesh_cells(space, scene, sites, meshing)?;
+        let (factor, from, to) = placement(scene, options.scale)?;
+        if !is_hexes {
+            mesh.transform(factor, &from, &to);
+            return Ok(Self {
+                mesh,
+                elements: None,
+                factor,
+                complaint,
+            });
+        }
+        let patches = patches_of(space, scene, options.feature_angle);
+        let domain = (space.domain().shape(), &patches, options.feature_angle);
+        let mut elements = elements(&mesh, sites, domain)?;
+        for point in &mut elements.points {
+            *point = to + factor * (*point - from);
+        }
+        let mesh = elements.by_faces();
+        mesh.check_closed().map_err(Failure::run)?;
+        Ok(Self {
+            mesh,
+            elements: Some(elements),
+            factor,
+            complaint: None,
+        })
     }
-    let side = (volume / mesh.cell_count as f64).cbrt();
-    let mut edited = EditMesh::of(mesh);
-    collapse(&mut edited, share * side, side);
-    straighten_edges(&mut edited, 0.5 * share * side);
-    let mesh = edited.finish();
-    mesh.check_closed().map_err(Failure::run)?;
-    Ok(mesh)
 }
 
-/// Gives a mesh the coordinates of the domain's own file, times `scale`; returns the factor on lengths.
-fn place_back(mesh: &mut PolyMesh, scene: &Scene, scale: f64) -> Result<f64, Failure> {
+/// The map to the coordinates of the domain's own file, times `scale`: a factor, a place, and where it goes.
+fn placement(scene: &Scene, scale: f64) -> Result<(f64, Point3<f64>, Point3<f64>), Failure> {
     let similarity = scene.domain.similarity().map_err(Failure::input)?;
     let origin = Point3::origin();
-    let (factor, from, to) = match similarity {
+    Ok(match similarity {
         None => (scale, origin, origin),
         Some(map) => (scale / map.scale, map.to, map.from * scale),
-    };
-    mesh.transform(factor, &from, &to);
-    Ok(factor)
+    })
+}
+
+/// Writes `mesh.vtu` with the data of every cell.
+fn write_vtu(
+    output: &Path,
+    mesh: &PolyMesh,
+    columns: &[(&'static str, CellColumn)],
+) -> Result<(), Failure> {
+    let path = output.join("mesh.vtu");
+    fs::create_dir_all(output)
+        .map_err(|error| Failure::run(format!("cannot make {}: {error}", output.display())))?;
+    write_mesh(&path, mesh, columns, true)
+        .map_err(|error| Failure::run(format!("cannot write {}: {error}", path.display())))
+}
+
+/// Refuses formats that do not take the elements asked for.
+fn refuse_formats(options: &MeshOptions) -> Result<(), Failure> {
+    let of_elements = |format: &&String| file_of(format).is_some();
+    match options.to.iter().find(of_elements) {
+        Some(format) if options.elements == "cells" => Err(Failure::input(format!(
+            "--to {format} takes no polyhedra: add --elements hexes, or write --to polymesh,vtu"
+        ))),
+        _ => Ok(()),
+    }
 }
 
 /// The files that a mesh in these formats is written to.
@@ -197,7 +299,7 @@ fn output_files(output: &Path, formats: &[String]) -> Vec<PathBuf> {
     for format in formats {
         match format.as_str() {
             "polymesh" => names.extend(MESH_FILES),
-            _ => names.push("mesh.vtu"),
+            _ => names.push(file_of(format).unwrap_or("mesh.vtu")),
         }
     }
     names.into_iter().map(|name| output.join(name)).collect()
@@ -245,28 +347,6 @@ fn read_run(run: &Path) -> Result<(Scene, Vec<Point3<f64>>), Failure> {
     }
     let sites = site_file::read::<3>(&run.join("sites.csv")).map_err(Failure::input)?;
     Ok((scene, sites))
-}
-
-fn mesh_of(
-    space: &Space,
-    scene: &Scene,
-    sites: &[Point3<f64>],
-    angle: f64,
-) -> Result<PolyMesh, Failure> {
-    let domain = space.domain();
-    let patches = match (&scene.domain, domain.surface_mesh()) {
-        (SceneDomain::Box(_), _) => WallPatches::Box,
-        (_, Some(surface)) => WallPatches::by_features(surface, angle),
-        (_, None) => WallPatches::Each,
-    };
-    let diagram = Diagram::new(domain, sites).map_err(Failure::input)?;
-    let mesh = assemble(&diagram, &patches).map_err(Failure::run)?;
-    let not_balls = mesh.check_closed().map_err(Failure::run)?;
-    if let Some(first) = not_balls.first() {
-        let count = not_balls.len();
-        eprintln!("note: {count} cells are no balls, the first: {first}; more sites mend that");
-    }
-    Ok(mesh)
 }
 
 /// The data of every cell.

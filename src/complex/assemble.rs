@@ -63,13 +63,24 @@ pub(crate) fn assemble(
     diagram: &Diagram<'_>,
     patches: &WallPatches,
 ) -> Result<PolyMesh, AssembleError> {
+    Ok(assemble_with_walls(diagram, patches)?.0)
+}
+
+/// As [`assemble`], and the walls of the faces on walls.
+///
+/// # Errors
+/// As [`assemble`].
+pub(crate) fn assemble_with_walls(
+    diagram: &Diagram<'_>,
+    patches: &WallPatches,
+) -> Result<(PolyMesh, Vec<u32>), AssembleError> {
     let paired = paired(diagram, RESOLUTION)?;
     // Cells of a convex domain are convex.
     let builder = match diagram.domain().is_convex() {
         true => paired.builder(),
         false => paired.builder().in_pieces(),
     };
-    Ok(builder.build(patches))
+    Ok(builder.build_with_walls(patches))
 }
 
 /// As [`assemble`], but cells stay whole: one for each site.

@@ -1,10 +1,16 @@
-//! A mesh that can be changed face by face, and back to OpenFOAM's order.
+//! A mesh that can be changed face by face and changed back, and returned to OpenFOAM's order.
+//!
+//! All changes go through a journal, so that a change is made first, judged, and undone where it does not
+//! pass. In a periodic mesh a vertex on a period has copies, one at each image; whoever changes one changes
+//! all ([`EditMesh::move_point`], [`EditMesh::collapse_edge`]).
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use nalgebra::{Point3, Vector3};
 
-use crate::complex::face_geometry::polygon_geometry;
+use crate::complex::edit_shapes::{CellShape, FaceShape};
+use crate::complex::point_copies::{Joined, PointCopies};
+use crate::complex::vertex_key::Shift;
 use crate::mesh::poly_mesh::{MeshPatch, PolyMesh};
 
 /// What lies behind a face.
@@ -12,11 +18,30 @@ use crate::mesh::poly_mesh::{MeshPatch, PolyMesh};
 pub(crate) enum Behind {
     /// A cell.
     Cell(u32),
-    /// The outside, through a patch.
-    Patch(u32),
+    /// The outside, through a wall of a patch.
+    Wall(u32),
+    /// The face one period away, and the patch in which this one is.
+    Image {
+        /// The other face.
+        face: u32,
+        /// This face's patch.
+        patch: u32,
+    },
 }
 
-/// A mesh without periods under change.
+/// A change that can be undone.
+#[derive(Clone, Debug)]
+enum Undo {
+    Point,
+    Move(u32, Point3<f64>),
+    Loop(u32, Vec<u32>),
+    Sides(u32, u32, Behind),
+    Face,
+    Cell,
+    Join(Joined),
+}
+
+/// A mesh under change.
 #[derive(Clone, Debug)]
 pub(crate) struct EditMesh {
     /// All points, those without faces too.
@@ -28,46 +53,48 @@ pub(crate) struct EditMesh {
     /// What lies on its other side.
     pub(crate) behind: Vec<Behind>,
     /// The faces at every point.
-    pub(crate) at_point: Vec<BTreeSet<u32>>,
-    /// The faces of every cell.
-    pub(crate) of_cell: Vec<BTreeSet<u32>>,
-    patches: Vec<String>,
-    sites: Vec<u32>,
+    pub(crate) at_point: Vec<Vec<u32>>,
+    /// The faces of every cell; those that are gone have none.
+    pub(crate) of_cell: Vec<Vec<u32>>,
+    /// Points that may not move: corners of the walls.
+    pub(crate) pinned: BTreeSet<u32>,
+    /// The sites of the cells.
+    pub(crate) sites: Vec<u32>,
+    /// The patches: names, and the way to their partners (L).
+    patches: Vec<(String, Option<(usize, Vector3<f64>)>)>,
+    copies: PointCopies,
+    journal: Vec<Undo>,
+    pub(crate) face_shapes: Vec<Option<FaceShape>>,
+    pub(crate) cell_shapes: Vec<Option<CellShape>>,
 }
 
 impl EditMesh {
-    /// A copy of `mesh`, which has no periods.
+    /// A copy of `mesh`.
     #[must_use]
     pub(crate) fn of(mesh: &PolyMesh) -> Self {
-        let patch_of = |face: usize| {
-            let ends = mesh.patches.iter().map(|patch| patch.start + patch.count);
-            ends.take_while(|&end| end <= face).count() as u32
-        };
-        let behind = (0..mesh.face_count()).map(|face| match mesh.neighbor.get(face) {
-            Some(&cell) => Behind::Cell(cell),
-            None => Behind::Patch(patch_of(face)),
-        });
         let mut edited = Self {
             points: mesh.points.clone(),
             faces: mesh.faces().map(<[u32]>::to_vec).collect(),
             owner: mesh.owner.clone(),
-            behind: behind.collect(),
-            at_point: vec![BTreeSet::new(); mesh.points.len()],
-            of_cell: vec![BTreeSet::new(); mesh.cell_count],
+            behind: (0..mesh.face_count())
+                .map(|face| behind(mesh, face))
+                .collect(),
+            at_point: vec![Vec::new(); mesh.points.len()],
+            of_cell: vec![Vec::new(); mesh.cell_count],
+            pinned: BTreeSet::new(),
+            sites: mesh.sites.clone(),
             patches: mesh
                 .patches
                 .iter()
-                .map(|patch| patch.name.clone())
+                .map(|patch| (patch.name.clone(), patch.partner))
                 .collect(),
-            sites: mesh.sites.clone(),
+            copies: PointCopies::of(mesh),
+            journal: Vec::new(),
+            face_shapes: vec![None; mesh.face_count()],
+            cell_shapes: vec![None; mesh.cell_count],
         };
-        for face in 0..edited.faces.len() {
-            for &point in &edited.faces[face] {
-                edited.at_point[point as usize].insert(face as u32);
-            }
-            for cell in edited.cells_at(face as u32) {
-                edited.of_cell[cell as usize].insert(face as u32);
-            }
+        for face in 0..edited.faces.len() as u32 {
+            edited.attach(face);
         }
         edited
     }
@@ -76,7 +103,7 @@ impl EditMesh {
     pub(crate) fn cells_at(&self, face: u32) -> impl Iterator<Item = u32> + use<> {
         let other = match self.behind[face as usize] {
             Behind::Cell(cell) => Some(cell),
-            Behind::Patch(_) => None,
+            _ => None,
         };
         std::iter::once(self.owner[face as usize]).chain(other)
     }
@@ -85,100 +112,461 @@ impl EditMesh {
     #[must_use]
     pub(crate) fn patch(&self, face: u32) -> Option<u32> {
         match self.behind[face as usize] {
-            Behind::Cell(_) => None,
-            Behind::Patch(patch) => Some(patch),
+            Behind::Wall(patch) => Some(patch),
+            _ => None,
         }
     }
 
-    /// The patches that meet in a point.
+    /// The patches of walls that meet in a point.
     #[must_use]
-    pub(crate) fn patches_at(&self, point: u32) -> BTreeSet<u32> {
+    pub(crate) fn patches_at(&self, point: u32) -> Vec<u32> {
         let faces = self.at_point[point as usize].iter();
-        faces.filter_map(|&face| self.patch(face)).collect()
+        let mut patches: Vec<u32> = faces.filter_map(|&face| self.patch(face)).collect();
+        patches.sort_unstable();
+        patches.dedup();
+        patches
     }
 
-    /// The edges of all faces, each once.
+    /// The cells at some points, ascending.
     #[must_use]
-    pub(crate) fn edges(&self) -> BTreeSet<(u32, u32)> {
+    pub(crate) fn cells_at_points(&self, points: &[u32]) -> Vec<u32> {
+        let faces = points
+            .iter()
+            .flat_map(|&point| self.at_point[point as usize].iter());
+        let mut cells: Vec<u32> = faces.flat_map(|&face| self.cells_at(face)).collect();
+        cells.sort_unstable();
+        cells.dedup();
+        cells
+    }
+
+    /// The faces of some cells, ascending.
+    #[must_use]
+    pub(crate) fn faces_of(&self, cells: &[u32]) -> Vec<u32> {
+        let faces = cells
+            .iter()
+            .flat_map(|&cell| self.of_cell[cell as usize].iter().copied());
+        let mut faces: Vec<u32> = faces.collect();
+        faces.sort_unstable();
+        faces.dedup();
+        faces
+    }
+
+    /// The loop of a face as it is seen from outside one of its cells.
+    #[must_use]
+    pub(crate) fn outward(&self, face: u32, cell: u32) -> Vec<u32> {
+        let corners = &self.faces[face as usize];
+        match self.owner[face as usize] == cell {
+            true => corners.clone(),
+            false => corners.iter().rev().copied().collect(),
+        }
+    }
+
+    /// The edges of all faces, each once, ascending.
+    #[must_use]
+    pub(crate) fn edges(&self) -> Vec<(u32, u32)> {
         let loops = self.faces.iter().flat_map(|corners| loop_edges(corners));
-        loops.map(|(a, b)| (a.min(b), a.max(b))).collect()
+        let mut edges: Vec<(u32, u32)> = loops.map(|(a, b)| (a.min(b), a.max(b))).collect();
+        edges.sort_unstable();
+        edges.dedup();
+        edges
+    }
+
+    /// The other ends of a point's edges, ascending.
+    #[must_use]
+    pub(crate) fn neighbors(&self, point: u32) -> Vec<u32> {
+        let mut ends = Vec::new();
+        for &face in &self.at_point[point as usize] {
+            for (from, to) in loop_edges(&self.faces[face as usize]) {
+                if from == point {
+                    ends.push(to);
+                } else if to == point {
+                    ends.push(from);
+                }
+            }
+        }
+        ends.sort_unstable();
+        ends.dedup();
+        ends
+    }
+
+    /// The other ends of the edges of a point and its images, as the point sees them.
+    #[must_use]
+    pub(crate) fn all_neighbors(&self, point: u32) -> Vec<(u32, Shift)> {
+        let copies = self.copies_of(point);
+        let seen = copies.iter().flat_map(|&copy| {
+            let ends = self.neighbors(copy).into_iter();
+            ends.map(move |end| self.copies.relative(copy, end))
+        });
+        let mut seen: Vec<(u32, Shift)> = seen.collect();
+        seen.sort_unstable();
+        seen.dedup();
+        seen
+    }
+
+    /// A point and its images.
+    #[must_use]
+    pub(crate) fn copies_of(&self, point: u32) -> Vec<u32> {
+        self.copies.of_point(point)
+    }
+
+    /// The center of the cell behind a face that is not a wall, as it lies at this face.
+    #[must_use]
+    pub(crate) fn cell_behind(&self, face: u32) -> Option<(u32, Vector3<f64>)> {
+        match self.behind[face as usize] {
+            Behind::Cell(cell) => Some((cell, Vector3::zeros())),
+            Behind::Wall(_) => None,
+            Behind::Image { face, patch } => {
+                let (_, way) = self.patches[patch as usize].1?;
+                Some((self.owner[face as usize], -way))
+            }
+        }
+    }
+
+    /// Remembers the state to which [`EditMesh::undo_to`] returns.
+    #[must_use]
+    pub(crate) fn mark(&self) -> usize {
+        self.journal.len()
+    }
+
+    /// Makes all changes final.
+    pub(crate) fn keep(&mut self) {
+        self.journal.clear();
+    }
+
+    /// Undoes all changes since a mark.
+    pub(crate) fn undo_to(&mut self, mark: usize) {
+        while self.journal.len() > mark {
+            match self.journal.pop() {
+                Some(Undo::Point) => {
+                    self.points.pop();
+                    self.at_point.pop();
+                }
+                Some(Undo::Move(point, place)) => {
+                    self.points[point as usize] = place;
+                    self.forget_point(point);
+                }
+                Some(Undo::Loop(face, corners)) => self.exchange_loop(face, corners),
+                Some(Undo::Sides(face, owner, behind)) => self.exchange_sides(face, owner, behind),
+                Some(Undo::Face) => {
+                    self.exchange_loop(self.faces.len() as u32 - 1, Vec::new());
+                    self.faces.pop();
+                    self.owner.pop();
+                    self.behind.pop();
+                    self.face_shapes.pop();
+                }
+                Some(Undo::Cell) => {
+                    self.of_cell.pop();
+                    self.cell_shapes.pop();
+                    self.sites.pop();
+                }
+                Some(Undo::Join(joined)) => self.copies.part(joined),
+                None => return,
+            }
+        }
+    }
+
+    /// Adds a point.
+    pub(crate) fn add_point(&mut self, place: Point3<f64>) -> u32 {
+        self.points.push(place);
+        self.at_point.push(Vec::new());
+        self.journal.push(Undo::Point);
+        self.points.len() as u32 - 1
+    }
+
+    /// Adds a cell without faces.
+    pub(crate) fn add_cell(&mut self, site: u32) -> u32 {
+        self.of_cell.push(Vec::new());
+        self.cell_shapes.push(None);
+        self.sites.push(site);
+        self.journal.push(Undo::Cell);
+        self.of_cell.len() as u32 - 1
+    }
+
+    /// Adds a face.
+    pub(crate) fn add_face(&mut self, corners: Vec<u32>, owner: u32, behind: Behind) -> u32 {
+        let face = self.faces.len() as u32;
+        self.faces.push(Vec::new());
+        self.owner.push(owner);
+        self.behind.push(behind);
+        self.face_shapes.push(None);
+        self.journal.push(Undo::Face);
+        self.exchange_loop(face, corners);
+        face
+    }
+
+    /// Moves a point and its images.
+    pub(crate) fn move_point(&mut self, point: u32, place: Point3<f64>) {
+        let way = place - self.points[point as usize];
+        for copy in self.copies.of_point(point) {
+            let here = self.points[copy as usize];
+            self.journal.push(Undo::Move(copy, here));
+            self.points[copy as usize] = if copy == point { place } else { here + way };
+            self.forget_point(copy);
+        }
     }
 
     /// Gives a face another loop; without three corners it is gone.
-    pub(crate) fn replace_face(&mut self, face: u32, corners: Vec<u32>) {
-        for &point in &self.faces[face as usize] {
-            self.at_point[point as usize].remove(&face);
-        }
+    pub(crate) fn set_loop(&mut self, face: u32, mut corners: Vec<u32>) {
         if corners.len() < 3 {
-            for cell in self.cells_at(face) {
-                self.of_cell[cell as usize].remove(&face);
+            corners.clear();
+        }
+        let before = self.faces[face as usize].clone();
+        self.journal.push(Undo::Loop(face, before));
+        self.exchange_loop(face, corners);
+    }
+
+    /// Gives a face other cells.
+    pub(crate) fn set_sides(&mut self, face: u32, owner: u32, behind: Behind) {
+        let before = (self.owner[face as usize], self.behind[face as usize]);
+        self.journal.push(Undo::Sides(face, before.0, before.1));
+        self.exchange_sides(face, owner, behind);
+    }
+
+    /// Makes one point of the ends of an edge, and of its images: `gone` becomes `kept`, which moves to
+    /// `place`.
+    pub(crate) fn collapse_edge(&mut self, kept: u32, gone: u32, place: Point3<f64>) {
+        let mut pairs = vec![(gone, Some(kept))];
+        if !self.copies.is_trivial() {
+            let (all, joined) = self.copies.join(kept, gone);
+            self.journal.push(Undo::Join(joined));
+            pairs = all;
+        }
+        for (old, new) in pairs {
+            let Some(new) = new else { continue };
+            for face in self.at_point[old as usize].clone() {
+                let corners = renamed(&self.faces[face as usize], old, new);
+                self.set_loop(face, corners);
             }
-            self.faces[face as usize].clear();
+        }
+        // Images of `gone` where none of `kept` was are images of `kept` now.
+        for copy in self.copies.of_point(kept) {
+            let there = place + self.copies.way(kept, copy);
+            let before = self.points[copy as usize];
+            self.journal.push(Undo::Move(copy, before));
+            self.points[copy as usize] = there;
+            self.forget_point(copy);
+        }
+    }
+
+    /// Replaces the loop and whatever lists it.
+    fn exchange_loop(&mut self, face: u32, corners: Vec<u32>) {
+        self.detach(face);
+        self.faces[face as usize] = corners;
+        self.attach(face);
+    }
+
+    fn exchange_sides(&mut self, face: u32, owner: u32, behind: Behind) {
+        self.detach(face);
+        self.owner[face as usize] = owner;
+        self.behind[face as usize] = behind;
+        self.attach(face);
+    }
+
+    /// Lists a face at its points and cells.
+    fn attach(&mut self, face: u32) {
+        self.forget(face);
+        if self.faces[face as usize].is_empty() {
             return;
         }
-        for &point in &corners {
-            self.at_point[point as usize].insert(face);
+        for &point in &self.faces[face as usize] {
+            let list = &mut self.at_point[point as usize];
+            if !list.contains(&face) {
+                list.push(face);
+            }
         }
-        self.faces[face as usize] = corners;
+        for cell in self.cells_at(face) {
+            self.of_cell[cell as usize].push(face);
+        }
     }
 
-    /// Center and area times normal (L²) of a loop.
-    #[must_use]
-    pub(crate) fn measure(&self, corners: &[u32]) -> (Point3<f64>, Vector3<f64>) {
-        let places: Vec<Vector3<f64>> = corners
-            .iter()
-            .map(|&corner| self.points[corner as usize].coords)
-            .collect();
-        polygon_geometry(&places)
+    fn detach(&mut self, face: u32) {
+        self.forget(face);
+        if self.faces[face as usize].is_empty() {
+            return;
+        }
+        for &point in &self.faces[face as usize] {
+            self.at_point[point as usize].retain(|&other| other != face);
+        }
+        for cell in self.cells_at(face) {
+            self.of_cell[cell as usize].retain(|&other| other != face);
+        }
     }
 
-    /// The mesh in OpenFOAM's order. Faces that are gone leave nothing behind.
+    /// Forgets the shapes of a face and its cells.
+    fn forget(&mut self, face: u32) {
+        self.face_shapes[face as usize] = None;
+        for cell in self.cells_at(face) {
+            self.cell_shapes[cell as usize] = None;
+        }
+    }
+
+    fn forget_point(&mut self, point: u32) {
+        for place in 0..self.at_point[point as usize].len() {
+            self.forget(self.at_point[point as usize][place]);
+        }
+    }
+
+    /// The mesh in OpenFOAM's order. Faces, points and cells that are gone leave nothing behind.
     #[must_use]
     pub(crate) fn finish(&self) -> PolyMesh {
+        let numbers = self.cell_numbers();
+        let number = |cell: u32| numbers[cell as usize];
         let mut mesh = PolyMesh::default();
-        mesh.cell_count = self.of_cell.len();
-        mesh.sites.clone_from(&self.sites);
+        let alive = (0..self.of_cell.len()).filter(|&cell| !self.of_cell[cell].is_empty());
+        mesh.sites
+            .extend(alive.filter_map(|cell| self.sites.get(cell)));
+        mesh.cell_count = numbers.iter().filter(|&&number| number != GONE).count();
         let mut inner = Vec::new();
-        let mut walls: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
-        for face in (0..self.faces.len()).filter(|&face| !self.faces[face].is_empty()) {
-            match self.behind[face] {
-                Behind::Cell(cell) => inner.push((self.owner[face], cell, face)),
-                Behind::Patch(patch) => walls.entry(patch).or_default().push(face),
+        let mut borders: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
+        for face in
+            (0..self.faces.len() as u32).filter(|&face| !self.faces[face as usize].is_empty())
+        {
+            let owner = number(self.owner[face as usize]);
+            match self.behind[face as usize] {
+                Behind::Cell(cell) => {
+                    let other = number(cell);
+                    inner.push((owner.min(other), owner.max(other), face, other < owner));
+                }
+                Behind::Wall(patch) => borders.entry(patch).or_default().push(face),
+                Behind::Image { patch, .. } => borders.entry(patch).or_default().push(face),
             }
         }
         inner.sort_unstable();
-        mesh.neighbor.extend(inner.iter().map(|&(_, cell, _)| cell));
-        let mut order: Vec<usize> = inner.into_iter().map(|(.., face)| face).collect();
-        for (patch, mut faces) in walls {
-            faces.sort_by_key(|&face| self.owner[face]);
-            mesh.patches.push(MeshPatch {
-                name: self.patches[patch as usize].clone(),
-                start: order.len(),
-                count: faces.len(),
-                partner: None,
-            });
-            order.extend(faces);
+        let mut output = Numbering::new(self, mesh);
+        for &(owner, neighbor, face, is_turned) in &inner {
+            let corners = &self.faces[face as usize];
+            match is_turned {
+                false => output.push(owner, corners.iter().copied()),
+                true => output.push(owner, corners.iter().rev().copied()),
+            }
+            output.mesh.neighbor.push(neighbor);
         }
-        self.push_faces(&mut mesh, &order);
-        mesh
+        self.push_patches(&mut output, borders, &numbers);
+        output.mesh
     }
 
-    fn push_faces(&self, mesh: &mut PolyMesh, order: &[usize]) {
-        const UNUSED: u32 = u32::MAX;
-        let mut numbers = vec![UNUSED; self.points.len()];
-        for &face in order {
-            mesh.owner.push(self.owner[face]);
-            let points = self.faces[face].iter().map(|&point| {
-                let number = &mut numbers[point as usize];
-                if *number == UNUSED {
-                    *number = mesh.points.len() as u32;
-                    mesh.points.push(self.points[point as usize]);
-                }
-                *number
-            });
-            let points: Vec<u32> = points.collect();
-            mesh.push_corners(points);
+    fn push_patches(
+        &self,
+        output: &mut Numbering<'_>,
+        mut borders: BTreeMap<u32, Vec<u32>>,
+        numbers: &[u32],
+    ) {
+        let left: Vec<u32> = borders.keys().copied().collect();
+        for faces in borders.values_mut() {
+            faces.sort_by_key(|&face| (numbers[self.owner[face as usize] as usize], face));
         }
+        for &patch in &left {
+            let (name, partner) = &self.patches[patch as usize];
+            let partner = partner.and_then(|(other, way)| {
+                let place = left.binary_search(&(other as u32)).ok()?;
+                Some((place, way))
+            });
+            let start = output.mesh.face_count();
+            let faces = match partner {
+                // The order of the first of the two.
+                Some((place, _)) if left[place] < patch => {
+                    let first = borders[&left[place]].iter();
+                    first.map(|&face| self.image(face)).collect()
+                }
+                _ => borders[&patch].clone(),
+            };
+            for &face in &faces {
+                let owner = numbers[self.owner[face as usize] as usize];
+                match partner {
+                    Some((place, _)) if left[place] < patch => {
+                        output.push(owner, self.image_loop(face).into_iter());
+                    }
+                    _ => output.push(owner, self.faces[face as usize].iter().copied()),
+                }
+            }
+            output.mesh.patches.push(MeshPatch {
+                name: name.clone(),
+                start,
+                count: faces.len(),
+                partner,
+            });
+        }
+    }
+
+    /// The face one period away.
+    fn image(&self, face: u32) -> u32 {
+        match self.behind[face as usize] {
+            Behind::Image { face, .. } => face,
+            _ => face,
+        }
+    }
+
+    /// The loop of a face from the corner on at which its image begins.
+    fn image_loop(&self, face: u32) -> Vec<u32> {
+        let corners = &self.faces[face as usize];
+        let first = self.faces[self.image(face) as usize].first();
+        let start = first.and_then(|&first| {
+            let is_image = |&corner: &u32| self.copies.are_images(corner, first);
+            corners.iter().position(is_image)
+        });
+        let (before, after) = corners.split_at(start.unwrap_or(0));
+        [after, before].concat()
+    }
+
+    /// New numbers of the cells that are left.
+    fn cell_numbers(&self) -> Vec<u32> {
+        let mut next = 0;
+        let number = |faces: &Vec<u32>| {
+            let is_gone = faces.is_empty();
+            next += u32::from(!is_gone);
+            if is_gone { GONE } else { next - 1 }
+        };
+        self.of_cell.iter().map(number).collect()
+    }
+}
+
+/// The number of what is gone.
+const GONE: u32 = u32::MAX;
+
+/// Points numbered on their first use.
+struct Numbering<'a> {
+    edited: &'a EditMesh,
+    numbers: Vec<u32>,
+    mesh: PolyMesh,
+}
+
+impl<'a> Numbering<'a> {
+    fn new(edited: &'a EditMesh, mesh: PolyMesh) -> Self {
+        Self {
+            numbers: vec![GONE; edited.points.len()],
+            edited,
+            mesh,
+        }
+    }
+
+    fn push(&mut self, owner: u32, corners: impl Iterator<Item = u32>) {
+        self.mesh.owner.push(owner);
+        let points = corners.map(|point| {
+            let number = &mut self.numbers[point as usize];
+            if *number == GONE {
+                *number = self.mesh.points.len() as u32;
+                self.mesh.points.push(self.edited.points[point as usize]);
+            }
+            *number
+        });
+        let points: Vec<u32> = points.collect();
+        self.mesh.push_corners(points);
+    }
+}
+
+fn behind(mesh: &PolyMesh, face: usize) -> Behind {
+    if let Some(&cell) = mesh.neighbor.get(face) {
+        return Behind::Cell(cell);
+    }
+    let ends = mesh.patches.iter().map(|patch| patch.start + patch.count);
+    let number = ends.take_while(|&end| end <= face).count();
+    let patch = &mesh.patches[number];
+    match patch.partner {
+        None => Behind::Wall(number as u32),
+        Some((other, _)) => Behind::Image {
+            face: (mesh.patches[other].start + face - patch.start) as u32,
+            patch: number as u32,
+        },
     }
 }
 
@@ -192,4 +580,15 @@ pub(crate) fn loop_edges(corners: &[u32]) -> impl Iterator<Item = (u32, u32)> + 
 #[must_use]
 pub(crate) fn adjacent(corners: &[u32], a: u32, b: u32) -> bool {
     loop_edges(corners).any(|(from, to)| (from, to) == (a, b) || (from, to) == (b, a))
+}
+
+/// A loop with a point renamed, and not named twice in a row.
+fn renamed(corners: &[u32], gone: u32, kept: u32) -> Vec<u32> {
+    let name = |&point: &u32| if point == gone { kept } else { point };
+    let mut renamed: Vec<u32> = corners.iter().map(name).collect();
+    renamed.dedup();
+    if renamed.len() > 1 && renamed.first() == renamed.last() {
+        renamed.pop();
+    }
+    renamed
 }

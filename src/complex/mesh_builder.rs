@@ -25,7 +25,7 @@ struct InnerFace<'a> {
     is_turned: bool,
 }
 
-/// A face that borders on a wall or on the image of a cell.
+/// A face that borders on a wall or on the image of a cell: its cell, and that wall or cell.
 type BorderFace<'a> = (u32, u32, &'a [LoopCorner]);
 
 /// A mesh under construction.
@@ -40,6 +40,8 @@ pub(crate) struct MeshBuilder<'a> {
     /// The points of all others.
     shifted: HashMap<LoopCorner, u32>,
     mesh: PolyMesh,
+    /// The walls of the faces on walls, in their order.
+    walls: Vec<u32>,
 }
 
 impl<'a> MeshBuilder<'a> {
@@ -63,6 +65,7 @@ impl<'a> MeshBuilder<'a> {
             numbers: vec![Self::UNUSED; positions.len()],
             shifted: HashMap::new(),
             mesh,
+            walls: Vec::new(),
         }
     }
 
@@ -81,7 +84,13 @@ impl<'a> MeshBuilder<'a> {
 
     /// The mesh.
     #[must_use]
-    pub(crate) fn build(mut self, patches: &WallPatches) -> PolyMesh {
+    pub(crate) fn build(self, patches: &WallPatches) -> PolyMesh {
+        self.build_with_walls(patches).0
+    }
+
+    /// The mesh, and the walls of its faces on walls.
+    #[must_use]
+    pub(crate) fn build_with_walls(mut self, patches: &WallPatches) -> (PolyMesh, Vec<u32>) {
         let (mut inner, mut borders) = (Vec::new(), BTreeMap::new());
         let cells = self.cells;
         for (site, loops) in (0..).zip(cells) {
@@ -104,7 +113,10 @@ impl<'a> MeshBuilder<'a> {
                     }
                     FacetKind::Wall(wall) => {
                         let border = FaceBorder::Wall(patches.of(wall));
-                        borders.entry(border).or_default().push((cell, 0, corners));
+                        borders
+                            .entry(border)
+                            .or_default()
+                            .push((cell, wall, corners));
                     }
                     FacetKind::Inner => {}
                 }
@@ -112,7 +124,7 @@ impl<'a> MeshBuilder<'a> {
         }
         self.push_inner(inner);
         self.push_borders(borders, patches);
-        self.mesh
+        (self.mesh, self.walls)
     }
 
     /// The cell to which a facet of a site belongs.
@@ -165,8 +177,9 @@ impl<'a> MeshBuilder<'a> {
 
     fn push_wall(&mut self, name: String, faces: &[BorderFace<'_>]) {
         let start = self.mesh.face_count();
-        for &(cell, _, corners) in faces {
+        for &(cell, wall, corners) in faces {
             self.push_face(cell, corners.iter().copied());
+            self.walls.push(wall);
         }
         self.push_patch(name, start, None);
     }

@@ -203,7 +203,7 @@ fn sides(corners: &[Point3<f64>]) -> impl Iterator<Item = (Point3<f64>, Point3<f
 }
 
 /// `primitiveMeshTools::faceSkewness` and `boundaryFaceSkewness`.
-fn skewness(
+pub(crate) fn skewness(
     corners: &[Point3<f64>],
     (center, area): (Point3<f64>, Vector3<f64>),
     from_owner: &Vector3<f64>,

@@ -3,11 +3,12 @@
 use nalgebra::{Point3, Vector3};
 
 use crate::complex::assemble::{assemble, assemble_whole, paired};
-use crate::complex::collapse::{collapse, straighten_edges};
+use crate::complex::collapse::collapse;
 use crate::complex::edit_mesh::EditMesh;
 use crate::complex::element::CellElement;
 use crate::complex::face_geometry::MeshGeometry;
 use crate::complex::quality::MeshQuality;
+use crate::complex::straighten::straighten_edges;
 use crate::complex::wall_patches::WallPatches;
 use crate::domain::convex::ConvexPolyhedron;
 use crate::domain::cuboid::Cuboid;
@@ -423,7 +424,7 @@ fn collapse_keeps_the_volume_and_makes_hexahedra_of_a_disturbed_lattice() {
     let before = quality(&mesh);
     let mut edited = EditMesh::of(&mesh);
     assert_eq!(edited.finish(), mesh, "nothing is changed");
-    let (collapsed, _) = collapse(&mut edited, 0.3 * 0.25, 0.25);
+    let (collapsed, _) = collapse(&mut edited, 0.3 * 0.25, None);
     assert!(collapsed > 100, "{collapsed}");
     straighten_edges(&mut edited, 0.15 * 0.25);
     let mesh = edited.finish();
