@@ -6,6 +6,7 @@
 //! cells, [`loops`] removes what rounding alone made, [`assemble`] pairs faces into a mesh,
 //! and [`check`] tests it. [`face_geometry`] and [`quality`] measure by the definitions of
 //! OpenFOAM's `checkMesh`, [`element`] recognizes hexahedra, prisms, pyramids and tetrahedra.
+//! [`linf_mesh`] does all of this for L∞ cells, without rounding.
 //! [`collapse`] removes short edges from an [`edit_mesh`].
 
 pub(crate) mod assemble;
@@ -16,6 +17,7 @@ pub(crate) mod edit_mesh;
 pub(crate) mod element;
 pub(crate) mod face_geometry;
 pub(crate) mod identify;
+pub(crate) mod linf_mesh;
 pub(crate) mod loops;
 pub(crate) mod mesh_builder;
 pub(crate) mod quality;
