@@ -155,7 +155,7 @@ fn voxels(count: usize, sides: &[usize]) -> Result<(), Box<dyn Error>> {
     let sites = space.place(&scene)?;
     let began = Instant::now();
     let before = cpu_seconds(began);
-    let exact = space.cells(&sites, energy_spec(&scene))?;
+    let exact = RunSpace::<3>::cells(&space, &sites, energy_spec(&scene))?;
     println!(
         "\n| {count} sites as | volume | energy | center | CPU s | MB |\n|---|---|---|---|---|---|"
     );

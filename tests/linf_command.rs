@@ -117,6 +117,21 @@ fn the_plane_and_densities_have_l_infinity_cells() {
 }
 
 #[test]
+fn annealing_from_coarse_to_fine_has_l_infinity_cells_and_meshes_refuse_them() {
+    let dir = TestDir::new();
+    let text = r#"{ "cells": "linf", "sites": { "random": { "count": 16 } }, "coarse_to_fine": 1,
+                    "method": { "anneal": { "rounds": 2, "steps": 3, "first_steps": 6 } } }"#;
+    dir.write("scene.json", text);
+    dir.stdout(&["relax", "scene.json", "--out", "annealed"]);
+    let run = dir.json("annealed/run.json");
+    let energy = |when: &str| run[when]["energy_percent"].as_f64().expect("a number");
+    assert!(energy("final") < energy("initial") - 1.0, "{run}");
+    assert_eq!(run["final"]["sites"], 16);
+    let refused = dir.refusal(&["mesh", "annealed", "-o", "mesh"]);
+    assert_all_in(&refused, &["L2 cells", "--cells l2"]);
+}
+
+#[test]
 fn fragments_of_l_infinity_cells_add_up_to_what_measure_says() {
     let dir = TestDir::new();
     let sites = ["--count", "6", "--seed", "3", "--cells", "linf"];

@@ -46,6 +46,9 @@ const MOST_PATCHES: usize = 100_000;
 /// Up to so many cells share their points in `cells.vtu`: about 0.5 GB while they are paired.
 const MOST_SHARED: usize = 100_000;
 
+/// Up to so many L∞ cells share theirs, which have several times as many.
+const MOST_SHARED_LINF: usize = 20_000;
+
 /// How far above the middle of the domain its cells are cut, in sides of a mean cell: the middle
 /// itself is a wall of cells for every lattice of an even number of layers.
 const OFF_MIDDLE: f64 = 0.25;
@@ -203,6 +206,9 @@ impl Space {
             eprintln!(
                 "note: in cells.vtu each of more than {MOST_SHARED} cells has its own points"
             );
+            return Ok(false);
+        }
+        if self.cells() == Norm::Linf && sites.len() > MOST_SHARED_LINF {
             return Ok(false);
         }
         let mesh = match self.cells() {

@@ -91,23 +91,24 @@ struct WholeGrid {
     periods: Place,
 }
 
+/// Where cells end between two of their cones, sites are moved apart by steps of the grid, if that leaves the
+/// volumes of all cells as they are up to this share of the domain's.
+const SAME_VOLUME: f64 = 1e-13;
+
 /// The mesh of the L∞ cells of sites in a box, in site order. None where distinct sites are one on the
-/// grid, and where regions are tied, in which a cell does not know who is beyond.
+/// grid, and where regions are tied that are more than rounding: there a cell does not know who is beyond.
 pub(crate) fn linf_mesh(domain: &dyn DomainShape, sites: &[Point3<f64>]) -> Option<PolyMesh> {
     let grid = WholeGrid::of(domain)?;
     let (cuboid, sites) = grid.snapped(domain, sites)?;
-    let diagram = Diagram::new(&cuboid, &sites).ok()?;
-    let of_cell = |(): &mut (), cell: LinfCell<'_>| facets(&grid, &cell);
-    let cells = diagram.map_linf(Ties::ToSmallerIndex, of_cell).ok()?;
-    let cells: Vec<Vec<GridFacet>> = cells.into_iter().collect::<Option<_>>()?;
-    let divided = grid.divided(cells);
-    let numbers = VertexNumbers::new(&grid, &divided);
-    let loops: Vec<CellLoops> = divided.iter().map(|cell| numbers.loops(cell)).collect();
-    is_paired(&loops).then(|| {
-        let periods = Vector3::from(grid.periods.map(|steps| steps as f64 * grid.unit));
-        let positions: Vec<_> = numbers.places.iter().map(|at| grid.position(at)).collect();
-        MeshBuilder::new(&loops, &positions, periods).build(&WallPatches::Each)
-    })
+    let (volumes, cells) = grid.cells(&cuboid, &sites)?;
+    if let Some(cells) = cells {
+        return grid.mesh(cells);
+    }
+    let (apart, cells) = grid.cells(&cuboid, &grid.apart(&cuboid, &sites))?;
+    let slack = SAME_VOLUME * cuboid.volume();
+    let mut pairs = volumes.iter().zip(&apart);
+    let is_same = pairs.all(|(one, other)| (one - other).abs() <= slack);
+    cells.filter(|_| is_same).and_then(|cells| grid.mesh(cells))
 }
 
 impl WholeGrid {
@@ -179,6 +180,54 @@ impl WholeGrid {
         });
         let moved = moved.collect();
         Some((cuboid, moved))
+    }
+
+    /// The volumes of all cells (L³), and their facets if none ends between two of its cones.
+    fn cells(
+        &self,
+        cuboid: &Cuboid,
+        sites: &[Point3<f64>],
+    ) -> Option<(Vec<f64>, Option<Vec<Vec<GridFacet>>>)> {
+        let diagram = Diagram::new(cuboid, sites).ok()?;
+        let of_cell = |(): &mut (), cell: LinfCell<'_>| (cell.volume(), facets(self, &cell));
+        let cells = diagram.map_linf(Ties::ToSmallerIndex, of_cell).ok()?;
+        let (volumes, facets): (Vec<_>, Vec<_>) = cells.into_iter().unzip();
+        Some((volumes, facets.into_iter().collect()))
+    }
+
+    /// The sites, those of one coordinate moved apart along its axis by a step each.
+    fn apart(&self, cuboid: &Cuboid, sites: &[Point3<f64>]) -> Vec<Point3<f64>> {
+        let mut moved = sites.to_vec();
+        for axis in 0..3 {
+            let mut order: Vec<usize> = (0..sites.len()).collect();
+            order.sort_by(|&a, &b| sites[a][axis].total_cmp(&sites[b][axis]).then(a.cmp(&b)));
+            let mut last = f64::NEG_INFINITY;
+            for &site in &order {
+                let along = &mut moved[site][axis];
+                *along = along.max(last + 2.0 * self.unit);
+                last = *along;
+            }
+            // Those at the upper wall go the other way.
+            let mut next = self.walls[axis][1] as f64 * self.unit;
+            for &site in order.iter().rev() {
+                let along = &mut moved[site][axis];
+                *along = along.min(next);
+                next = *along - 2.0 * self.unit;
+            }
+        }
+        moved.iter().map(|site| cuboid.wrap(site)).collect()
+    }
+
+    /// The mesh of cells with these facets; none if they do not fit together.
+    fn mesh(&self, cells: Vec<Vec<GridFacet>>) -> Option<PolyMesh> {
+        let divided = self.divided(cells);
+        let numbers = VertexNumbers::new(self, &divided);
+        let loops: Vec<CellLoops> = divided.iter().map(|cell| numbers.loops(cell)).collect();
+        is_paired(&loops).then(|| {
+            let periods = Vector3::from(self.periods.map(|steps| steps as f64 * self.unit));
+            let positions: Vec<_> = numbers.places.iter().map(|at| self.position(at)).collect();
+            MeshBuilder::new(&loops, &positions, periods).build(&WallPatches::Each)
+        })
     }
 
     /// Facets whose edges end at all vertices that lie on them.

@@ -295,8 +295,11 @@ impl LinfCellBuilder {
         self.labels.clear();
         self.oblique.clear();
         let around = self.start.bounds();
+        // What the box has beyond the domain's other walls.
+        let no_wall = self.labels.len() as u32;
+        self.labels.push(FacetKind::Inner.label());
         let mut walls: [[(f64, u32); 2]; 3] = std::array::from_fn(|axis| {
-            [-around.min[axis], around.max[axis]].map(|distance| (distance.max(0.0), CONE_SIDE))
+            [-around.min[axis], around.max[axis]].map(|distance| (distance.max(0.0), no_wall))
         });
         for facet in self.start.facets() {
             let (wall, source) = (facet.half_space(), self.labels.len() as u32);
