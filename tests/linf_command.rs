@@ -79,21 +79,74 @@ fn what_does_not_go_with_l_infinity_cells_is_refused_by_name() {
         dir.write("scene.json", text);
         dir.refusal(&["relax", "scene.json"])
     };
-    assert_all_in(&scene(r#""density": "1 + x","#), &["cells", "density"]);
-    assert_all_in(&scene(r#""dimension": 2,"#), &["cells", "dimension"]);
+    let single = r#""frames": "boundary","#;
+    assert_all_in(&scene(single), &["cells", "frames of single sites"]);
     let turned = r#""frames": { "axis": [0, 0, 1], "degrees": 30 },"#;
-    assert_all_in(&scene(turned), &["cells", "frames"]);
-    let surface = r#""domain": { "surface": "solid.off" },"#;
-    assert_all_in(&scene(surface), &["cells", "surface"]);
-    let fragments = [
-        "fragments",
-        "--count",
-        "5",
-        "--cells",
-        "linf",
-        "-o",
-        "one.png",
-    ];
-    assert_all_in(&dir.refusal(&fragments), &["L2 cells", "--cells l2"]);
+    let weighted = format!(r#"{turned} "density": "1 + x","#);
+    assert_all_in(&scene(&weighted), &["cells", "frames and a density"]);
+    let torus = r#""domain": { "box": { "periodic": [true, true, true] } },"#;
+    assert_all_in(&scene(&format!("{turned} {torus}")), &["cells", "periodic"]);
     assert_all_in(&dir.refusal(&["relax", "--cells", "l3"]), &["l3", "linf"]);
+}
+
+#[test]
+fn the_plane_and_densities_have_l_infinity_cells() {
+    let dir = TestDir::new();
+    for (name, more) in [
+        ("plane", r#""dimension": 2,"#),
+        ("weighted", r#""density": "1 + x","#),
+    ] {
+        let text = format!(
+            r#"{{ "cells": "linf", {more} "sites": {{ "random": {{ "count": 5 }} }},
+                "method": {{ "lloyd": {{ "iterations": 2 }} }} }}"#
+        );
+        dir.write("scene.json", text);
+        dir.stdout(&["relax", "scene.json", "--out", name]);
+        let energies = dir.records(name).into_iter();
+        let energies: Vec<_> = energies
+            .map(|record| record["energy_mean"].as_f64())
+            .collect();
+        assert!(
+            energies[0] > energies[1] && energies[1] > energies[2],
+            "{energies:?}"
+        );
+        let end = &dir.json(&format!("{name}/run.json"))["final"];
+        assert!(end["energy_percent_linf"].as_f64() < end["energy_percent_l2"].as_f64());
+        assert!(!dir.read(&format!("{name}/cells.svg")).is_empty());
+    }
+}
+
+#[test]
+fn annealing_from_coarse_to_fine_has_l_infinity_cells_and_meshes_refuse_them() {
+    let dir = TestDir::new();
+    let text = r#"{ "cells": "linf", "sites": { "random": { "count": 16 } }, "coarse_to_fine": 1,
+                    "method": { "anneal": { "rounds": 2, "steps": 3, "first_steps": 6 } } }"#;
+    dir.write("scene.json", text);
+    dir.stdout(&["relax", "scene.json", "--out", "annealed"]);
+    let run = dir.json("annealed/run.json");
+    let energy = |when: &str| run[when]["energy_percent"].as_f64().expect("a number");
+    assert!(energy("final") < energy("initial") - 1.0, "{run}");
+    assert_eq!(run["final"]["sites"], 16);
+    let refused = dir.refusal(&["mesh", "annealed", "-o", "mesh"]);
+    assert_all_in(&refused, &["L2 cells", "--cells l2"]);
+}
+
+#[test]
+fn fragments_of_l_infinity_cells_add_up_to_what_measure_says() {
+    let dir = TestDir::new();
+    let sites = ["--count", "6", "--seed", "3", "--cells", "linf"];
+    let fragments = |rest: &[&str]| {
+        dir.stdout(&[&["fragments"], &sites[..], rest].concat());
+    };
+    for file in ["one.svg", "one.png", "one.vtu"] {
+        fragments(&["-o", file]);
+        assert!(!dir.read(file).is_empty());
+    }
+    fragments(&["--all", "--tets", "-o", "all.vtu"]);
+    let mass = ["mass", "all.vtu", "--density", "vertex:distance", "--json"];
+    let measured = measured(&dir, &[&["measure"], &sites[..]].concat());
+    let energy = measured["energy_mean"].as_f64().expect("a number") * 6.0;
+    let mass: Value = serde_json::from_str(&dir.stdout(&mass)).expect("one JSON object");
+    let mass = mass["mass"].as_f64().expect("a number");
+    assert!((mass / energy - 1.0).abs() < 1e-9, "{mass} {energy}");
 }

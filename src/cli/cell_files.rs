@@ -7,6 +7,7 @@ use nalgebra::{Point, Point2, Point3};
 
 use crate::cli::failure::write_file;
 use crate::complex::assemble::assemble_whole;
+use crate::complex::linf_mesh::linf_mesh;
 use crate::domain::facet_kind::FacetKind;
 use crate::domain::shape::PieceScratch;
 use crate::export::compress::compress;
@@ -24,7 +25,7 @@ use crate::plot::patches::PlaneCut;
 use crate::plot::patches::{Patch, picture};
 use crate::plot::png::png;
 use crate::plot::svg::svg;
-use crate::relax::linf::linf_shell;
+use crate::relax::frames::Frames;
 use crate::relax::metrics::CellMetrics;
 use crate::relax::optimum::{optimal_energy, optimal_side};
 use crate::relax::planar::Plane;
@@ -44,6 +45,9 @@ const MOST_PATCHES: usize = 100_000;
 
 /// Up to so many cells share their points in `cells.vtu`: about 0.5 GB while they are paired.
 const MOST_SHARED: usize = 100_000;
+
+/// Up to so many L∞ cells share theirs, which have several times as many.
+const MOST_SHARED_LINF: usize = 20_000;
 
 /// How far above the middle of the domain its cells are cut, in sides of a mean cell: the middle
 /// itself is a wall of cells for every lattice of an even number of layers.
@@ -143,23 +147,17 @@ impl DrawCells<3> for Space {
             }
             Ok::<(), Box<dyn Error>>(())
         };
-        let diagram = Diagram::borrowed(self.domain(), sites)?;
-        match self.cells() {
-            Norm::Linf => diagram.stream_linf(
-                |cell| {
-                    let shell = linf_shell(&cell);
-                    [shell.clone(), shell]
-                },
-                &mut add,
-            )?,
-            Norm::L2 => diagram.stream(
+        if let Some(cells) = self.linf(sites) {
+            cells.stream_shells(|shell| [shell.clone(), shell], &mut add)?;
+        } else {
+            Diagram::borrowed(self.domain(), sites)?.stream(
                 |scratch: &mut PieceScratch, cell| {
                     let is_shown = shown[cell.site as usize];
                     let is_seen = |label| is_shown && !is_covered(label, &shown);
                     shells(self.domain(), &cell, scratch, is_seen)
                 },
                 &mut add,
-            )?,
+            )?;
         }
         finish(file, wanted, directory)?;
         if !wanted.pictures {
@@ -210,7 +208,16 @@ impl Space {
             );
             return Ok(false);
         }
-        let Ok(mesh) = assemble_whole(&Diagram::borrowed(self.domain(), sites)?) else {
+        if self.cells() == Norm::Linf && sites.len() > MOST_SHARED_LINF {
+            return Ok(false);
+        }
+        let mesh = match self.cells() {
+            Norm::L2 => assemble_whole(&Diagram::borrowed(self.domain(), sites)?).ok(),
+            Norm::Linf => (matches!(self.frames(), Frames::Axes))
+                .then(|| linf_mesh(self.domain().shape(), sites))
+                .flatten(),
+        };
+        let Some(mesh) = mesh else {
             return Ok(false);
         };
         let reals =

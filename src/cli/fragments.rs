@@ -7,6 +7,8 @@ use clap::Args;
 use nalgebra::{Point3, Rotation3, Vector3};
 
 use crate::cli::failure::{Failure, format_of, no_site, print, write_file};
+use crate::cli::fragment_part::{FragmentPart, Wanted};
+use crate::cli::fragments_linf::linf_parts;
 use crate::cli::fragments_plane::draw_fragments;
 use crate::cli::options::{Common, SceneOptions, print_notes, space};
 use crate::cli::output::OutputRule;
@@ -22,7 +24,7 @@ use crate::plot::exploded::{Fragment, FragmentedCell, exploded};
 use crate::plot::exploded_lines::exploded_figure;
 use crate::plot::svg::svg;
 use crate::relax::evaluate_cell::CellMemory;
-use crate::relax::relaxation_space::{EnergySpec, Norm, RelaxationSpace};
+use crate::relax::relaxation_space::{Norm, RelaxationSpace};
 use crate::relax::space::Space;
 use crate::scene::description::Scene;
 use crate::scene::overrides::Overrides;
@@ -63,10 +65,6 @@ pub(crate) struct FragmentsOptions {
 
 pub(crate) fn run(options: &FragmentsOptions, common: Common) -> Result<(), Failure> {
     let scene = options.scene.scene(Overrides::default())?;
-    if scene.cells == Norm::Linf {
-        let message = "fragments are drawn of L2 cells only: choose --cells l2";
-        return Err(Failure::input(message));
-    }
     let format = format_of(&options.output, ["png", "svg", "vtu"])?;
     let is_picture = format != "vtu";
     if scene.dimension == 2 && !is_picture {
@@ -107,7 +105,10 @@ fn write_in_space(options: &FragmentsOptions, scene: &Scene, format: &str) -> Re
         spec: energy_spec(scene),
         tets: options.tets,
     };
-    let cells = parts(&space, &sites, wanted)?;
+    let cells = match space.cells() {
+        Norm::L2 => parts(&space, &sites, wanted)?,
+        Norm::Linf => linf_parts(&space, &sites, wanted)?,
+    };
     match cells.first() {
         Some((_, parts)) if format != "vtu" => {
             draw((&options.output, format), site, &position, parts)
@@ -123,28 +124,6 @@ fn middle(space: &Space, sites: &[Point3<f64>]) -> usize {
     (0..sites.len())
         .min_by(|&a, &b| distance(a).total_cmp(&distance(b)))
         .unwrap_or_default()
-}
-
-/// A fragment of a cell within the domain.
-#[derive(Clone, Debug, Default)]
-struct FragmentPart {
-    shell: Shell,
-    /// Its volume (L³).
-    volume: f64,
-    /// Its share of the cell's energy at the site, in the scene's norm, order and density.
-    energy: f64,
-    /// Tetrahedra that fill it, if they were asked for.
-    tets: Vec<FragmentTets>,
-}
-
-/// What of which cells is wanted.
-#[derive(Clone, Copy, Debug)]
-struct Wanted {
-    /// None for all cells.
-    site: Option<usize>,
-    spec: EnergySpec,
-    /// Whether as tetrahedra.
-    tets: bool,
 }
 
 /// The memory of [`part`].

@@ -19,6 +19,7 @@ use crate::export::mesh_vtu::{CellColumn, write_mesh};
 use crate::export::poly_mesh::{MESH_FILES, write_case};
 use crate::mesh::formats::open_foam::load_case;
 use crate::mesh::poly_mesh::PolyMesh;
+use crate::relax::relaxation_space::Norm;
 use crate::relax::space::Space;
 use crate::scene::description::Scene;
 use crate::scene::overrides::Overrides;
@@ -343,6 +344,11 @@ fn read_run(run: &Path) -> Result<(Scene, Vec<Point3<f64>>), Failure> {
     let scene = description.scene;
     if scene.dimension != 3 {
         let message = "meshes are made of cells in space: relax with \"dimension\": 3";
+        return Err(Failure::input(message));
+    }
+    if scene.cells == Norm::Linf {
+        let message = "meshes are made of L2 cells, and the run has \"cells\": \"linf\": take its sites.csv \
+                       on with --cells l2 --iterations 0";
         return Err(Failure::input(message));
     }
     let sites = site_file::read::<3>(&run.join("sites.csv")).map_err(Failure::input)?;

@@ -24,10 +24,7 @@ const NORMS: [(&str, &str); 2] = [
 
 const CELLS: [(&str, &str); 2] = [
     ("l2", "Euclidean: convex cells"),
-    (
-        "linf",
-        "Chebyshev: star-shaped cells, in a box or a convex polyhedron",
-    ),
+    ("linf", "Chebyshev: star-shaped cells, fastest in a box"),
 ];
 
 const SITE_FORMATS: [(&str, &str); 4] = [

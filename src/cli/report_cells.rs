@@ -7,15 +7,15 @@ use crate::domain::facet_kind::FacetKind;
 use crate::domain::shape::PieceScratch;
 use crate::geometry::bounds::Bounds;
 use crate::geometry::shell::Shell;
-use crate::relax::linf::linf_shell;
 use crate::relax::metrics::CellMetrics;
 use crate::relax::optimum::optimal_side;
 use crate::relax::planar::Plane;
-use crate::relax::relaxation_space::{Norm, RelaxationSpace};
+use crate::relax::relaxation_space::RelaxationSpace;
 use crate::relax::space::{Space, shells};
 use crate::report::cells::{BrightEnd, ShownCell, ShownCells, ValueColumn};
 use crate::scene::description::Scene;
 use crate::scene::run::{RunSpace, energy_spec};
+use crate::voronoi::cell::Cell;
 use crate::voronoi::diagram::{Diagram, DiagramError};
 use crate::voronoi::planar::diagram::{PlaneCell, PlaneDiagram};
 
@@ -115,17 +115,14 @@ fn stream_shells(
     take: impl FnMut(usize, Option<Shell>) -> Result<(), DiagramError>,
 ) -> Result<(), DiagramError> {
     let kept = |shell: Shell| shown(&shell).then_some(shell);
-    let diagram = Diagram::borrowed(space.domain(), sites)?;
-    match space.cells() {
-        Norm::Linf => diagram.stream_linf(|cell| kept(linf_shell(&cell)), take),
-        Norm::L2 => diagram.stream(
-            |scratch: &mut PieceScratch, cell| {
-                let [shell, _] = shells(space.domain(), &cell, scratch, |_| false);
-                kept(shell)
-            },
-            take,
-        ),
+    if let Some(cells) = space.linf(sites) {
+        return cells.stream_shells(kept, take);
     }
+    let of_cell = |scratch: &mut PieceScratch, cell: Cell<'_>| {
+        let [shell, _] = shells(space.domain(), &cell, scratch, |_| false);
+        kept(shell)
+    };
+    Diagram::borrowed(space.domain(), sites)?.stream(of_cell, take)
 }
 
 /// The cells of `sites` with their values, as `choice` says.

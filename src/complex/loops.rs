@@ -113,6 +113,12 @@ impl CellLoops {
         mapped
     }
 
+    /// Adds a facet as it is.
+    pub(crate) fn push_as_is(&mut self, label: Label, ring: impl Iterator<Item = LoopCorner>) {
+        self.corners.extend(ring);
+        self.facets.push((label, self.corners.len() as u32));
+    }
+
     /// Adds a facet, shortened to what encloses an area, if anything does. A loop that touches itself
     /// in a vertex becomes two.
     fn push(&mut self, label: Label, ring: &mut Vec<LoopCorner>) {

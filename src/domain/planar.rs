@@ -41,6 +41,7 @@ pub struct PlaneDomain {
     area: f64,
     periods: [Option<f64>; 2],
     density: Option<PlaneDensity>,
+    has_linf_cells: bool,
 }
 
 impl PlaneDomain {
@@ -110,6 +111,7 @@ impl PlaneDomain {
             bounds,
             periods: [None; 2],
             density: None,
+            has_linf_cells: false,
         }
     }
 
@@ -151,6 +153,67 @@ impl PlaneDomain {
             density,
         )?);
         Ok(self)
+    }
+
+    /// The same domain; its sites have the points nearest to them in the Chebyshev distance for cells
+    /// if it is said to have L∞ cells.
+    #[must_use]
+    pub(crate) fn with_linf_cells(self, has_linf_cells: bool) -> Self {
+        Self {
+            has_linf_cells,
+            ..self
+        }
+    }
+
+    /// Whether cells hold the points nearest in the Chebyshev distance, not in the Euclidean one.
+    #[must_use]
+    pub(crate) fn has_linf_cells(&self) -> bool {
+        self.has_linf_cells
+    }
+
+    /// The box around the domain, relative to a site, or one period about it, with labels bottom, right,
+    /// top, left: walls of the domain that lie along them, images of the site.
+    pub(crate) fn box_about(&self, site: &Point2<f64>, index: u32) -> (Bounds<2>, [Label; 4]) {
+        let start = self.start(site, index);
+        let bounds = start.bounds();
+        let labels = std::array::from_fn(|side| {
+            let (axis, end) = (
+                [1, 0][side % 2],
+                [bounds.min, bounds.max][usize::from((1..3).contains(&side))],
+            );
+            let along = |edge: &PolygonEdge| {
+                edge.start[axis] == end[axis]
+                    && edge.end[axis] == end[axis]
+                    && edge.start != edge.end
+            };
+            let edge = start.edges().find(along);
+            edge.map_or(FacetKind::Inner.label(), |edge| edge.label)
+        });
+        (bounds, labels)
+    }
+
+    /// The parts of convex polygons, given relative to `site`, that lie in the domain.
+    pub(crate) fn within(
+        &self,
+        site: &Point2<f64>,
+        polygons: Vec<ConvexPolygon>,
+    ) -> Vec<ConvexPolygon> {
+        if self.is_periodic() || self.is_box() {
+            return polygons;
+        }
+        let mut kept = Vec::new();
+        for piece in self.pieces() {
+            let piece = piece.translated(&-site.coords);
+            let around = piece.bounds();
+            for polygon in polygons.iter().filter(|it| it.bounds().overlaps(&around)) {
+                let mut part = polygon.clone();
+                for edge in piece.edges().filter(|edge| edge.length() > 0.0) {
+                    part.clip(&HalfPlane::left_of(&edge.start, &edge.end), edge.label);
+                }
+                kept.extend((!part.is_empty()).then_some(part));
+            }
+        }
+        kept
     }
 
     /// The density; none is 1 everywhere.
@@ -334,6 +397,7 @@ impl PlaneDomain {
             pieces: Vec::new(),
             periods: [None; 2],
             density: None,
+            has_linf_cells: false,
         }
         .checked()
     }

@@ -25,7 +25,7 @@
 //! `preparation` makes prepared pieces, [`moments`] measures them, [`center`] minimizes the energy, for
 //! p = 1 by `prediction`. [`planar`] is all of this in the plane, for one
 //! polygon, [`planar_cell`] for a cell of several pieces, perhaps with a density; [`faceted`] is for
-//! solids given by loose fragments of their boundary.
+//! solids given by loose fragments of their boundary, [`swept`] for those swept by rectangles.
 //!
 //! \[BL\] Bukenberger & Lensch, *Tetrahedra of Varying Density and their Applications*.
 
@@ -40,6 +40,7 @@ pub(crate) mod planar_cell;
 mod planar_density;
 pub(crate) mod prepared;
 pub(crate) mod sector;
+pub(crate) mod swept;
 
 mod edge_crossings;
 mod edge_crossings_simd;

@@ -104,6 +104,30 @@ impl Polyhedron {
         self.labels.extend(labels);
     }
 
+    /// Becomes the tetrahedron between the origin and a triangle, counter-clockwise from outside, that
+    /// carries a label; the three other facets carry another one.
+    pub(crate) fn assign_tetrahedron(
+        &mut self,
+        [a, b, c]: [&Vector3<f64>; 3],
+        [label, inner]: [Label; 2],
+    ) {
+        self.clear();
+        let origin = Point3::origin();
+        let corner = |corner: &Vector3<f64>| Point3::from(*corner);
+        // Vertices: the origin, a, b, c. Facets: the triangle, then those beside its edges in turn.
+        self.push(origin, [1, 3, 2], [2, 1, 3]);
+        self.push(corner(a), [0, 3, 1], [2, 3, 0]);
+        self.push(corner(b), [0, 1, 2], [3, 1, 0]);
+        self.push(corner(c), [0, 2, 3], [1, 2, 0]);
+        let normals = [(b - a).cross(&(c - a)), b.cross(a), c.cross(b), a.cross(c)];
+        for (number, normal) in normals.into_iter().enumerate() {
+            let normal = normal.try_normalize(0.0).unwrap_or_default();
+            let offset = if number == 0 { normal.dot(a) } else { 0.0 };
+            self.planes.push(HalfSpace { normal, offset });
+        }
+        self.labels.extend([label, inner, inner, inner]);
+    }
+
     /// Becomes a copy of `other` moved by `displacement`, keeping its memory.
     pub fn assign_translated(&mut self, other: &Self, displacement: &Vector3<f64>) {
         self.clear();

@@ -10,7 +10,7 @@
 //! Facets are loops of corner numbers, counter-clockwise as seen from outside. A shell with a
 //! single facet is a polygon of the plane z = 0, counter-clockwise as seen from +z.
 
-use nalgebra::{Point2, Point3, Vector3};
+use nalgebra::{Point2, Point3, Rotation3, Vector3};
 
 use crate::geometry::bounds::Bounds;
 use crate::geometry::brep::Piece;
@@ -127,6 +127,16 @@ impl Shell {
             *vertex += displacement;
         }
         moved
+    }
+
+    /// The same surface turned about the origin.
+    #[must_use]
+    pub fn rotated(&self, rotation: &Rotation3<f64>) -> Self {
+        let mut turned = self.clone();
+        for vertex in &mut turned.vertices {
+            *vertex = rotation * *vertex;
+        }
+        turned
     }
 
     fn push_facet(&mut self, vertices: &[Point3<f64>], numbers: &mut [u32], ring: &[u32]) {

@@ -69,17 +69,30 @@ impl CellMemory {
         part: &Polyhedron,
         frame: Option<&Rotation3<f64>>,
     ) {
+        self.begin_parts(frame);
+        self.add_part(domain, site, part);
+    }
+
+    /// Starts with no pieces.
+    pub(crate) fn begin_parts(&mut self, frame: Option<&Rotation3<f64>>) {
         self.frame = frame.copied();
+        (self.used, self.weighted) = (0, Moments::default());
+        self.measured = Some((0.0, 0.0));
+    }
+
+    /// Adds the pieces of a convex part, which holds the site, of its cell.
+    pub(crate) fn add_part(&mut self, domain: &dyn Domain, site: &Point3<f64>, part: &Polyhedron) {
+        let (mut volume, mut mass) = self.measured();
         let Self {
             pieces,
             used,
             measured,
             weighted,
             piece,
+            frame,
             ..
         } = self;
-        let (mut volume, mut mass) = (0.0, 0.0);
-        (*used, *weighted) = (0, Moments::default());
+        let frame = frame.as_ref();
         let mut prepare = |sign: f64, part: Piece<'_>, density: Option<&Polynomial>| {
             let prepared = SignedPiece::place(pieces, *used, sign);
             prepared.assign(part);
@@ -124,7 +137,7 @@ impl CellMemory {
     }
 
     /// Volume and mass.
-    fn measured(&self) -> (f64, f64) {
+    pub(crate) fn measured(&self) -> (f64, f64) {
         self.measured.unwrap_or_else(|| {
             let pieces = self.pieces[..self.used].iter();
             let volume = pieces.map(|piece| piece.sign * piece.piece.volume()).sum();
@@ -133,7 +146,7 @@ impl CellMemory {
     }
 
     /// The mean density in the loaded cell, relative to the domain's.
-    fn relative_density(&self, domain: &dyn Domain) -> f64 {
+    pub(crate) fn relative_density(&self, domain: &dyn Domain) -> f64 {
         let (volume, mass) = self.measured();
         if domain.has_density() && volume > 0.0 {
             mass / (volume * domain.mean_density())

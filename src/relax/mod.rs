@@ -7,8 +7,8 @@
 //! process needs to go on. An [`optimum`] is what energies are compared with, [`cell_check`] what must
 //! hold of them.
 //!
-//! [`evaluate_cell`] computes a cell's energy and minimizer in its own [`frames`]; [`linf`] the same of an L∞ cell; [`planar_cell`] of
-//! one in the plane; [`metrics`] are the figures of cells for `measure`.
+//! [`evaluate_cell`] computes a cell's energy and minimizer in its own [`frames`]; [`linf_cell`] the same of an L∞
+//! cell, [`linf`] of all; [`planar_cell`] of one in the plane; [`metrics`] are the figures of cells for `measure`.
 
 pub(crate) mod cell_check;
 pub(crate) mod descent;
@@ -16,6 +16,7 @@ pub(crate) mod driver;
 pub(crate) mod evaluate_cell;
 pub(crate) mod frames;
 pub(crate) mod linf;
+pub(crate) mod linf_cell;
 pub(crate) mod lloyd;
 pub(crate) mod method;
 pub(crate) mod metrics;

@@ -9,12 +9,13 @@ use crate::domain::planar_density::PlaneDensity;
 use crate::domain::shape::displacement;
 use crate::geometry::bounds::Bounds;
 use crate::relax::cell_check::{CellsError, DomainTotals, EnergyKind};
-use crate::relax::metrics::CellMetrics;
+use crate::relax::metrics::{BothTessellations, CellMetrics};
 use crate::relax::objective::sum_of;
 use crate::relax::optimum::{EnergyOptimum, EnergyReference};
 use crate::relax::planar_cell::CellInPlane;
 use crate::relax::relaxation_space::{
-    CellCrowding, CellResult, EnergySpec, ObjectiveValue, RelaxationError, RelaxationSpace,
+    CellCrowding, CellResult, EnergySpec, Minimizer, Norm, ObjectiveValue, RelaxationError,
+    RelaxationSpace,
 };
 use crate::voronoi::planar::diagram::{PlaneDiagram, PlaneDiagramError};
 
@@ -53,6 +54,36 @@ impl Plane {
         let mut numbered = cells.iter().enumerate();
         numbered.try_for_each(|(site, cell)| cell.check(site))?;
         Ok(cells)
+    }
+
+    /// The figures of `sites` in both tessellations, where the cells are L∞ cells.
+    ///
+    /// # Errors
+    /// When the sites have no diagram.
+    pub(crate) fn both(
+        &self,
+        sites: &[Point2<f64>],
+    ) -> Result<Option<BothTessellations>, PlaneError> {
+        if !self.domain.has_linf_cells() {
+            return Ok(None);
+        }
+        let spec = EnergySpec {
+            norm: Norm::Linf,
+            order: 1,
+            minimizer: Minimizer::Newton,
+        };
+        let (count, optimum) = (sites.len(), self.optimum());
+        let per_cell = |energy: f64| energy / (count as f64 * optimum.density);
+        let percent = |energy: f64| optimum.percent::<2>(per_cell(energy), count);
+        let l2 = Self {
+            domain: self.domain.clone().with_linf_cells(false),
+        };
+        let untied = PlaneDiagram::untied(&self.domain, sites)?.area();
+        Ok(Some(BothTessellations {
+            energy_percent_l2: percent(l2.energy(sites, spec)?),
+            energy_percent_linf: percent(self.energy(sites, spec)?),
+            tied_volume: (1.0 - untied / self.domain.area()).max(0.0),
+        }))
     }
 
     /// The answers of all cells, in site order.

@@ -78,7 +78,7 @@ impl<'a> CellInPlane<'a> {
             Norm::L2 if self.domain.is_convex() => step,
             Norm::L2 => step_inside(polygon, &Point2::from(step)),
         };
-        if !self.domain.is_convex() {
+        if !self.domain.is_convex() || self.domain.has_linf_cells() {
             if let Some((share, _)) = self.domain.wall_ahead(site, &step) {
                 step *= BOUNDARY_FRACTION * share;
             }
@@ -151,7 +151,7 @@ impl<'a> CellInPlane<'a> {
     /// The box around the cell, and the site where that lies outside its own cell's pieces.
     fn bounds(&self) -> Bounds<2> {
         let mut bounds = Bounds::of(self.cell.pieces().iter().flat_map(ConvexPolygon::vertices));
-        if !self.domain.is_convex() {
+        if !self.domain.is_convex() || self.domain.has_linf_cells() {
             bounds.include(&Point2::origin());
         }
         bounds
@@ -179,7 +179,7 @@ impl<'a> CellInPlane<'a> {
         let volume = self.cell.area();
         let site = self.cell.site;
         let place = |step: Vector2<f64>| self.domain.wrap(&(site + step));
-        let edges = EdgeSums::of(self.cell.pieces());
+        let edges = EdgeSums::of(self.cell.pieces(), self.domain.has_linf_cells());
         CellMetrics {
             volume,
             centroid: place(moments.centroid()),
@@ -212,7 +212,11 @@ impl<'a> CellInPlane<'a> {
         let mut energy = self.energy(order);
         let inside = energy.evaluate(&Point2::origin());
         let (mut gradient, mut across) = (inside.gradient, Vec::new());
-        let is_neighbor = |label| matches!(FacetKind::of(label), FacetKind::Neighbor { .. });
+        // On L∞ bisectors both distances agree, so that moving them costs nothing.
+        let is_neighbor = |label| {
+            let kind = FacetKind::of(label);
+            !self.domain.has_linf_cells() && matches!(kind, FacetKind::Neighbor { .. })
+        };
         energy.visit_edges(is_neighbor, |edge| {
             if let FacetKind::Neighbor { site, image } = FacetKind::of(edge.label) {
                 let to_neighbor = displacement(site, image);
@@ -273,16 +277,20 @@ fn step_inside(polygon: &ConvexPolygon, center: &Point2<f64>) -> Vector2<f64> {
     }
 }
 
-/// The sums of the edges with the same label, as vectors.
-struct EdgeSums(BTreeMap<Label, Vector2<f64>>);
+/// The sums of the edges with the same label, as vectors, those of L∞ cells apart by direction.
+struct EdgeSums(BTreeMap<(Label, usize), Vector2<f64>>);
 
 impl EdgeSums {
-    fn of(pieces: &[ConvexPolygon]) -> Self {
+    fn of(pieces: &[ConvexPolygon], has_linf_cells: bool) -> Self {
         let mut sums = BTreeMap::new();
         for edge in pieces.iter().flat_map(ConvexPolygon::edges) {
-            if FacetKind::of(edge.label) != FacetKind::Inner {
-                *sums.entry(edge.label).or_default() += edge.end - edge.start;
-            }
+            let along = edge.end - edge.start;
+            let direction = match FacetKind::of(edge.label) {
+                FacetKind::Inner => continue,
+                FacetKind::Neighbor { .. } if has_linf_cells => direction_number(&along),
+                _ => 0,
+            };
+            *sums.entry((edge.label, direction)).or_default() += along;
         }
         Self(sums)
     }
@@ -304,6 +312,21 @@ impl EdgeSums {
             0.0
         }
     }
+}
+
+/// Numbers the directions of an L∞ bisector: along the axes and the diagonals.
+fn direction_number(along: &Vector2<f64>) -> usize {
+    let size = along.amax();
+    along.iter().fold(0, |number, &part| {
+        let step = if part.abs() < 0.5 * size {
+            0
+        } else if part > 0.0 {
+            1
+        } else {
+            2
+        };
+        3 * number + step
+    })
 }
 
 /// The overlap of the pieces with the square of their own area about the origin, over their union.

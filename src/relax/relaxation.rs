@@ -227,8 +227,8 @@ impl Relaxation {
     }
 
     /// With cells of the points nearest to their site in this distance: [`Norm::L2`] unless told
-    /// otherwise. L∞ cells are made in boxes, periodic or not, and convex polyhedra, without a density
-    /// or frames, and for the Chebyshev norm; elsewhere runs end in [`RelaxError::Cells`].
+    /// otherwise. L∞ cells are fastest in boxes, periodic or not; they are made without frames and for
+    /// the Chebyshev norm only, otherwise runs end in [`RelaxError::Cells`].
     ///
     /// # Examples
     /// ```

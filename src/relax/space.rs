@@ -4,6 +4,7 @@ use nalgebra::{Point3, Vector3};
 use thiserror::Error;
 
 use crate::domain::{
+    convex::ConvexPolyhedron,
     density::Density,
     domain::Domain,
     shape::{PieceScratch, displacement},
@@ -14,10 +15,10 @@ use crate::geometry::shell::Shell;
 use crate::relax::cell_check::{CellsError, DomainTotals, EnergyKind};
 use crate::relax::evaluate_cell::CellMemory;
 use crate::relax::frames::Frames;
-use crate::relax::linf::LinfCells;
+use crate::relax::linf::{LinfCells, turned};
 use crate::relax::metrics::{BothTessellations, CellMetrics};
 use crate::relax::objective::{ObjectiveScratch, sum_of};
-use crate::relax::optimum::{EnergyOptimum, EnergyReference, optimal_energy};
+use crate::relax::optimum::{EnergyOptimum, EnergyReference};
 use crate::relax::relaxation_space::{
     CellCrowding, CellResult, EnergySpec, Minimizer, Norm, ObjectiveValue, RelaxationError,
     RelaxationSpace,
@@ -51,6 +52,8 @@ pub struct Space {
     frames: Frames,
     /// The distance in which a cell's points are nearest to its site.
     cells: Norm,
+    /// The domain in the frame of L∞ cells, if they have one.
+    turned: Option<ConvexPolyhedron>,
 }
 
 impl Space {
@@ -67,20 +70,29 @@ impl Space {
             domain,
             frames,
             cells: Norm::L2,
+            turned: None,
         }
     }
 
     /// The same space with these frames.
     #[must_use]
     pub fn framed(self, frames: Frames) -> Self {
-        Self { frames, ..self }
+        Self { frames, ..self }.with_turned_domain()
     }
 
-    /// The same space with cells of this distance. L∞ cells want a convex domain without density, and
-    /// the axes of space.
+    /// The same space with cells of this distance. L∞ cells want the axes of space, or in a convex domain
+    /// without periods and density one frame.
     #[must_use]
     pub fn with_cells(self, cells: Norm) -> Self {
-        Self { cells, ..self }
+        Self { cells, ..self }.with_turned_domain()
+    }
+
+    fn with_turned_domain(self) -> Self {
+        let turned = match (&self.frames, self.cells) {
+            (Frames::One(frame), Norm::Linf) => turned(self.domain(), frame),
+            _ => None,
+        };
+        Self { turned, ..self }
     }
 
     /// The distance in which a cell's points are nearest to its site.
@@ -91,11 +103,15 @@ impl Space {
 
     /// What the space's L∞ cells, if it has such, do not go with.
     pub(crate) fn refused_cells(&self, norm: Norm) -> Option<&'static str> {
-        let domain = self.domain();
         let refused = [
-            (!domain.is_convex(), "domains that are not convex"),
-            (domain.has_density(), "a density"),
-            (!matches!(self.frames, Frames::Axes), "frames"),
+            (
+                matches!(self.frames, Frames::PerSite(_)),
+                "frames of single sites",
+            ),
+            (
+                matches!(self.frames, Frames::One(_)) && self.turned.is_none(),
+                "frames in a domain that is periodic, not convex or has a density",
+            ),
             (norm == Norm::L2, "the Euclidean norm"),
         ];
         let first = refused.into_iter().find(|(is_given, _)| *is_given);
@@ -105,9 +121,12 @@ impl Space {
     }
 
     /// The L∞ cells of `sites`, if the space has such.
-    fn linf<'a>(&'a self, sites: &'a [Point3<f64>]) -> Option<LinfCells<'a>> {
-        let domain = self.domain();
-        (self.cells == Norm::Linf).then_some(LinfCells { domain, sites })
+    pub(crate) fn linf<'a>(&'a self, sites: &'a [Point3<f64>]) -> Option<LinfCells<'a>> {
+        let cells = match (&self.frames, &self.turned) {
+            (Frames::One(frame), Some(turned)) => LinfCells::in_frame(turned, sites, *frame),
+            _ => LinfCells::new(self.domain(), sites),
+        };
+        (self.cells == Norm::Linf).then_some(cells)
     }
 
     /// The figures of `sites` in both tessellations, where the cells are L∞ cells.
@@ -126,11 +145,12 @@ impl Space {
             order: 1,
             minimizer: Minimizer::Newton,
         };
-        let count = sites.len();
-        let least = count as f64 * optimal_energy::<3>(self.volume(), count, 1);
+        let (count, optimum) = (sites.len(), self.optimum());
+        let per_cell = |energy: f64| energy / (count as f64 * self.domain.mean_density());
+        let percent = |energy: f64| optimum.percent::<3>(per_cell(energy), count);
         Ok(Some(BothTessellations {
-            energy_percent_l2: 100.0 * self.energy_of_l2_cells(sites, spec)? / least,
-            energy_percent_linf: 100.0 * cells.energy(1)? / least,
+            energy_percent_l2: percent(self.energy_of_l2_cells(sites, spec)?),
+            energy_percent_linf: percent(cells.energy(1)?),
             tied_volume: cells.tied_volume()?,
         }))
     }
@@ -301,7 +321,14 @@ impl RelaxationSpace<3> for Space {
     ) -> Result<Vec<CellResult<3>>, SpaceError> {
         self.totals().check_scale::<3>(sites.len(), spec.kind())?;
         let cells = match self.linf(sites) {
-            Some(cells) => cells.assess(spec)?,
+            Some(linf) => {
+                let mut cells = linf.assess(spec)?;
+                for cell in cells.iter_mut().filter(|_| self.turned.is_some()) {
+                    // Turning rounds.
+                    cell.target = self.domain.bounds().clamp(&cell.target);
+                }
+                cells
+            }
             None => self.map_loaded(sites, |memory, cell| {
                 memory.assess(self.domain(), cell, spec)
             })?,
@@ -320,7 +347,10 @@ impl RelaxationSpace<3> for Space {
         self.totals().check_scale::<3>(sites.len(), kind)?;
         if let Some(cells) = self.linf(sites) {
             let value = cells.objective(order).map_err(SpaceError::Diagram);
-            return value.map_err(RelaxationError::Space);
+            let (value, volumes) = value.map_err(RelaxationError::Space)?;
+            let figures = volumes.into_iter().zip(value.energies.iter().copied());
+            self.check(sites, figures, kind)?;
+            return Ok(value);
         }
         let terms = self.map(sites, |scratch: &mut ObjectiveScratch, cell| {
             scratch.terms(self.domain(), &self.frames, &cell, order)

@@ -228,12 +228,15 @@ impl Scene {
         if self.cells == Norm::L2 {
             return Ok(());
         }
-        let is_mesh = matches!(self.domain, SceneDomain::Surface(_) | SceneDomain::Tets(_));
+        let is_per_site = self.frames.as_ref().is_some_and(FrameChoice::is_per_site);
+        let is_turned = self.frames.is_some() && !self.domain.is_plain();
         let refused = [
-            (self.dimension != 3, "\"dimension\": 2"),
-            (is_mesh, "the domains `surface` and `tets`"),
-            (self.density.is_some(), "a density"),
-            (self.frames.is_some(), "frames"),
+            (is_per_site, "frames of single sites"),
+            (is_turned, "frames in a domain that is periodic or a mesh"),
+            (
+                self.frames.is_some() && self.density.is_some(),
+                "frames and a density",
+            ),
             (self.norm == Norm::L2, "\"norm\": \"l2\""),
         ];
         match refused.into_iter().find(|(is_given, _)| *is_given) {

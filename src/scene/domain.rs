@@ -173,6 +173,15 @@ impl SceneDomain {
         }
     }
 
+    /// Whether it is a convex solid without periods.
+    pub(crate) fn is_plain(&self) -> bool {
+        match self {
+            Self::Box(domain) => !domain.periodic.contains(&true),
+            Self::HalfSpaces(_) => true,
+            Self::Polygon(_) | Self::Surface(_) | Self::Tets(_) => false,
+        }
+    }
+
     /// Validates the shape of the numbers.
     pub(crate) fn validate(&self, dimension: usize) -> Result<(), Error> {
         match self {

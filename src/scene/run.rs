@@ -16,7 +16,7 @@ use crate::relax::plan::{Perturbation, PerturbationKind, Plan};
 use crate::relax::planar::Plane;
 use crate::relax::record::Record;
 use crate::relax::relaxation::{Checkpoint, continue_run};
-use crate::relax::relaxation_space::{EnergySpec, RelaxationSpace};
+use crate::relax::relaxation_space::{EnergySpec, Norm, RelaxationSpace};
 use crate::relax::space::Space;
 use crate::scene::description::Scene;
 use crate::scene::error::Error;
@@ -155,6 +155,15 @@ impl RunSpace<2> for Plane {
     ) -> Result<Vec<CellMetrics<2>>, Self::Error> {
         self.metrics(sites, spec)
     }
+
+    fn figures(
+        &self,
+        sites: &[Point2<f64>],
+        cells: &[CellMetrics<2>],
+    ) -> Result<Metrics, Self::Error> {
+        let figures = Metrics::of(self.volume(), &self.optimum(), cells);
+        Ok(figures.beside(self.both(sites)?))
+    }
 }
 
 impl RunSpace<3> for Space {
@@ -186,6 +195,7 @@ impl RunSpace<3> for Space {
 /// When the scene's domain or its density is none.
 pub fn plane(scene: &Scene) -> Result<Plane, Error> {
     let domain = scene.plane()?;
+    let domain = domain.with_linf_cells(scene.cells == Norm::Linf);
     Ok(Plane { domain })
 }
 

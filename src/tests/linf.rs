@@ -6,6 +6,7 @@ use crate::domain::domain::Domain;
 use crate::domain::shape::DomainShape;
 use crate::energy::evaluation::{EnergyScratch, SignedPiece, energy};
 use crate::energy::faceted::FacetedSolid;
+use crate::energy::swept::{CornerPath, SweptSolid};
 use crate::geometry::bounds::Bounds;
 use crate::geometry::brep::Piece;
 use crate::geometry::clip::{Clip, ClipScratch, clip};
@@ -16,6 +17,7 @@ use crate::geometry::shell::Shell;
 use crate::tests::sites::{grid_sites, random_sites};
 use crate::voronoi::diagram::{Diagram, DiagramError};
 use crate::voronoi::linf::cell::{Fragment, LinfCell, Ties};
+use crate::voronoi::linf::cone::Cone;
 use nalgebra::{Point3, Vector3};
 
 fn cuboid(max: [f64; 3], periodic: [bool; 3]) -> Cuboid {
@@ -401,6 +403,50 @@ fn integrals_agree_with_parts_by_subtraction() {
                     "order {order}: {error:e} of {expected}"
                 );
             }
+        }
+    }
+}
+
+/// Sums over the ways of corners against sums over the boundary, about centers near and far.
+#[test]
+fn swept_energies_are_those_of_the_boundary() {
+    let unit = Cuboid::unit();
+    for sites in [
+        random_sites(30, 8),
+        rounded(20, 6, &[0, 1, 2], 3.0),
+        grid_sites(2),
+    ] {
+        let diagram = Diagram::new(&unit, &sites).expect("a diagram");
+        let errors = |(): &mut (), cell: LinfCell<'_>| {
+            let (mut swept, mut solid) = (SweptSolid::default(), FacetedSolid::default());
+            for (number, cone) in Cone::all().into_iter().enumerate() {
+                cell.visit_corner_paths(number, |ends, is_added| {
+                    swept.push(CornerPath { ends, is_added });
+                });
+                let [u, v] = cone.transverse();
+                swept.finish_part([cone.axis, u, v], cone.is_negative);
+            }
+            cell.visit_boundary(|_, corners| solid.push(corners));
+            let centers = [
+                [0.0; 3],
+                [0.011, -0.023, 0.017],
+                [0.2, 0.1, -0.15],
+                [1.5, -2.0, 0.7],
+            ];
+            centers.map(|center| {
+                let center = Vector3::from(center);
+                let (one, other) = (swept.energy(&center), solid.energy(&center, 1));
+                let value = (one.value / other.value - 1.0).abs();
+                let gradient = (one.gradient - other.gradient).amax() / cell.volume();
+                let hessian = (one.hessian - other.hessian).amax() / cell.volume().powf(2.0 / 3.0);
+                // About the site of a lattice, sides of the cell lie on interfaces.
+                let hessian = if center.amax() > 0.0 { hessian } else { 0.0 };
+                value.max(gradient).max(hessian)
+            })
+        };
+        let errors = diagram.map_linf(Ties::ToSmallerIndex, errors);
+        for error in errors.expect("no duplicates").into_iter().flatten() {
+            assert!(error < 1e-11, "{error:e}");
         }
     }
 }

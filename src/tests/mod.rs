@@ -19,6 +19,7 @@ mod half_space;
 mod integrals;
 mod levels;
 mod linf;
+mod linf_mesh;
 mod linf_relax;
 mod mass;
 mod memory;

@@ -12,6 +12,7 @@ use crate::geometry::polyhedron::Polyhedron;
 use crate::voronoi::kd_tree::tree::KdTree;
 use crate::voronoi::linf::block::{Block, CONE_SIDE};
 use crate::voronoi::linf::cone::{CONES, Cone};
+use crate::voronoi::linf::corner_paths::CornerPathMaker;
 use crate::voronoi::linf::facet_key::{BETWEEN_CONES, FacetKey};
 use crate::voronoi::linf::oblique::{ClippedBlock, ObliqueWalls};
 use crate::voronoi::linf::search::{Nearby, OutwardSearch};
@@ -31,7 +32,9 @@ pub(crate) enum Ties {
 /// An L∞ cell while it is visited, in coordinates relative to its site.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LinfCell<'a> {
-    /// The site's position.
+    /// The site's index.
+    pub(crate) site: u32,
+    /// Its position.
     pub(crate) position: Point3<f64>,
     cones: &'a [ConeSweep; CONES],
     labels: &'a [Label],
@@ -74,6 +77,29 @@ impl LinfCell<'_> {
         self.integrals(0).iter().sum()
     }
 
+    /// Whether no wall that is not along the axes cuts the cell: then it is all in its corner paths.
+    pub(crate) fn is_along_axes(&self) -> bool {
+        self.oblique.is_empty() || {
+            let blocks = self.blocks();
+            let mut corners = blocks.flat_map(|(cone, block)| {
+                let corners = block.corners();
+                corners.map(|corner| cone.displacement(corner))
+            });
+            corners.all(|corner| self.oblique.contain(&corner))
+        }
+    }
+
+    /// Its convex parts: blocks with their cones, before they are clipped by oblique walls.
+    fn blocks(&self) -> impl Iterator<Item = (Cone, &Block)> {
+        let cones = Cone::all().into_iter().zip(self.cones);
+        cones.flat_map(|(cone, sweep)| sweep.blocks().iter().map(move |block| (cone, block)))
+    }
+
+    /// The ways of the corners of the sections of a cone, as [`CornerPathMaker`] passes them on.
+    pub(crate) fn visit_corner_paths(&self, number: usize, visit: impl FnMut([[f64; 3]; 2], bool)) {
+        self.cones[number].visit(&mut CornerPathMaker::new(visit));
+    }
+
     /// The fragments of its facets.
     pub(crate) fn visit_fragments(&self, mut visit: impl FnMut(&Fragment)) {
         self.visit_polygons(|_, fragment, is_side| {
@@ -97,27 +123,36 @@ impl LinfCell<'_> {
     /// Passes the polygons of all cones' boundaries with the keys of their facets, and whether they are
     /// sides of a cone.
     fn visit_polygons(&self, mut visit: impl FnMut(FacetKey, &Fragment, bool)) {
+        for number in 0..CONES {
+            self.visit_cone(number, &mut visit);
+        }
+    }
+
+    /// Passes the polygons of a cone's boundary with the keys of their facets, and whether they are sides
+    /// of the cone.
+    pub(crate) fn visit_cone(
+        &self,
+        number: usize,
+        mut visit: impl FnMut(FacetKey, &Fragment, bool),
+    ) {
         let (mut fragment, mut clipped) = (Fragment::default(), ClippedBlock::default());
-        for ((number, cone), sweep) in Cone::all().into_iter().enumerate().zip(self.cones) {
-            sweep.visit(&mut StripMaker::new(|strip: &Strip| {
-                fragment.assign(cone, strip, self.labels);
-                self.oblique.clip_polygon(&mut fragment.corners);
-                if fragment.corners.len() > 2 {
-                    visit(
-                        self.key(number, strip),
-                        &fragment,
-                        strip.source == CONE_SIDE,
-                    );
-                }
-            }));
-            if !self.oblique.is_empty() {
-                for block in sweep.blocks() {
-                    clipped.visit_walls(cone, block, self.oblique, |label, corners| {
-                        (fragment.label, fragment.corners) = (label, corners);
-                        visit((label, 0, 0), &fragment, false);
-                    });
-                }
+        let (cone, sweep) = (Cone::all()[number], &self.cones[number]);
+        sweep.visit(&mut StripMaker::new(|strip: &Strip| {
+            fragment.assign(cone, strip, self.labels);
+            self.oblique.clip_polygon(&mut fragment.corners);
+            if fragment.corners.len() > 2 {
+                let is_side = strip.source == CONE_SIDE;
+                visit(self.key(number, strip), &fragment, is_side);
             }
+        }));
+        if self.oblique.is_empty() {
+            return;
+        }
+        for block in sweep.blocks() {
+            clipped.visit_walls(cone, block, self.oblique, |label, corners| {
+                (fragment.label, fragment.corners) = (label, corners);
+                visit((label, 0, 0), &fragment, false);
+            });
         }
     }
 
@@ -246,6 +281,7 @@ impl LinfCellBuilder {
             Ok(security_distance(cones))
         })?;
         Ok(LinfCell {
+            site,
             position,
             cones,
             labels,
@@ -259,8 +295,11 @@ impl LinfCellBuilder {
         self.labels.clear();
         self.oblique.clear();
         let around = self.start.bounds();
+        // What the box has beyond the domain's other walls.
+        let no_wall = self.labels.len() as u32;
+        self.labels.push(FacetKind::Inner.label());
         let mut walls: [[(f64, u32); 2]; 3] = std::array::from_fn(|axis| {
-            [-around.min[axis], around.max[axis]].map(|distance| (distance.max(0.0), CONE_SIDE))
+            [-around.min[axis], around.max[axis]].map(|distance| (distance.max(0.0), no_wall))
         });
         for facet in self.start.facets() {
             let (wall, source) = (facet.half_space(), self.labels.len() as u32);

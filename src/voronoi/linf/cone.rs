@@ -30,8 +30,9 @@ impl Cone {
         })
     }
 
+    /// The two axes across.
     #[inline]
-    fn transverse(self) -> [usize; 2] {
+    pub(crate) fn transverse(self) -> [usize; 2] {
         [(self.axis + 1) % 3, (self.axis + 2) % 3]
     }
 

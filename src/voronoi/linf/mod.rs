@@ -5,7 +5,7 @@
 //! height h its section is a square, of which a neighbor takes a quadrant of one corner that moves with
 //! speed 1 along both axes: what is left is a few rectangles whose sides move evenly between events that
 //! are coordinates, halves and sums of two. Between two events a rectangle is a convex [`block`], over which
-//! any power of h has a closed integral; [`strips`] are the polygons of the boundary, and `oblique` clips
+//! any power of h has a closed integral; [`corner_paths`] are what sums about any center need, [`strips`] are the polygons of the boundary, and `oblique` clips
 //! both by walls that are not along the axes. [`search`] walks outward in L∞ order up to the security
 //! distance, twice that of the cell's farthest point. [`cell`] builds a cell, [`diagram`] all of them,
 //! `outline` merges a cell's polygons to facets for files and pictures.
@@ -24,6 +24,7 @@ pub(crate) mod diagram;
 
 mod block;
 mod columns;
+mod corner_paths;
 mod facet_key;
 mod oblique;
 mod outline;

@@ -31,6 +31,12 @@ impl ObliqueWalls {
         self.walls.is_empty()
     }
 
+    /// Whether a displacement from the site lies within all walls.
+    pub(crate) fn contain(&self, displacement: &Vector3<f64>) -> bool {
+        let place = Point3::from(*displacement);
+        (self.walls.iter()).all(|(wall, _)| wall.excess(&place) <= 0.0)
+    }
+
     /// The share of a displacement from the site that lies within all walls.
     pub(crate) fn share_within(&self, displacement: &Vector3<f64>) -> f64 {
         let share = |(wall, _): &(HalfSpace, Label)| {

@@ -141,31 +141,45 @@ impl WeldedCorners {
 impl LinfCell<'_> {
     /// The boundary, relative to the site; `None` where its edges do not run once each way.
     pub(crate) fn outline(&self) -> Option<Brep> {
-        let mut polygons: Vec<(FacetKey, Vec<Vector3<f64>>)> = Vec::new();
+        let mut polygons = Vec::new();
         self.visit_boundary(|key, corners| polygons.push((key, corners.to_vec())));
-        let corners = polygons
-            .iter()
-            .flat_map(|(_, corners)| corners.iter().copied());
-        let welded = WeldedCorners::new(corners.collect());
-        let mut groups: BTreeMap<FacetKey, Group> = BTreeMap::new();
-        for (key, corners) in &polygons {
-            let group = groups.entry(*key).or_default();
-            let arm = |n: usize| corners[n] - corners[0];
-            let doubled: Vector3<f64> = (2..corners.len()).map(|n| arm(n - 1).cross(&arm(n))).sum();
-            if doubled.norm_squared() > group.largest.norm_squared() {
-                (group.largest, group.point) = (doubled, corners[0]);
-            }
-            group.doubled_area += doubled;
-            let numbers: Vec<u32> = corners.iter().filter_map(|at| welded.number(at)).collect();
-            let next = numbers.iter().cycle().skip(1);
-            for (from, to) in numbers.iter().zip(next).filter(|(from, to)| from != to) {
-                for pair in welded.along([*from, *to]).windows(2) {
-                    group.add_edge([pair[0], pair[1]]);
-                }
+        merged(&polygons)
+    }
+
+    /// The boundary of the part in a cone, in the same way.
+    pub(crate) fn cone_outline(&self, number: usize) -> Option<Brep> {
+        let mut polygons = Vec::new();
+        self.visit_cone(number, |key, fragment, _| {
+            polygons.push((key, fragment.corners.clone()));
+        });
+        merged(&polygons)
+    }
+}
+
+/// The solid with this boundary, the polygons of each facet merged.
+fn merged(polygons: &[(FacetKey, Vec<Vector3<f64>>)]) -> Option<Brep> {
+    let corners = polygons
+        .iter()
+        .flat_map(|(_, corners)| corners.iter().copied());
+    let welded = WeldedCorners::new(corners.collect());
+    let mut groups: BTreeMap<FacetKey, Group> = BTreeMap::new();
+    for (key, corners) in polygons {
+        let group = groups.entry(*key).or_default();
+        let arm = |n: usize| corners[n] - corners[0];
+        let doubled: Vector3<f64> = (2..corners.len()).map(|n| arm(n - 1).cross(&arm(n))).sum();
+        if doubled.norm_squared() > group.largest.norm_squared() {
+            (group.largest, group.point) = (doubled, corners[0]);
+        }
+        group.doubled_area += doubled;
+        let numbers: Vec<u32> = corners.iter().filter_map(|at| welded.number(at)).collect();
+        let next = numbers.iter().cycle().skip(1);
+        for (from, to) in numbers.iter().zip(next).filter(|(from, to)| from != to) {
+            for pair in welded.along([*from, *to]).windows(2) {
+                group.add_edge([pair[0], pair[1]]);
             }
         }
-        assemble(welded.places, groups)
     }
+    assemble(welded.places, groups)
 }
 
 /// The solid whose facets are the groups.

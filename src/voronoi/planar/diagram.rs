@@ -18,7 +18,7 @@
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use nalgebra::{Point2, Vector2};
+use nalgebra::{Point2, Point3, Vector2};
 use rayon::prelude::*;
 use thiserror::Error;
 use voronator::VoronoiDiagram;
@@ -30,7 +30,9 @@ use crate::domain::planar::PlaneDomain;
 use crate::geometry::half_plane::HalfPlane;
 use crate::geometry::label::Label;
 use crate::geometry::polygon::ConvexPolygon;
+use crate::voronoi::linf::cone::exact_displacement;
 use crate::voronoi::planar::grid::PlaneGrid;
+use crate::voronoi::planar::linf::PlaneLinfCell;
 
 /// How closely the areas of the cells must add up to the domain's, relative to it.
 const AREA_AGREES: f64 = 1e-13;
@@ -81,10 +83,10 @@ pub enum PlaneDiagramError {
 pub(crate) struct PlaneCell {
     /// The site.
     pub site: Point2<f64>,
-    /// The cell with the site as origin; where the domain is not convex, that in the box around it.
-    /// [`FacetKind`] reads the labels of its edges.
+    /// The cell with the site as origin; where the domain is not convex, that in the box around it. Of
+    /// L∞ cells it is the star-shaped outline in that box. [`FacetKind`] reads the labels of its edges.
     pub polygon: ConvexPolygon,
-    /// The cell's part in a domain that is not convex, unless that is all of it.
+    /// The cell's part in a domain that is not convex, unless that is all of it, and every L∞ cell.
     parts: Option<Vec<ConvexPolygon>>,
 }
 
@@ -127,10 +129,25 @@ impl PlaneDiagram {
         sites: &[Point2<f64>],
     ) -> Result<Self, PlaneDiagramError> {
         check(domain, sites)?;
+        if domain.has_linf_cells() {
+            return Ok(linf_diagram(domain, sites, false));
+        }
         let through_voronator = delaunay_neighbors(domain, sites)
             .map(|neighbors| cut_by_neighbors(domain, sites, &neighbors))
             .filter(|diagram| diagram.fills(domain));
         Ok(through_voronator.unwrap_or_else(|| cut_by_rings(domain, sites)))
+    }
+
+    /// The L∞ cells without what is equidistant to several sites.
+    ///
+    /// # Errors
+    /// As [`PlaneDiagram::new`].
+    pub(crate) fn untied(
+        domain: &PlaneDomain,
+        sites: &[Point2<f64>],
+    ) -> Result<Self, PlaneDiagramError> {
+        check(domain, sites)?;
+        Ok(linf_diagram(domain, sites, true))
     }
 
     /// Builds the diagram without `voronator`, by the bisectors of ever farther sites alone.
@@ -186,11 +203,54 @@ fn cut_by_rings(domain: &PlaneDomain, sites: &[Point2<f64>]) -> PlaneDiagram {
     }
 }
 
+/// The L∞ cells; `wins_ties` takes from all of them what they share.
+fn linf_diagram(domain: &PlaneDomain, sites: &[Point2<f64>], wins_ties: bool) -> PlaneDiagram {
+    let images = images(domain, sites);
+    let positions: Vec<_> = images.iter().map(|image| image.position).collect();
+    let grid = PlaneGrid::new(&positions);
+    let cell = |index: usize| {
+        let site = sites[index];
+        let (bounds, labels) = domain.box_about(&site, index as u32);
+        let mut cell = PlaneLinfCell::new(&bounds, labels);
+        for ring in 0..=grid.rings() {
+            if grid.distance(ring) > 2.0 * cell.reach() {
+                break;
+            }
+            for image in grid.ring(&site, ring).map(|other| &images[other]) {
+                if image.site != index {
+                    let [from, to] = [site, sites[image.site]].map(|p| Point3::new(p.x, p.y, 0.0));
+                    let by = shift(domain, image.image).push(0.0);
+                    let to_image = exact_displacement(&from, &to, &by).xy();
+                    let label = image.label();
+                    cell.add(&to_image, label, wins_ties || image.site < index);
+                }
+            }
+        }
+        let (polygon, parts) = cell.finish();
+        let parts = Some(domain.within(&site, parts));
+        PlaneCell {
+            site,
+            polygon,
+            parts,
+        }
+    };
+    PlaneDiagram {
+        cells: (0..sites.len()).into_par_iter().map(cell).collect(),
+    }
+}
+
 /// A site, or a copy of one by whole periods.
 struct SiteImage {
     position: Point2<f64>,
     site: usize,
     image: [i8; 3],
+}
+
+impl SiteImage {
+    fn label(&self) -> Label {
+        let (site, image) = (self.site as u32, self.image);
+        FacetKind::Neighbor { site, image }.label()
+    }
 }
 
 /// All sites, and their images one period away.
