@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use nalgebra::Point3;
 
-use crate::cli::failure::{Failure, print, write_file};
+use crate::cli::failure::{Failure, print, write_file, print_note};
 use crate::cli::mesh_report::{MeshLimit, MeshReport};
 use crate::cli::options::{Common, change, finite, given, length, named, space};
 use crate::cli::output::OutputRule;
@@ -264,7 +264,9 @@ fn mesh_of(
     let not_balls = mesh.check_closed().map_err(Failure::run)?;
     if let Some(first) = not_balls.first() {
         let count = not_balls.len();
-        eprintln!("note: {count} cells are no balls, the first: {first}; more sites mend that");
+        print_note(format!(
+            "{count} cells are no balls, the first: {first}; more sites mend that"
+        ));
     }
     Ok(mesh)
 }

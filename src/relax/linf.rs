@@ -20,7 +20,7 @@ use crate::geometry::moments::Moments;
 use crate::geometry::shell::Shell;
 use crate::relax::metrics::{ALIGNED, CellMetrics, FACET_SHARE};
 use crate::relax::relaxation_space::{CellCrowding, CellResult, EnergySpec, ObjectiveValue};
-use crate::voronoi::diagram::{Diagram, DiagramError};
+use crate::voronoi::diagram::{Diagram, DiagramError, StopFlag};
 use crate::voronoi::linf::cell::{LinfCell, Ties};
 
 /// The L∞ cells of sites in a domain.
@@ -28,6 +28,7 @@ use crate::voronoi::linf::cell::{LinfCell, Ties};
 pub(crate) struct LinfCells<'a> {
     pub(crate) domain: &'a dyn Domain,
     pub(crate) sites: &'a [Point3<f64>],
+    pub(crate) stop: &'a StopFlag,
 }
 
 /// Energy, p = 1 energy and gradient of one cell.
@@ -42,7 +43,7 @@ impl LinfCells<'_> {
         &self,
         of_cell: impl Fn(&mut Memory, &LinfCell<'_>) -> Answer + Sync,
     ) -> Result<Vec<Answer>, DiagramError> {
-        let diagram = Diagram::borrowed(self.domain, self.sites)?;
+        let diagram = Diagram::borrowed(self.domain, self.sites)?.with_stop(self.stop);
         diagram.map_linf(Ties::ToSmallerIndex, |memory, cell| of_cell(memory, &cell))
     }
 
@@ -111,7 +112,7 @@ impl LinfCells<'_> {
 
     /// The share of the domain's volume that is equidistant, equal in `f64`, to several sites.
     pub(crate) fn tied_volume(&self) -> Result<f64, DiagramError> {
-        let diagram = Diagram::borrowed(self.domain, self.sites)?;
+        let diagram = Diagram::borrowed(self.domain, self.sites)?.with_stop(self.stop);
         let untied = diagram.map_linf(Ties::Cut, |(): &mut (), cell| cell.volume())?;
         Ok((1.0 - untied.iter().sum::<f64>() / self.domain.volume()).max(0.0))
     }

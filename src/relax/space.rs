@@ -1,5 +1,8 @@
 //! Relaxation in space: the L2 or L∞ cells of a domain's sites, each with its own axes of distance.
 
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
 use nalgebra::{Point3, Vector3};
 use thiserror::Error;
 
@@ -23,7 +26,7 @@ use crate::relax::relaxation_space::{
     RelaxationSpace,
 };
 use crate::voronoi::cell::Cell;
-use crate::voronoi::diagram::{Diagram, DiagramError};
+use crate::voronoi::diagram::{Diagram, DiagramError, StopFlag};
 
 /// Why sites have no cells in a [`Space`].
 #[derive(Clone, Debug, Error, PartialEq)]
@@ -51,6 +54,7 @@ pub struct Space {
     frames: Frames,
     /// The distance in which a cell's points are nearest to its site.
     cells: Norm,
+    stop: StopFlag,
 }
 
 impl Space {
@@ -67,7 +71,15 @@ impl Space {
             domain,
             frames,
             cells: Norm::L2,
+            stop: None,
         }
+    }
+
+    /// The same space, in which work ends in an error soon after `flag` is raised.
+    #[must_use]
+    pub fn stop_by(self, flag: &Arc<AtomicBool>) -> Self {
+        let stop = Some(flag.clone());
+        Self { stop, ..self }
     }
 
     /// The same space with these frames.
@@ -106,8 +118,12 @@ impl Space {
 
     /// The L∞ cells of `sites`, if the space has such.
     fn linf<'a>(&'a self, sites: &'a [Point3<f64>]) -> Option<LinfCells<'a>> {
-        let domain = self.domain();
-        (self.cells == Norm::Linf).then_some(LinfCells { domain, sites })
+        let (domain, stop) = (self.domain(), &self.stop);
+        (self.cells == Norm::Linf).then_some(LinfCells {
+            domain,
+            sites,
+            stop,
+        })
     }
 
     /// The figures of `sites` in both tessellations, where the cells are L∞ cells.
@@ -214,7 +230,8 @@ impl Space {
             let sites = sites.len();
             return Err(SpaceError::Frames { frames, sites });
         }
-        Ok(Diagram::borrowed(self.domain(), sites)?.map(of_cell)?)
+        let diagram = Diagram::borrowed(self.domain(), sites)?;
+        Ok(diagram.with_stop(&self.stop).map(of_cell)?)
     }
 
     /// The same for cells that are prepared in their frames.
