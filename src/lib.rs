@@ -166,7 +166,9 @@ pub use crate::voronoi::check::CheckError;
 pub use crate::voronoi::diagram::{Diagram, DiagramError};
 
 #[cfg(feature = "cli")]
-pub use crate::cli::command::command_line;
+pub use crate::cli::command::{command_line, command_line_of};
+#[cfg(feature = "cli")]
+pub use crate::cli::embedding::{CallOutcome, call};
 
 /// The README's code compiles and runs.
 #[cfg(doctest)]

@@ -427,3 +427,44 @@ fn bores_are_listed_ready_for_the_axis() {
         2
     );
 }
+
+#[test]
+fn a_sine_is_found_and_read_back_by_mass() {
+    let dir = desk();
+    let spin = [
+        "spin", "l.off", "--axis", AXIS, "--basis", "cells:60", "--field", "sine", "--starts",
+        "60", "--json", "--out", "sine",
+    ];
+    let report = json(&dir.stdout(&spin));
+    assert!(number(&report["met"]) >= 1.0, "{report}");
+    assert!(number(&report["distance"]) < 1e-9, "{report}");
+    assert!(number(&report["angle_degrees"]) < 1e-6, "{report}");
+    let mass = json(&dir.stdout(&["mass", "l.off", "--density", "@sine/field.json", "--json"]));
+    let error = number(&mass["mass"]) / number(&report["mass"]) - 1.0;
+    assert!(error.abs() < 1e-9, "{error:e}");
+}
+
+/// The corners of every triangle apart by 1e-7, as exports of single precision have them.
+#[test]
+fn weld_closes_what_single_precision_left_open() {
+    let dir = desk();
+    let whole = prism();
+    let mut apart = SurfaceMesh::default();
+    for (number, corners) in whole.all_corners().enumerate() {
+        let first = apart.vertices.len() as u32;
+        let shift = Vector3::repeat(1e-7 * f64::from(number as u32 % 3));
+        apart.vertices.extend(corners.map(|corner| corner + shift));
+        apart.triangles.push([first, first + 1, first + 2]);
+    }
+    dir.write("apart.off", off(&apart));
+    let spin = ["--axis", AXIS, "--basis", "cells:60", "--json"];
+    for (command, options) in [("spin", &spin[..]), ("stand", &["--json"][..])] {
+        let open = dir.refusal(&[&[command, "apart.off"], options].concat());
+        assert!(open.contains("apart.off"), "{open}");
+        let weld = [&[command, "apart.off", "--weld", "1e-6"], options].concat();
+        let closed = json(&dir.stdout(&weld));
+        let plain = json(&dir.stdout(&[&[command, "l.off"], options].concat()));
+        let error = number(&closed["mass"]) / number(&plain["mass"]) - 1.0;
+        assert!(error.abs() < 1e-5, "{command}: {error:e}");
+    }
+}

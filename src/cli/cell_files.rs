@@ -5,7 +5,7 @@ use std::io::Write;
 
 use nalgebra::{Point, Point2, Point3};
 
-use crate::cli::failure::write_file;
+use crate::cli::failure::{print_note, write_file};
 use crate::complex::assemble::assemble_whole;
 use crate::complex::linf_mesh::linf_mesh;
 use crate::domain::facet_kind::FacetKind;
@@ -203,9 +203,9 @@ impl Space {
         directory: &RunDirectory,
     ) -> Result<bool, Box<dyn Error>> {
         if sites.len() > MOST_SHARED {
-            eprintln!(
-                "note: in cells.vtu each of more than {MOST_SHARED} cells has its own points"
-            );
+            print_note(format!(
+                "in cells.vtu each of more than {MOST_SHARED} cells has its own points"
+            ));
             return Ok(false);
         }
         if self.cells() == Norm::Linf && sites.len() > MOST_SHARED_LINF {

@@ -1,5 +1,6 @@
 //! The command `chebloyd`: its arguments, its subcommands, its exit code.
 
+use std::ffi::OsString;
 use std::io::Write;
 use std::process::ExitCode;
 
@@ -17,7 +18,7 @@ use crate::cli::{
 /// Exit codes: 0 done, 1 the run failed, 2 bad input or usage, 130 interrupted (by SIGTERM 143).
 #[derive(Debug, Parser)]
 #[command(name = "chebloyd", version, propagate_version = true)]
-struct Arguments {
+pub(crate) struct Arguments {
     #[command(flatten)]
     common: Common,
     #[command(subcommand)]
@@ -48,22 +49,32 @@ enum Command {
 /// code.
 #[must_use]
 pub fn command_line() -> ExitCode {
-    let ran = cpu_features::check().and_then(|()| run(&Arguments::parse()));
+    ExitCode::from(command_line_of(std::env::args_os()))
+}
+
+/// As [`command_line`], of these arguments, of which the first is the program's name. Help and wrong usage
+/// end the process.
+#[must_use]
+pub fn command_line_of(arguments: impl IntoIterator<Item = OsString>) -> u8 {
+    let ran = cpu_features::check().and_then(|()| {
+        let arguments = Arguments::parse_from(arguments);
+        set_threads(arguments.common)?;
+        run(&arguments)
+    });
     match ran {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(failure @ Failure::Interrupted(_)) => failure.exit_code(),
+        Ok(()) => 0,
+        Err(failure @ Failure::Interrupted(_)) => failure.code(),
         Err(failure) => {
             // Where stderr is closed the exit code alone remains.
             let _ = writeln!(std::io::stderr(), "error: {failure}");
-            failure.exit_code()
+            failure.code()
         }
     }
 }
 
 /// Runs the command that `arguments` name.
-fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let common = arguments.common;
-    set_threads(common)?;
     match &arguments.command {
         Command::Relax(options) => relax::run(options, common),
         Command::Measure(options) => measure::run(options),

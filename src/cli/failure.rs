@@ -1,10 +1,12 @@
 //! Failures with their exit codes, results on standard output, and files written whole.
 
+use std::cell::RefCell;
 use std::fmt;
 use std::fs::File;
 use std::io::{self, BufWriter, ErrorKind, Write};
 use std::path::Path;
-use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 use serde::Serialize;
 
@@ -30,11 +32,11 @@ impl Failure {
         Self::Run(error.to_string())
     }
 
-    pub(crate) fn exit_code(&self) -> ExitCode {
+    pub(crate) fn code(&self) -> u8 {
         match self {
-            Self::Run(_) => ExitCode::from(1),
-            Self::Input(_) => ExitCode::from(2),
-            Self::Interrupted(code) => ExitCode::from(*code),
+            Self::Run(_) => 1,
+            Self::Input(_) => 2,
+            Self::Interrupted(code) => *code,
         }
     }
 }
@@ -48,8 +50,42 @@ impl fmt::Display for Failure {
     }
 }
 
+/// The program within which a command is called: it takes what would be printed, and signals are its own.
+#[derive(Debug, Default)]
+pub(crate) struct Host {
+    pub(crate) output: Vec<u8>,
+    pub(crate) notes: Vec<String>,
+    /// Raised to end a run.
+    pub(crate) stop: Arc<AtomicBool>,
+}
+
+thread_local! {
+    /// The host of the command that runs in this thread, if it has one.
+    pub(crate) static HOST: RefCell<Option<Host>> = const { RefCell::new(None) };
+}
+
+/// Lets the host, if there is one, take something.
+fn hosted(take: impl FnOnce(&mut Host)) -> bool {
+    HOST.with_borrow_mut(|host| host.as_mut().map(take).is_some())
+}
+
+/// The host's flag that ends a run.
+pub(crate) fn host_stop() -> Option<Arc<AtomicBool>> {
+    HOST.with_borrow(|host| host.as_ref().map(|host| host.stop.clone()))
+}
+
+/// Prints a note on stderr.
+pub(crate) fn print_note(note: impl fmt::Display) {
+    if !hosted(|host| host.notes.push(note.to_string())) {
+        eprintln!("note: {note}");
+    }
+}
+
 /// Prints `bytes` on standard output. A reader that has left (`| head`) is no failure.
 pub(crate) fn print(bytes: impl AsRef<[u8]>) -> Result<(), Failure> {
+    if hosted(|host| host.output.extend_from_slice(bytes.as_ref())) {
+        return Ok(());
+    }
     let mut stdout = io::stdout().lock();
     let printed = stdout
         .write_all(bytes.as_ref())

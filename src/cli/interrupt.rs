@@ -10,7 +10,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
 
-use crate::cli::failure::Failure;
+use crate::cli::failure::{Failure, host_stop};
 
 /// What is added to a signal's number in the exit code.
 const EXIT: i32 = 128;
@@ -22,6 +22,8 @@ pub(crate) struct Interrupt {
     signal: Arc<AtomicUsize>,
     /// Whether the next signal ends the process.
     is_final: Arc<AtomicBool>,
+    /// The flag of the program within which the run is called, whose signals are its own.
+    host: Option<Arc<AtomicBool>>,
 }
 
 impl Interrupt {
@@ -30,7 +32,11 @@ impl Interrupt {
         let interrupt = Self {
             signal: Arc::default(),
             is_final: Arc::new(AtomicBool::new(true)),
+            host: host_stop(),
         };
+        if interrupt.host.is_some() {
+            return Ok(interrupt);
+        }
         for signal in signals() {
             interrupt.register(signal).map_err(|error| {
                 Failure::run(format!("cannot listen for signal {signal}: {error}"))
@@ -56,6 +62,10 @@ impl Interrupt {
 
     /// The exit code of a run that a signal has ended; none while there was no signal.
     pub(crate) fn exit_code(&self) -> Option<u8> {
+        let host = self.host.as_ref();
+        if host.is_some_and(|flag| flag.load(Ordering::Relaxed)) {
+            return u8::try_from(EXIT + SIGINT).ok();
+        }
         match self.signal.load(Ordering::SeqCst) {
             0 => None,
             signal => u8::try_from(EXIT as usize + signal).ok(),

@@ -2,7 +2,7 @@
 
 use nalgebra::Point3;
 
-use crate::cli::failure::Failure;
+use crate::cli::failure::{Failure, print_note};
 use crate::complex::assemble::assemble;
 use crate::complex::collapse::collapse;
 use crate::complex::edit_mesh::EditMesh;
@@ -77,7 +77,7 @@ pub(crate) fn mesh_cells(
     let not_balls = mesh.check_closed().map_err(Failure::run)?;
     if let Some(first) = not_balls.first() {
         let count = not_balls.len();
-        eprintln!("note: {count} cells are no balls, the first: {first}; more sites mend that");
+        print_note(format!("{count} cells are no balls, the first: {first}; more sites mend that"));
     }
     let share = meshing.collapse.unwrap_or(0.0);
     if share > 0.0 {

@@ -7,6 +7,7 @@ pub(crate) mod command;
 pub(crate) mod cpu_features;
 pub(crate) mod density_files;
 mod describe;
+pub(crate) mod embedding;
 pub(crate) mod failure;
 mod fragment_part;
 pub(crate) mod fragments;

@@ -9,7 +9,7 @@ use nalgebra::Point;
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
-use crate::cli::failure::Failure;
+use crate::cli::failure::{Failure, print_note};
 use crate::mesh::formats::unpack::STANDARD_INPUT;
 use crate::relax::space::Space;
 use crate::scene::description::Scene;
@@ -223,7 +223,7 @@ fn rows<const D: usize>(
 /// Prints notes on stderr.
 pub(crate) fn print_notes(notes: &[String]) {
     for note in notes {
-        eprintln!("note: {note}");
+        print_note(note);
     }
 }
 

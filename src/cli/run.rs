@@ -9,7 +9,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use nalgebra::Point;
 
 use crate::cli::cell_files::DrawCells;
-use crate::cli::failure::{Failure, print, write_file};
+use crate::cli::failure::{Failure, print, print_note, write_file};
 use crate::cli::identity::{identity, of_scene, of_sites};
 use crate::cli::interrupt::Interrupt;
 use crate::cli::options::{Common, print_notes};
@@ -147,10 +147,10 @@ impl<'a, const D: usize, S: DrawCells<D>> FiledRun<'a, D, S> {
         let missing = directory.log().rewind(&kept.record);
         let missing = missing.map_err(Failure::input)?;
         if missing > 0 {
-            eprintln!(
-                "note: log.jsonl lacks {missing} of the {done} records before iteration {done}; the \
-                 run goes on from its checkpoint"
-            );
+            print_note(format!(
+                "log.jsonl lacks {missing} of the {done} records before iteration {done}; the run goes \
+                 on from its checkpoint"
+            ));
         }
         Ok(checkpoint)
     }

@@ -14,7 +14,7 @@ use crate::cli::mass_report::{AxisMoment, axis, positive};
 use crate::cli::modifiers::{
     ModifiersReport, modifier_count, modifier_files, weigh_bodies, write_modifiers,
 };
-use crate::cli::options::Common;
+use crate::cli::options::{Common, length};
 use crate::cli::output::OutputRule;
 use crate::cli::spin_bores::find_bores;
 use crate::cli::spin_files::{SpinFiles, spin_files};
@@ -88,13 +88,16 @@ pub(crate) struct SpinOptions {
     #[arg(long, value_name = "sine", value_parser = ["sine"], conflicts_with_all = [
         "range", "prefer", "stable", "mass", "moment", "center_at", "modifiers"])]
     field: Option<String>,
-    /// How many starts
+    /// How many starts: the best sixteenth of so many places drawn
     #[arg(long, value_name = "N", requires = "field", default_value = "400",
           value_parser = clap::value_parser!(u32).range(1..=100_000))]
     starts: u32,
     /// The seed of the cells' sites, and of the starts
     #[arg(long, value_name = "S", default_value = "1")]
     seed: u64,
+    /// Merge vertices of an open mesh up to L apart, in the file's unit [default: 1e-12 of its box]
+    #[arg(long, value_name = "L", value_parser = length)]
+    weld: Option<f64>,
     /// Write the field (field.json), report.json, log.jsonl and, of cells and vertices, density.vtu and
     /// the picture of a cut along the axis there
     #[arg(long, value_name = "DIR")]
@@ -114,7 +117,7 @@ pub(crate) struct SpinOptions {
 pub(crate) fn run(options: &SpinOptions, common: Common) -> Result<(), Failure> {
     let range = options.given_range()?;
     options.check_outputs()?;
-    let solid = SpinSolid::read(&options.files)?;
+    let solid = SpinSolid::read(&options.files, options.weld)?;
     let Some(given) = options.axis()? else {
         return find_bores(&solid, options.json, common);
     };

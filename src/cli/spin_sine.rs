@@ -15,11 +15,17 @@ use crate::cli::options::Common;
 use crate::cli::spin_solid::{SpinElements, SpinSolid};
 use crate::domain::shape::DomainShape;
 use crate::geometry::moments::Moments;
+use crate::integrals::adaptive::{halved, longest_edge};
 use crate::integrals::sine_jet::sine_jet;
+use crate::mesh::surface::SurfaceMesh;
 use crate::scene::field_file::{FieldBounds, FieldDensity, FieldFile};
 
 /// Gauss nodes along a triangle for the figures that are printed.
 const NODES: usize = 5;
+
+/// Surfaces are split to edges of this share of the solid's diagonal: with 5 nodes along an edge the fastest
+/// sine that is tried has its integrals to 1e-12.
+const EDGE_SHARE: f64 = 1.0 / 40.0;
 
 /// How the command was called.
 #[derive(Clone, Copy, Debug)]
@@ -74,15 +80,16 @@ pub(crate) fn run(
     common: Common,
 ) -> Result<(), Failure> {
     let (axis, conditions) = (wish.axis, wish.conditions());
+    let surface = split(solid.domain.surface());
     let problem = SineProblem {
-        surface: solid.domain.surface(),
+        surface: &surface,
         moments: elements.moments(),
         origin: axis.through,
         conditions: &conditions,
     };
     let fit = problem.fit(options.starts, options.seed);
     let state = fit.field.map(|field| {
-        let moments = weigh(solid, &field, &axis.through);
+        let moments = weigh(&surface, &field, &axis.through);
         SpinState::of(&moments, solid.domain.volume(), 1.0, &axis)
     });
     let report = SineReport::new(&fit, state.as_ref(), native, options.starts);
@@ -105,9 +112,25 @@ pub(crate) fn run(
     }
 }
 
+/// The same surface, of triangles that are small against any sine.
+fn split(surface: &SurfaceMesh) -> SurfaceMesh {
+    let most = (EDGE_SHARE * surface.bounds().extent().norm()).powi(2);
+    let mut triangles: Vec<_> = surface.all_corners().collect();
+    let mut fine = SurfaceMesh::default();
+    while let Some(corners) = triangles.pop() {
+        if longest_edge(&corners).1 > most {
+            triangles.extend(halved(&corners));
+            continue;
+        }
+        let first = fine.vertices.len() as u32;
+        fine.vertices.extend(corners);
+        fine.triangles.push([first, first + 1, first + 2]);
+    }
+    fine
+}
+
 /// The moments of a field, measured from `origin`.
-fn weigh(solid: &SpinSolid, field: &SineField, origin: &Point3<f64>) -> Moments {
-    let surface = solid.domain.surface();
+fn weigh(surface: &SurfaceMesh, field: &SineField, origin: &Point3<f64>) -> Moments {
     let (vertices, triangles) = (&surface.vertices, &surface.triangles);
     let jet = sine_jet(vertices, triangles, &field.point, field.k, NODES);
     jet.volume.translated(&(field.point - origin))

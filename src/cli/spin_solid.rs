@@ -10,7 +10,7 @@ use crate::cli::failure::Failure;
 use crate::domain::tri_surface::solid::SurfaceSolid;
 use crate::geometry::moments::Moments;
 use crate::integrals::mesh_moments::constant;
-use crate::mesh::formats::read::load;
+use crate::mesh::formats::read::load_within;
 use crate::mesh::surface::SurfaceMesh;
 use crate::mesh::validate::{Solid, validate_surface};
 use crate::relax::method::Method;
@@ -111,11 +111,11 @@ impl SpinElements {
 }
 
 impl SpinSolid {
-    /// The solid of all files together.
-    pub(crate) fn read(files: &[PathBuf]) -> Result<Self, Failure> {
+    /// The solid of all files together; vertices up to `weld` apart (L) are merged in open ones.
+    pub(crate) fn read(files: &[PathBuf], weld: Option<f64>) -> Result<Self, Failure> {
         let solids: Vec<Solid> = files
             .iter()
-            .map(|file| load(file).map_err(Failure::input))
+            .map(|file| load_within(file, weld.unwrap_or(0.0)).map_err(Failure::input))
             .collect::<Result<_, _>>()?;
         let mut notes = Vec::new();
         for (file, solid) in files.iter().zip(&solids) {
@@ -133,7 +133,7 @@ impl SpinSolid {
         };
         let domain = SurfaceSolid::new(surface).map_err(Failure::input)?;
         let scene_domain = match (&solids[..], files) {
-            ([solid], [file]) => Some(scene_domain(solid, file)?),
+            ([solid], [file]) => Some(scene_domain(solid, file, weld)?),
             _ => None,
         };
         let solid = match <[Solid; 1]>::try_from(solids) {
@@ -217,14 +217,18 @@ fn united(solids: &[Solid]) -> Result<Solid, String> {
 }
 
 /// The domain of a file, by its full path.
-fn scene_domain(solid: &Solid, file: &std::path::Path) -> Result<SceneDomain, Failure> {
+fn scene_domain(
+    solid: &Solid,
+    file: &std::path::Path,
+    weld: Option<f64>,
+) -> Result<SceneDomain, Failure> {
     let full = file
         .canonicalize()
         .map_err(|error| Failure::input(format!("cannot find {}: {error}", file.display())))?;
     let mesh = MeshDomain {
         file: full,
         scale_to: None,
-        weld: None,
+        weld,
     };
     Ok(match solid {
         Solid::Surface(..) => SceneDomain::Surface(mesh),

@@ -15,13 +15,13 @@ use crate::cli::failure::{Failure, print};
 use crate::cli::mass_notes::notes_of_parts;
 use crate::cli::mass_report::positive;
 use crate::cli::modifiers::{ModifiersReport, modifier_count, modifier_files, write_modifiers};
-use crate::cli::options::Common;
+use crate::cli::options::{Common, length};
 use crate::cli::output::OutputRule;
 use crate::cli::spin::density_range;
 use crate::cli::stand_files::{StandFiles, stand_files};
 use crate::cli::stand_report::{StandBody, StandReport};
 use crate::cli::stand_text::{Coordinates, ground_point, point, polygon_on, target, up};
-use crate::mesh::formats::read::load;
+use crate::mesh::formats::read::load_within;
 use crate::mesh::surface::SurfaceMesh;
 use crate::mesh::validate::Solid;
 
@@ -71,6 +71,9 @@ pub(crate) struct StandOptions {
     /// Which of the densities that stand
     #[arg(long, value_enum, default_value = "least-variance")]
     goal: Goal,
+    /// Merge vertices of an open mesh up to L apart, in the file's unit [default: 1e-12 of its box]
+    #[arg(long, value_name = "L", value_parser = length)]
+    weld: Option<f64>,
     /// Write field.json, report.json, log.jsonl, density.vtu and a picture of a cut there
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -111,7 +114,7 @@ pub(crate) fn run(options: &StandOptions, common: Common) -> Result<(), Failure>
     let solids = options
         .files
         .iter()
-        .map(|file| load(file).map_err(Failure::input))
+        .map(|file| load_within(file, options.weld.unwrap_or(0.0)).map_err(Failure::input))
         .collect::<Result<Vec<_>, _>>()?;
     let surfaces: Vec<SurfaceMesh> = solids.iter().map(boundary).collect();
     let plan = options.plan(&surfaces)?;

@@ -174,7 +174,7 @@ impl From<Piece<'_>> for Shell {
 }
 
 /// A facet's corners by their welded vertices, without repetitions.
-fn welded_ring(
+pub(crate) fn welded_ring(
     welded: &[u32],
     facet: usize,
     corners: impl IntoIterator<Item = u32>,
@@ -197,7 +197,7 @@ fn welded_ring(
 }
 
 /// For every vertex the first one (along x) that lies at the same place.
-fn weld(vertices: &[Point3<f64>]) -> Vec<u32> {
+pub(crate) fn weld(vertices: &[Point3<f64>]) -> Vec<u32> {
     let reach = WELD * Bounds::of(vertices).extent().max();
     let mut order: Vec<u32> = (0..vertices.len() as u32).collect();
     order.sort_by(|a, b| vertices[*a as usize].x.total_cmp(&vertices[*b as usize].x));

@@ -2,7 +2,8 @@
 //! small.
 //!
 //! Every piece has two estimates, of a rule and of a lower one; their difference counts as the error of
-//! the better one, or a share of what halving changed, if that is more. Errors add without regard to sign. Pieces are halved in rounds, all that have to be
+//! the better one, or a share of what halving changed, if that is more. Errors add without regard to sign, or,
+//! of densities with kinks, as [`Signs::Independent`] says. Pieces are halved in rounds, all that have to be
 //! in parallel, and sums run in the pieces' order: the bits do not depend on the number of threads.
 
 use nalgebra::{Point3, Vector3};
@@ -57,6 +58,33 @@ impl MomentErrors {
             mass: self.mass.max(other.mass),
             first: self.first.max(other.first),
             inertia: self.inertia.max(other.inertia),
+        }
+    }
+
+    /// The squares of each.
+    fn squared(&self) -> Self {
+        Self {
+            mass: self.mass * self.mass,
+            first: self.first * self.first,
+            inertia: self.inertia * self.inertia,
+        }
+    }
+
+    /// The square roots of each.
+    fn rooted(&self) -> Self {
+        Self {
+            mass: self.mass.sqrt(),
+            first: self.first.sqrt(),
+            inertia: self.inertia.sqrt(),
+        }
+    }
+
+    /// The smaller ones.
+    fn or_less(&self, other: &Self) -> Self {
+        Self {
+            mass: self.mass.min(other.mass),
+            first: self.first.min(other.first),
+            inertia: self.inertia.min(other.inertia),
         }
     }
 
@@ -121,7 +149,34 @@ fn share(error: f64, size: f64) -> f64 {
 pub(crate) struct Estimate {
     pub(crate) moments: Moments,
     pub(crate) errors: MomentErrors,
+    /// What the errors were taken from: one estimate less another, with signs.
+    pub(crate) difference: Moments,
 }
+
+impl Estimate {
+    /// The better of two estimates; their difference counts as its error.
+    pub(crate) fn of_pair(better: Moments, lower: &Moments) -> Self {
+        Self {
+            moments: better,
+            errors: MomentErrors::between(&better, lower),
+            difference: better + *lower * -1.0,
+        }
+    }
+}
+
+/// How the errors of pieces add up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Signs {
+    /// As if all had one sign: Σ|η|, the bound for smooth densities.
+    Unknown,
+    /// |Σ η| + 6 √Σ η², or Σ|η| where that is less. A kink crosses every piece elsewhere, so errors that are
+    /// not common to all pieces, which |Σ η| holds, have signs of their own, and the sum of N is about √N of
+    /// them; six times that leaves room for neighbors whose errors go together.
+    Independent,
+}
+
+/// How many standard deviations of a sum of errors are taken for its bound.
+const DEVIATIONS: f64 = 6.0;
 
 /// The result of [`integrate`].
 #[derive(Clone, Copy, Debug)]
@@ -146,6 +201,8 @@ pub(crate) struct Goal {
     pub(crate) extent: f64,
     /// The most pieces.
     pub(crate) most: usize,
+    /// How errors add up.
+    pub(crate) signs: Signs,
 }
 
 /// The share of the tolerance that pieces which are not halved may have together.
@@ -165,7 +222,7 @@ pub(crate) fn integrate<P: AdaptivePiece>(
     }
     let mut estimates: Vec<Estimate> = pieces.par_iter().map(estimate).collect();
     loop {
-        let sum = total(&estimates);
+        let sum = total(&estimates, goal.signs);
         let scales = Scales::of(&sum.moments, goal.extent);
         let relative = scales.relative(&sum.errors);
         let is_number = sum.moments.ten().iter().all(|value| value.is_finite());
@@ -202,10 +259,21 @@ const CHANGE: f64 = 0.5;
 /// Halves whose errors are at least a share of how much halving changed their sum.
 fn with_change<P>(halves: [(P, Estimate); 2], whole: &Estimate) -> [(P, Estimate); 2] {
     let sum = halves[0].1.moments + halves[1].1.moments;
-    let change = MomentErrors::between(&sum, &whole.moments).times(CHANGE);
+    let change = Estimate::of_pair(sum, &whole.moments);
+    let errors = change.errors.times(CHANGE);
     halves.map(|(part, own)| {
-        let errors = own.errors.or_more(&change);
-        (part, Estimate { errors, ..own })
+        let is_more = errors.mass > own.errors.mass;
+        let difference = match is_more {
+            true => change.difference * CHANGE,
+            false => own.difference,
+        };
+        let errors = own.errors.or_more(&errors);
+        let changed = Estimate {
+            errors,
+            difference,
+            ..own
+        };
+        (part, changed)
     })
 }
 
@@ -216,11 +284,16 @@ fn worst(estimates: &[Estimate], scales: &Scales, goal: &Goal) -> Vec<u32> {
         .map(|(estimate, place)| (scales.relative(&estimate.errors), place))
         .collect();
     ranked.par_sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
-    let mut rest: f64 = ranked.iter().map(|(error, _)| error).sum();
+    let allowed = LEFT * goal.tolerance;
+    let (weight, allowed): (fn(f64) -> f64, f64) = match goal.signs {
+        Signs::Unknown => (|error| error, allowed),
+        Signs::Independent => (|error| error * error, (allowed / DEVIATIONS).powi(2)),
+    };
+    let mut rest: f64 = ranked.iter().map(|(error, _)| weight(*error)).sum();
     let room = goal.most - estimates.len();
     let taken = ranked.iter().take(room).take_while(|(error, _)| {
-        let is_needed = rest > LEFT * goal.tolerance;
-        rest -= error;
+        let is_needed = rest > allowed;
+        rest -= weight(*error);
         is_needed
     });
     let mut places: Vec<u32> = taken.map(|(_, place)| *place).collect();
@@ -234,21 +307,44 @@ fn worst(estimates: &[Estimate], scales: &Scales, goal: &Goal) -> Vec<u32> {
 /// Pieces that are added one after the other before sums are added.
 const RUN: usize = 256;
 
-fn total(estimates: &[Estimate]) -> Estimate {
-    let add = |sum: Estimate, next: &Estimate| Estimate {
-        moments: sum.moments + next.moments,
-        errors: sum.errors.plus(&next.errors),
+/// The sum of estimates, its errors as their signs allow.
+fn total(estimates: &[Estimate], signs: Signs) -> Estimate {
+    let add = |(sum, squares): (Estimate, MomentErrors), next: &Estimate| {
+        let squares = squares.plus(&next.errors.squared());
+        (joined(&sum, next), squares)
     };
-    let mut sums: Vec<Estimate> = (estimates.par_chunks(RUN))
-        .map(|run| run.iter().fold(Estimate::default(), add))
+    let mut sums: Vec<(Estimate, MomentErrors)> = (estimates.par_chunks(RUN))
+        .map(|run| run.iter().fold(Default::default(), add))
         .collect();
     while sums.len() > 1 {
         let pairs = sums.chunks(2);
         sums = pairs
-            .map(|pair| pair.iter().fold(Estimate::default(), add))
+            .map(|pair| {
+                let rest = pair[1..].iter();
+                rest.fold(pair[0], |(sum, squares), (next, more)| {
+                    (joined(&sum, next), squares.plus(more))
+                })
+            })
             .collect();
     }
-    sums.pop().unwrap_or_default()
+    let (sum, squares) = sums.pop().unwrap_or_default();
+    match signs {
+        Signs::Unknown => sum,
+        Signs::Independent => {
+            let common = MomentErrors::between(&sum.difference, &Moments::default());
+            let likely = common.plus(&squares.rooted().times(DEVIATIONS));
+            let errors = sum.errors.or_less(&likely);
+            Estimate { errors, ..sum }
+        }
+    }
+}
+
+fn joined(one: &Estimate, other: &Estimate) -> Estimate {
+    Estimate {
+        moments: one.moments + other.moments,
+        errors: one.errors.plus(&other.errors),
+        difference: one.difference + other.difference,
+    }
 }
 
 /// Adds `weight` at `place` to moments.

@@ -8,7 +8,7 @@ use nalgebra::Point3;
 
 use crate::geometry::moments::Moments;
 use crate::integrals::adaptive::{
-    AdaptivePiece, Estimate, MomentErrors, add_mass, gauss_legendre, halved, longest_edge,
+    AdaptivePiece, Estimate, add_mass, gauss_legendre, halved, longest_edge,
 };
 
 /// The part of a cone between two values of τ; signed as its corners turn.
@@ -142,10 +142,7 @@ impl ConeRules {
         mut density: impl FnMut(&Point3<f64>) -> f64,
     ) -> Estimate {
         let both = (self.rules.each_ref()).map(|rule| rule.moments(piece, origin, &mut density));
-        Estimate {
-            moments: both[0],
-            errors: MomentErrors::between(&both[0], &both[1]),
-        }
+        Estimate::of_pair(both[0], &both[1])
     }
 
     /// The first node of a piece at which the density is no finite number, and the density there.

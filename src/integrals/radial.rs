@@ -66,10 +66,11 @@ impl Radial {
         let arm = self.point - origin;
         integrate(pieces, goal, &|piece: &RadialPiece| {
             let both = rules.each_ref().map(|rule| self.over(piece, rule));
-            let errors = MomentErrors::between(&both[0], &both[1]);
+            let errors = MomentErrors::between(&both[0], &both[1]).moved(arm.norm());
+            let [better, lower] = both.map(|moments| moments.translated(&arm));
             Estimate {
-                moments: both[0].translated(&arm),
-                errors: errors.moved(arm.norm()),
+                errors,
+                ..Estimate::of_pair(better, &lower)
             }
         })
     }

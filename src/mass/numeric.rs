@@ -8,7 +8,9 @@ use rayon::prelude::*;
 
 use crate::geometry::bounds::Bounds;
 use crate::geometry::moments::Moments;
-use crate::integrals::adaptive::{AdaptiveIntegral, Estimate, Goal, MomentErrors, integrate};
+use crate::integrals::adaptive::{
+    AdaptiveIntegral, Estimate, Goal, MomentErrors, Signs, integrate,
+};
 use crate::integrals::cone_rule::{ConePiece, ConeRules};
 use crate::integrals::expression::Expression;
 use crate::integrals::mesh_moments::at_vertices;
@@ -180,6 +182,15 @@ fn default_tolerance(density: &Expression) -> f64 {
     }
 }
 
+/// The distance to a surface has kinks at the places that have two nearest points.
+fn signs(density: &Expression) -> Signs {
+    if density.uses_distance() {
+        Signs::Independent
+    } else {
+        Signs::Unknown
+    }
+}
+
 /// A formula with the distance to a solid's surface, where it uses that.
 #[derive(Clone, Debug)]
 pub(crate) struct FormulaField {
@@ -211,7 +222,11 @@ fn by_cones(
 ) -> Result<(AdaptiveIntegral, Point3<f64>, usize), NumericError> {
     let field = FormulaField::new(density, || boundary(solid));
     let (bounds, pieces) = cones(solid);
-    let (near, goal) = start(&bounds, tolerance, pieces.len());
+    let (near, smooth) = start(&bounds, tolerance, pieces.len());
+    let goal = Goal {
+        signs: signs(density),
+        ..smooth
+    };
     let rules = ConeRules::new();
     let estimate = |piece: &ConePiece| -> Estimate {
         let mut hint = first_hint(solid, piece);
@@ -274,6 +289,7 @@ fn start(bounds: &Bounds<3>, tolerance: f64, pieces: usize) -> (Point3<f64>, Goa
         tolerance,
         extent: bounds.extent().norm(),
         most: MOST_PIECES + 2 * pieces,
+        signs: Signs::Unknown,
     };
     (bounds.center(), goal)
 }

@@ -21,7 +21,7 @@ use crate::geometry::shell::Shell;
 use crate::relax::linf_cell::{LinfCellInDomain, LinfCellMemory, LinfTerms, visit_tetrahedra};
 use crate::relax::metrics::CellMetrics;
 use crate::relax::relaxation_space::{CellCrowding, CellResult, EnergySpec, ObjectiveValue};
-use crate::voronoi::diagram::{Diagram, DiagramError};
+use crate::voronoi::diagram::{Diagram, DiagramError, StopFlag};
 use crate::voronoi::linf::cell::{LinfCell, Ties};
 
 /// The L∞ cells of sites in a domain, both in a frame's coordinates.
@@ -31,6 +31,7 @@ pub(crate) struct LinfCells<'a> {
     sites: Cow<'a, [Point3<f64>]>,
     /// The frame; none for the axes of space.
     frame: Option<Rotation3<f64>>,
+    stop: StopFlag,
 }
 
 impl<'a> LinfCells<'a> {
@@ -40,6 +41,7 @@ impl<'a> LinfCells<'a> {
             domain,
             sites: Cow::Borrowed(sites),
             frame: None,
+            stop: None,
         }
     }
 
@@ -54,7 +56,18 @@ impl<'a> LinfCells<'a> {
             domain: turned,
             sites: Cow::Owned(sites.iter().map(|site| back * site).collect()),
             frame: Some(frame),
+            stop: None,
         }
+    }
+
+    /// The same cells, whose work ends when a flag is raised.
+    pub(crate) fn with_stop(self, stop: &StopFlag) -> Self {
+        let stop = stop.clone();
+        Self { stop, ..self }
+    }
+
+    fn diagram(&self) -> Result<Diagram<'_>, DiagramError> {
+        Ok(Diagram::borrowed(self.domain, &self.sites)?.with_stop(&self.stop))
     }
 
     fn map<Answer: Send>(
@@ -62,7 +75,7 @@ impl<'a> LinfCells<'a> {
         ties: Ties,
         of_cell: impl Fn(&mut LinfCellInDomain<'_, '_>) -> Answer + Sync,
     ) -> Result<Vec<Answer>, DiagramError> {
-        let diagram = Diagram::borrowed(self.domain, &self.sites)?;
+        let diagram = self.diagram()?;
         diagram.map_linf(ties, |memory: &mut LinfCellMemory, cell| {
             of_cell(&mut LinfCellInDomain::new(self.domain, &cell, memory))
         })
@@ -83,7 +96,7 @@ impl<'a> LinfCells<'a> {
         kept: impl Fn(Shell) -> T + Sync,
         take: impl FnMut(usize, T) -> Result<(), Failure>,
     ) -> Result<(), Failure> {
-        let diagram = Diagram::borrowed(self.domain, &self.sites)?;
+        let diagram = self.diagram()?;
         let in_space = |shell: Shell| match &self.frame {
             Some(frame) => shell.rotated(frame),
             None => shell,

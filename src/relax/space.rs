@@ -1,5 +1,8 @@
 //! Relaxation in space: the L2 or L∞ cells of a domain's sites, each with its own axes of distance.
 
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
 use nalgebra::{Point3, Vector3};
 use thiserror::Error;
 
@@ -24,7 +27,7 @@ use crate::relax::relaxation_space::{
     RelaxationSpace,
 };
 use crate::voronoi::cell::Cell;
-use crate::voronoi::diagram::{Diagram, DiagramError};
+use crate::voronoi::diagram::{Diagram, DiagramError, StopFlag};
 
 /// Why sites have no cells in a [`Space`].
 #[derive(Clone, Debug, Error, PartialEq)]
@@ -54,6 +57,7 @@ pub struct Space {
     cells: Norm,
     /// The domain in the frame of L∞ cells, if they have one.
     turned: Option<ConvexPolyhedron>,
+    stop: StopFlag,
 }
 
 impl Space {
@@ -71,7 +75,15 @@ impl Space {
             frames,
             cells: Norm::L2,
             turned: None,
+            stop: None,
         }
+    }
+
+    /// The same space, in which work ends in an error soon after `flag` is raised.
+    #[must_use]
+    pub fn stop_by(self, flag: &Arc<AtomicBool>) -> Self {
+        let stop = Some(flag.clone());
+        Self { stop, ..self }
     }
 
     /// The same space with these frames.
@@ -126,7 +138,7 @@ impl Space {
             (Frames::One(frame), Some(turned)) => LinfCells::in_frame(turned, sites, *frame),
             _ => LinfCells::new(self.domain(), sites),
         };
-        (self.cells == Norm::Linf).then_some(cells)
+        (self.cells == Norm::Linf).then(|| cells.with_stop(&self.stop))
     }
 
     /// The figures of `sites` in both tessellations, where the cells are L∞ cells.
@@ -234,7 +246,8 @@ impl Space {
             let sites = sites.len();
             return Err(SpaceError::Frames { frames, sites });
         }
-        Ok(Diagram::borrowed(self.domain(), sites)?.map(of_cell)?)
+        let diagram = Diagram::borrowed(self.domain(), sites)?;
+        Ok(diagram.with_stop(&self.stop).map(of_cell)?)
     }
 
     /// The same for cells that are prepared in their frames.

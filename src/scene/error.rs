@@ -10,6 +10,8 @@ use crate::domain::error::DomainError;
 use crate::domain::planar_error::PlaneDomainError;
 use crate::mesh::formats::error::ErrorKind;
 use crate::mesh::formats::read::LoadError;
+use crate::voronoi::diagram::DiagramError;
+use crate::voronoi::planar::diagram::PlaneDiagramError;
 
 /// Why a scene or its sites cannot be used. Site indices count from zero, lines from one.
 #[derive(Debug, thiserror::Error)]
@@ -164,6 +166,12 @@ pub enum Error {
     /// A grid of which the domain holds no point.
     #[error("the domain holds no point of the grid; give it more points")]
     EmptyGrid,
+    /// Sites in space have no diagram.
+    #[error(transparent)]
+    Diagram(#[from] DiagramError),
+    /// Sites of the plane have no diagram.
+    #[error(transparent)]
+    PlaneDiagram(#[from] PlaneDiagramError),
     /// The sites have no diagram, or the method cannot be carried out on it.
     #[error(transparent)]
     Relax(Box<dyn std::error::Error + Send + Sync>),

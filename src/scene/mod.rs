@@ -9,9 +9,10 @@
 //!
 //! [`place`] makes the sites and refuses those that have no diagram: from seeds or
 //! from files ([`site_file`], [`npy`], `xyz`), unless `memory` has no room for them. [`run`] carries a
-//! scene out.
+//! scene out; [`bindings`] are its calls for other languages.
 
 pub(crate) mod background;
+pub mod bindings;
 pub mod density;
 pub mod description;
 pub mod domain;

@@ -132,6 +132,7 @@ pub fn place<const D: usize>(
             let file = site_file::read_as(path, scene.sites_format)?;
             (file.sites, file.notes)
         }
+        Sites::Given(numbers) => (numbers.chunks_exact(D).map(point).collect(), Vec::new()),
     };
     let all = sites.len();
     if scene.drop_outside {

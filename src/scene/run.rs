@@ -5,6 +5,8 @@
 //! an observer is shown every record and says whether to go on.
 
 use std::ops::ControlFlow;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 use nalgebra::{Point, Point2, Point3};
 
@@ -57,6 +59,18 @@ pub struct SceneOutcome {
 /// When the scene's files cannot be read, its domain is none, or its sites have no diagram.
 pub fn run(
     scene: &Scene,
+    observer: impl FnMut(&Record, PointsSoFar<'_>) -> ControlFlow<()>,
+) -> Result<SceneOutcome, Error> {
+    run_until(scene, &Arc::default(), observer)
+}
+
+/// As [`run`], ended by an error soon after another thread raises `flag`, in space also within a move.
+///
+/// # Errors
+/// As [`run`], and when it was stopped.
+pub fn run_until(
+    scene: &Scene,
+    flag: &Arc<AtomicBool>,
     mut observer: impl FnMut(&Record, PointsSoFar<'_>) -> ControlFlow<()>,
 ) -> Result<SceneOutcome, Error> {
     let mut records = Vec::new();
@@ -79,6 +93,7 @@ pub fn run(
         )
     } else {
         let (space, notes) = space(scene)?;
+        let space = space.stop_by(flag);
         let sites = space.place(scene)?;
         check_memory(scene, sites.len())?;
         let mut checkpoint = Checkpoint::at_start(sites);

@@ -1,6 +1,7 @@
 //! The scene's `sites`: the keys that name the points to relax.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -20,6 +21,9 @@ pub enum Sites {
     List(Vec<Vec<f64>>),
     /// A `.csv`, `.npy`, `.xyz`, `.txt` or `.json` file, relative to the scene's folder.
     File(PathBuf),
+    /// The points that a program hands over, one after the other; no text names them.
+    #[serde(skip)]
+    Given(Arc<[f64]>),
 }
 
 /// Uniform random sites.
@@ -63,7 +67,7 @@ impl Sites {
                 product.saturating_mul(count as u64)
             })),
             Self::List(list) => Some(list.len() as u64),
-            Self::File(_) => None,
+            Self::File(_) | Self::Given(_) => None,
         }
     }
 
@@ -77,7 +81,14 @@ impl Sites {
                 Err(Error::value("sites.list", "0 sites have no cells"))
             }
             Self::List(list) => rows_match("sites.list", list, dimension),
-            Self::Random(_) | Self::File(_) => Ok(()),
+            Self::Given(numbers) if numbers.is_empty() => {
+                Err(Error::value("sites", "0 sites have no cells"))
+            }
+            Self::Given(numbers) if !numbers.len().is_multiple_of(dimension) => {
+                let message = format!("{} numbers are no points of {dimension}", numbers.len());
+                Err(Error::value("sites", message))
+            }
+            Self::Random(_) | Self::File(_) | Self::Given(_) => Ok(()),
         }
     }
 }

@@ -5,7 +5,7 @@
 
 use std::cell::{OnceCell, RefCell};
 
-use nalgebra::{Point3, Vector3};
+use nalgebra::{Point, Point3, Vector3};
 
 use crate::domain::domain::Domain;
 use crate::domain::facet_kind::FacetKind;
@@ -23,7 +23,7 @@ use crate::voronoi::kd_tree::tree::KdTree;
 use crate::voronoi::search::{BisectorSearch, BuildError, Duplicate};
 
 /// Facets below this share of the squared diagonal of the cell's box count as having no area.
-const NO_AREA: f64 = 1e-14;
+pub(crate) const NO_AREA: f64 = 1e-14;
 
 /// A cell while it is visited: its body, cut from the domain's convex start, in coordinates
 /// relative to its site.
@@ -153,6 +153,38 @@ impl<'a> Cell<'a> {
         self.body.bounds()
     }
 
+    /// How far the cell asks for neighbors: sites farther than this from its own cannot change it (L). It is
+    /// twice the distance of its farthest vertex, the security radius of \[RSL\].
+    ///
+    /// # Examples
+    /// ```
+    /// use chebloyd::{Bounds, Cuboid, Diagram};
+    ///
+    /// // Of a row of sites only those below x = 4.5 are known: the first cell needs no others.
+    /// let row = Cuboid::new(Bounds::from_corners([0.0; 3], [9.0, 0.1, 0.1]), [false; 3])?;
+    /// let sites = [0.5, 1.5, 2.5, 3.5].map(|x| [x, 0.05, 0.05]);
+    /// let known = Bounds::from_corners([0.0; 3], [4.5, 0.1, 0.1]);
+    /// let diagram = Diagram::new(&row, &sites)?;
+    /// let cells = diagram.map_cells_of(&[3, 0], |cell| (cell.reach(), cell.is_certified(&known)))?;
+    /// assert!(cells[0].0 > 11.0 && !cells[0].1);
+    /// assert!(cells[1].0 < 1.1 && cells[1].1);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn reach(&self) -> f64 {
+        2.0 * self.body.radius_squared().sqrt()
+    }
+
+    /// Whether the cell is right if all sites in the box `known` are given, and perhaps none of the others:
+    /// whether all of the domain within [`reach`](Self::reach) of the site lies in the box. Along periodic
+    /// axes any image of the box may hold it.
+    #[must_use]
+    pub fn is_certified(&self, known: &Bounds<3>) -> bool {
+        let known = [known.min, known.max].map(|corner| corner.coords.into());
+        let (bounds, periods) = (self.domain.bounds(), self.domain.periods());
+        holds_ball(&bounds, &periods, &self.position, self.reach(), &known)
+    }
+
     /// The half-spaces that meet in the body, and maybe some that hold all of it.
     #[must_use]
     pub fn half_spaces(&self) -> &'a [HalfSpace] {
@@ -164,6 +196,33 @@ impl<'a> Cell<'a> {
     pub fn compact(&self) -> Option<&'a SmallPolyhedron> {
         self.body.compact()
     }
+}
+
+/// Whether `known` (least and greatest corner) holds the ball about a site, as far as it lies in the
+/// domain; along periodic axes in any of its images.
+pub(crate) fn holds_ball<const D: usize>(
+    bounds: &Bounds<D>,
+    periods: &[Option<f64>; D],
+    site: &Point<f64, D>,
+    radius: f64,
+    known: &[[f64; D]; 2],
+) -> bool {
+    (0..D).all(|axis| {
+        let ([low, high], center) = (known.map(|corner| corner[axis]), site[axis]);
+        match periods[axis] {
+            Some(period) => {
+                high - low >= period
+                    || [-1.0, 0.0, 1.0].iter().any(|copies| {
+                        let center = center + copies * period;
+                        low <= center - radius && center + radius <= high
+                    })
+            }
+            None => {
+                low <= (center - radius).max(bounds.min[axis])
+                    && high >= (center + radius).min(bounds.max[axis])
+            }
+        }
+    })
 }
 
 /// The memory in which cells are built, one after the other.
@@ -281,6 +340,14 @@ impl CellStorage {
         match self.compact() {
             Some(compact) => compact.bounds_about_origin(),
             None => self.polyhedron().bounds(),
+        }
+    }
+
+    /// The greatest squared distance of a vertex from the origin (L²).
+    fn radius_squared(&self) -> f64 {
+        match self.compact() {
+            Some(compact) => compact.radius_squared(),
+            None => self.polyhedron().radius_squared(),
         }
     }
 

@@ -1,7 +1,8 @@
 //! The Voronoi diagram of all sites: validated input, cells visited in parallel, results in site order.
 
 use std::borrow::Cow;
-use std::sync::OnceLock;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, OnceLock};
 
 use nalgebra::Point3;
 use rayon::prelude::*;
@@ -23,6 +24,18 @@ const CELLS_PER_BATCH: usize = 1 << 15;
 /// megabytes for results of the size of a cell.
 const CELLS_PER_CHUNK: usize = 4096;
 
+/// How many results change places between two looks at the flag that stops the work: some milliseconds.
+const SWAPS_PER_LOOK: usize = 1 << 16;
+
+/// A flag that stops work when it is raised, if there is one.
+pub(crate) type StopFlag = Option<Arc<AtomicBool>>;
+
+/// Why a place has no result.
+enum Halt {
+    Duplicate(Duplicate),
+    Stopped,
+}
+
 /// The clipped Voronoi diagram of sites in a domain.
 ///
 /// It holds a spatial index, not the cells: those are built when they are visited, each in the memory
@@ -31,8 +44,9 @@ const CELLS_PER_CHUNK: usize = 4096;
 pub struct Diagram<'a> {
     domain: &'a dyn Domain,
     sites: Cow<'a, [Point3<f64>]>,
-    /// Built on first use.
-    tree: OnceLock<KdTree>,
+    /// Built on first use; none if that was stopped.
+    tree: OnceLock<Option<KdTree>>,
+    stop: StopFlag,
 }
 
 /// Why sites have no diagram. Indices count from zero.
@@ -86,6 +100,17 @@ pub enum DiagramError {
         /// The position of the first.
         position: [f64; 3],
     },
+    /// A site was chosen that is not there.
+    #[error("there is no site {site} among {count}; the first is 0")]
+    NoSuchSite {
+        /// Its index.
+        site: usize,
+        /// How many sites there are.
+        count: usize,
+    },
+    /// The flag of [`Diagram::stop_by`] was raised.
+    #[error("the work was stopped before its end")]
+    Stopped,
 }
 
 impl<'a> Diagram<'a> {
@@ -139,20 +164,56 @@ impl<'a> Diagram<'a> {
             domain,
             sites,
             tree: OnceLock::new(),
+            stop: None,
         })
+    }
+
+    /// The same diagram, whose work ends in [`DiagramError::Stopped`] soon after another thread has raised
+    /// `flag`: within tenths of a second also with 10⁷ sites.
+    ///
+    /// # Examples
+    /// ```
+    /// use std::sync::{Arc, atomic::{AtomicBool, Ordering}};
+    /// use chebloyd::{Cuboid, Diagram, DiagramError};
+    ///
+    /// let (cube, flag) = (Cuboid::unit(), Arc::new(AtomicBool::new(false)));
+    /// let diagram = Diagram::new(&cube, &[[0.5; 3]])?.stop_by(&flag);
+    /// flag.store(true, Ordering::Relaxed);
+    /// assert_eq!(diagram.map_cells(|cell| cell.volume()), Err(DiagramError::Stopped));
+    /// # Ok::<(), DiagramError>(())
+    /// ```
+    #[must_use]
+    pub fn stop_by(self, flag: &Arc<AtomicBool>) -> Self {
+        self.with_stop(&Some(flag.clone()))
+    }
+
+    /// As [`Diagram::stop_by`], where there may be no flag.
+    pub(crate) fn with_stop(self, stop: &StopFlag) -> Self {
+        let stop = stop.clone();
+        Self { stop, ..self }
+    }
+
+    fn is_stopped(&self) -> bool {
+        let stop = self.stop.as_ref();
+        stop.is_some_and(|flag| flag.load(Ordering::Relaxed))
     }
 
     /// Sorts the sites into the spatial index now; otherwise the first visit of the cells does.
     pub fn sort_sites(&self) {
-        self.tree();
+        // Whoever visits the cells hears that it was stopped.
+        let _ = self.tree();
     }
 
     /// The k-d tree of the sites, built on first use.
-    pub(crate) fn tree(&self) -> &KdTree {
-        self.tree.get_or_init(|| {
+    ///
+    /// # Errors
+    /// [`DiagramError::Stopped`].
+    pub(crate) fn tree(&self) -> Result<&KdTree, DiagramError> {
+        let tree = self.tree.get_or_init(|| {
             let wrapped = self.sites.par_iter().map(|site| self.domain.wrap(site));
-            KdTree::new(wrapped, self.domain.periods())
-        })
+            KdTree::new(wrapped, self.domain.periods(), &|| self.is_stopped())
+        });
+        tree.as_ref().ok_or(DiagramError::Stopped)
     }
 
     /// A site's position, within one period along axes that have one.
@@ -189,12 +250,90 @@ impl<'a> Diagram<'a> {
         self.map(|(): &mut (), cell| of_cell(&cell))
     }
 
-    /// The site whose cell holds a point, the first of several; `None` outside the domain.
+    /// Calls `of_cell` with the cells of the chosen sites among all, in parallel, and returns the results in
+    /// the order in which they were chosen. Each cell has the bits that [`Diagram::map_cells`] gives it.
+    ///
+    /// # Errors
+    /// [`DiagramError::NoSuchSite`], and [`DiagramError::Duplicate`] where another site lies in the place of a
+    /// chosen one.
+    ///
+    /// # Examples
+    /// ```
+    /// use chebloyd::{Cuboid, Diagram, random_sites};
+    ///
+    /// let cube = Cuboid::unit();
+    /// let sites = random_sites(&cube, 100, 1)?;
+    /// let diagram = Diagram::new(&cube, &sites)?;
+    /// let (all, some) = (diagram.map_cells(|cell| cell.volume())?, [7, 99, 7]);
+    /// assert_eq!(diagram.map_cells_of(&some, |cell| cell.volume())?, some.map(|site| all[site]));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn map_cells_of<T: Send>(
+        &self,
+        chosen: &[usize],
+        of_cell: impl Fn(&Cell<'_>) -> T + Sync,
+    ) -> Result<Vec<T>, DiagramError> {
+        let push = |results: &mut Vec<T>, cell: Cell<'_>| results.push(of_cell(&cell));
+        let blocks = self.map_blocks(chosen, CELLS_PER_TASK, push)?;
+        let numbered = blocks.into_iter().flat_map(|(order, results)| order.into_iter().zip(results));
+        let mut all: Vec<(usize, T)> = numbered.collect();
+        all.par_sort_unstable_by_key(|(number, _)| *number);
+        Ok(all.into_iter().map(|(_, result)| result).collect())
+    }
+
+    /// Builds the cells of chosen sites in the order of the index, `size` a block, and lets `push` add each to
+    /// its block; returns every block with its cells' numbers among the chosen.
+    pub(crate) fn map_blocks<Block: Default + Send>(
+        &self,
+        chosen: &[usize],
+        size: usize,
+        push: impl Fn(&mut Block, Cell<'_>) + Sync,
+    ) -> Result<Vec<(Vec<usize>, Block)>, DiagramError> {
+        let count = self.len();
+        if let Some(&site) = chosen.iter().find(|&&site| site >= count) {
+            return Err(DiagramError::NoSuchSite { site, count });
+        }
+        let tree = self.tree()?;
+        let places = tree.places_of_sites();
+        let mut order: Vec<usize> = (0..chosen.len()).collect();
+        order.par_sort_by_key(|&number| places[chosen[number]]);
+        let of_block = |builder: &mut CellBuilder, numbers: &[usize]| {
+            let mut block = Block::default();
+            for &number in numbers {
+                let place = places[chosen[number]] as usize;
+                let cell = self.unless_stopped(|| builder.build(self.domain, tree, place))?;
+                push(&mut block, cell);
+            }
+            Ok((numbers.to_vec(), block))
+        };
+        let blocks = order.par_chunks(size).map_init(CellBuilder::default, of_block);
+        self.first_error(blocks.collect())
+    }
+
+    /// All results, or the error of the least pair of duplicates.
+    fn first_error<T>(&self, results: Vec<Result<T, Halt>>) -> Result<Vec<T>, DiagramError> {
+        let mut all = Vec::with_capacity(results.len());
+        let mut duplicates = Vec::new();
+        for result in results {
+            match result {
+                Ok(result) => all.push(result),
+                Err(Halt::Stopped) => return Err(DiagramError::Stopped),
+                Err(Halt::Duplicate(pair)) => duplicates.push(pair),
+            }
+        }
+        match duplicates.into_iter().min() {
+            Some(least) => Err(self.duplicate(least)),
+            None => Ok(all),
+        }
+    }
+
+    /// The site whose cell holds a point, the first of several; `None` outside the domain, and of a
+    /// diagram that was stopped.
     #[must_use]
     pub fn locate(&self, point: impl Into<Point3<f64>>) -> Option<usize> {
         let point = self.domain.wrap(&point.into());
-        let is_inside = self.domain.contains(&point);
-        is_inside.then(|| self.tree().nearest(&point) as usize)
+        let tree = self.tree().ok().filter(|_| self.domain.contains(&point))?;
+        Some(tree.nearest(&point) as usize)
     }
 
     /// Computes `of_cell` for every cell, in parallel, and returns the results in site order.
@@ -208,7 +347,7 @@ impl<'a> Diagram<'a> {
         &self,
         of_cell: impl Fn(&mut Scratch, Cell<'_>) -> T + Sync,
     ) -> Result<Vec<T>, DiagramError> {
-        let (domain, tree) = (self.domain, self.tree());
+        let (domain, tree) = (self.domain, self.tree()?);
         self.map_places(|(builder, scratch): &mut (CellBuilder, Scratch), place| {
             let cell = builder.build(domain, tree, place)?;
             Ok(of_cell(scratch, cell))
@@ -220,9 +359,11 @@ impl<'a> Diagram<'a> {
         &self,
         one: impl Fn(&mut Memory, usize) -> Result<T, Duplicate> + Sync,
     ) -> Result<Vec<T>, DiagramError> {
+        let tree = self.tree()?;
+        let one = |memory: &mut Memory, place| self.unless_stopped(|| one(memory, place));
         let mut results = Vec::with_capacity(self.len());
         let mut duplicate = None;
-        let mut batch: Vec<Result<T, Duplicate>> = Vec::new();
+        let mut batch: Vec<Result<T, Halt>> = Vec::new();
         for first in (0..self.len()).step_by(CELLS_PER_BATCH) {
             let end = self.len().min(first + CELLS_PER_BATCH);
             (first..end)
@@ -233,15 +374,48 @@ impl<'a> Diagram<'a> {
             for result in batch.drain(..) {
                 match result {
                     Ok(result) => results.push(result),
-                    Err(pair) => duplicate = Some(duplicate.map_or(pair, |least| pair.min(least))),
+                    Err(Halt::Stopped) => return Err(DiagramError::Stopped),
+                    Err(Halt::Duplicate(pair)) => {
+                        duplicate = Some(duplicate.map_or(pair, |least| pair.min(least)));
+                    }
                 }
             }
         }
         if let Some(duplicate) = duplicate {
             return Err(self.duplicate(duplicate));
         }
-        bring_into_order(&mut results, self.tree().sites().to_vec());
+        self.bring_into_order(&mut results, tree.sites().to_vec())?;
         Ok(results)
+    }
+
+    /// Computes what `one` computes unless the work is stopped.
+    #[inline]
+    fn unless_stopped<T>(&self, one: impl FnOnce() -> Result<T, Duplicate>) -> Result<T, Halt> {
+        if self.is_stopped() {
+            return Err(Halt::Stopped);
+        }
+        one().map_err(Halt::Duplicate)
+    }
+
+    /// Permutes `results` in place so that each comes to the index that `goals` gives.
+    fn bring_into_order<T>(
+        &self,
+        results: &mut [T],
+        mut goals: Vec<u32>,
+    ) -> Result<(), DiagramError> {
+        let mut swaps = 0;
+        for place in 0..results.len() {
+            while goals[place] as usize != place {
+                let goal = goals[place] as usize;
+                results.swap(place, goal);
+                goals.swap(place, goal);
+                swaps += 1;
+                if swaps % SWAPS_PER_LOOK == 0 && self.is_stopped() {
+                    return Err(DiagramError::Stopped);
+                }
+            }
+        }
+        Ok(())
     }
 
     /// Computes `of_cell` for every cell as [`Diagram::map`] does and passes the results to `take` in site
@@ -254,7 +428,7 @@ impl<'a> Diagram<'a> {
         of_cell: impl Fn(&mut Scratch, Cell<'_>) -> T + Sync,
         take: impl FnMut(usize, T) -> Result<(), Failure>,
     ) -> Result<(), Failure> {
-        let (domain, tree) = (self.domain, self.tree());
+        let (domain, tree) = (self.domain, self.tree()?);
         let one = |(builder, scratch): &mut (CellBuilder, Scratch), place| {
             let cell = builder.build(domain, tree, place)?;
             Ok(of_cell(scratch, cell))
@@ -269,23 +443,28 @@ impl<'a> Diagram<'a> {
         one: impl Fn(&mut Memory, usize) -> Result<T, Duplicate> + Sync,
         mut take: impl FnMut(usize, T) -> Result<(), Failure>,
     ) -> Result<(), Failure> {
-        let of_place = |memory: &mut Memory, &place: &u32| one(memory, place as usize);
-        for (chunk, places) in self
-            .tree()
-            .places_of_sites()
-            .chunks(CELLS_PER_CHUNK)
-            .enumerate()
-        {
-            let results: Vec<Result<T, Duplicate>> = places
+        let places = self.tree()?.places_of_sites();
+        let of_place = |memory: &mut Memory, &place: &u32| {
+            self.unless_stopped(|| one(memory, place as usize))
+        };
+        for (chunk, places) in places.chunks(CELLS_PER_CHUNK).enumerate() {
+            let results: Vec<Result<T, Halt>> = places
                 .par_iter()
                 .with_min_len(CELLS_PER_TASK)
                 .map_init(Memory::default, of_place)
                 .collect();
             for (site, result) in (chunk * CELLS_PER_CHUNK..).zip(results) {
-                take(site, result.map_err(|pair| self.duplicate(pair))?)?;
+                take(site, result.map_err(|halt| self.error(halt))?)?;
             }
         }
         Ok(())
+    }
+
+    fn error(&self, halt: Halt) -> DiagramError {
+        match halt {
+            Halt::Duplicate(duplicate) => self.duplicate(duplicate),
+            Halt::Stopped => DiagramError::Stopped,
+        }
     }
 
     fn duplicate(&self, duplicate: Duplicate) -> DiagramError {
@@ -311,16 +490,5 @@ fn refused_site(domain: &dyn Domain, site: usize, point: &Point3<f64>) -> Option
         Some(DiagramError::Outside { site, position })
     } else {
         None
-    }
-}
-
-/// Permutes `results` in place so that each comes to the index that `goals` gives.
-fn bring_into_order<T>(results: &mut [T], mut goals: Vec<u32>) {
-    for place in 0..results.len() {
-        while goals[place] as usize != place {
-            let goal = goals[place] as usize;
-            results.swap(place, goal);
-            goals.swap(place, goal);
-        }
     }
 }

@@ -3,10 +3,11 @@
 //! [`diagram`] validates sites and visits their cells in parallel, [`cell`] builds one cell from the
 //! bisectors that [`search`] selects: candidates come nearest first from the [`kd_tree`], those
 //! beyond the first radius only where a vertex can still be cut (`search::VertexBalls`). [`check`]
-//! tests whether cells form a tessellation. [`planar`] is the counterpart in the plane,
+//! tests whether cells form a tessellation, [`cell_arrays`] lays chosen cells out flat. [`planar`] is the counterpart in the plane,
 //! [`linf`] that for the Chebyshev distance.
 
 pub(crate) mod cell;
+pub(crate) mod cell_arrays;
 pub(crate) mod check;
 pub(crate) mod diagram;
 pub(crate) mod linf;

@@ -45,11 +45,12 @@ pub(crate) struct KdTree {
 }
 
 impl KdTree {
-    /// Sorts `sites`, which lie within one period along axes that have one.
+    /// Sorts `sites`, which lie within one period along axes that have one; `None` once `is_stopped` holds.
     pub(crate) fn new(
         sites: impl IndexedParallelIterator<Item = Point3<f64>>,
         periods: [Option<f64>; 3],
-    ) -> Self {
+        is_stopped: &(impl Fn() -> bool + Sync),
+    ) -> Option<Self> {
         let entry = |(site, position): (usize, Point3<f64>)| SortEntry {
             position,
             site: site as u32,
@@ -60,7 +61,10 @@ impl KdTree {
             depth += 1;
         }
         let total = entries.len();
-        sort(&mut entries, total, (0, 0), depth);
+        sort(&mut entries, total, (0, 0), (depth, is_stopped));
+        if is_stopped() {
+            return None;
+        }
         let mut tree = Self {
             depth,
             pairs: vec![ChildBoxes::default(); 1 << depth],
@@ -74,7 +78,7 @@ impl KdTree {
         tree.enclose();
         let sampled = tree.len() as f64 / f64::from(1 << tree.density_level());
         tree.radius_ratio_squared = (INITIAL_CANDIDATES / sampled).powf(2.0 / 3.0) * 0.125;
-        tree
+        Some(tree)
     }
 
     /// How many sites there are.
@@ -290,9 +294,15 @@ fn start(total: usize, number: u64, level: u32) -> usize {
     ((total as u64 * number) >> level) as usize
 }
 
-/// Brings the entries of node `number` of a level, of `total` in all, into leaf order.
-fn sort(entries: &mut [SortEntry], total: usize, (number, level): (u64, u32), depth: u32) {
-    if level == depth {
+/// Brings the entries of node `number` of a level, of `total` in all, into leaf order, unless that is
+/// stopped.
+fn sort(
+    entries: &mut [SortEntry],
+    total: usize,
+    (number, level): (u64, u32),
+    (depth, is_stopped): (u32, &(impl Fn() -> bool + Sync)),
+) {
+    if level == depth || entries.len() > PARALLEL_SORT && is_stopped() {
         return;
     }
     let extent = Bounds::of(entries.iter().map(|entry| &entry.position)).extent();
@@ -300,8 +310,9 @@ fn sort(entries: &mut [SortEntry], total: usize, (number, level): (u64, u32), de
     let half = start(total, 2 * number + 1, level + 1) - start(total, number, level);
     entries.select_nth_unstable_by(half, |a, b| a.order_along(axis, b));
     let (low, high) = entries.split_at_mut(half);
-    let mut low = || sort(low, total, (2 * number, level + 1), depth);
-    let mut high = || sort(high, total, (2 * number + 1, level + 1), depth);
+    let whole = (depth, is_stopped);
+    let mut low = || sort(low, total, (2 * number, level + 1), whole);
+    let mut high = || sort(high, total, (2 * number + 1, level + 1), whole);
     if half > PARALLEL_SORT {
         rayon::join(low, high);
     } else {

@@ -16,7 +16,7 @@ impl Diagram<'_> {
         ties: Ties,
         of_cell: impl Fn(&mut Scratch, LinfCell<'_>) -> T + Sync,
     ) -> Result<Vec<T>, DiagramError> {
-        let (domain, tree) = (self.domain(), self.tree());
+        let (domain, tree) = (self.domain(), self.tree()?);
         self.map_places(
             |(builder, scratch): &mut (LinfCellBuilder, Scratch), place| {
                 let cell = builder.build(domain, tree, place, ties)?;
@@ -34,7 +34,7 @@ impl Diagram<'_> {
         of_cell: impl Fn(LinfCell<'_>) -> T + Sync,
         take: impl FnMut(usize, T) -> Result<(), Failure>,
     ) -> Result<(), Failure> {
-        let (domain, tree) = (self.domain(), self.tree());
+        let (domain, tree) = (self.domain(), self.tree()?);
         let one = |builder: &mut LinfCellBuilder, place| {
             Ok(of_cell(builder.build(
                 domain,
@@ -47,7 +47,7 @@ impl Diagram<'_> {
     }
 
     /// The site nearest to a point in the Chebyshev distance, which is that whose L∞ cell holds it; of
-    /// several the one with the least index. `None` outside the domain.
+    /// several the one with the least index. `None` outside the domain, and of a diagram that was stopped.
     ///
     /// # Examples
     /// ```
@@ -62,7 +62,8 @@ impl Diagram<'_> {
     #[must_use]
     pub fn locate_linf(&self, point: impl Into<Point3<f64>>) -> Option<usize> {
         let point = self.domain().wrap(&point.into());
-        let is_inside = self.domain().contains(&point);
-        is_inside.then(|| nearest(self.tree(), &point) as usize)
+        let tree = self.tree().ok();
+        let tree = tree.filter(|_| self.domain().contains(&point))?;
+        Some(nearest(tree, &point) as usize)
     }
 }

@@ -76,6 +76,14 @@ pub enum PlaneDiagramError {
         /// Their y (L).
         y: f64,
     },
+    /// A site was chosen that is not there.
+    #[error("there is no site {site} among {count}; the first is 0")]
+    NoSuchSite {
+        /// Its index, from zero.
+        site: usize,
+        /// How many sites there are.
+        count: usize,
+    },
 }
 
 /// One cell of a diagram.
@@ -104,6 +112,18 @@ impl PlaneCell {
         let place = |corner: &Point2<f64>| corner + self.site.coords;
         let pieces = self.pieces().iter();
         pieces.map(move |piece| piece.vertices().iter().map(place).collect())
+    }
+
+    /// The area of the cell's part in the domain (L²) and its centroid relative to the site (L).
+    pub(crate) fn centroid(&self) -> (f64, Vector2<f64>) {
+        let (mut area, mut first) = (0.0, Vector2::zeros());
+        for edge in self.pieces().iter().flat_map(ConvexPolygon::edges) {
+            let (start, end) = (edge.start.coords, edge.end.coords);
+            let half = 0.5 * start.perp(&end);
+            area += half;
+            first += (start + end) * (half / 3.0);
+        }
+        (area, first / area)
     }
 
     /// The area of the cell's part in the domain (L²).
@@ -344,7 +364,7 @@ impl<'a> Cutting<'a> {
 }
 
 /// No site farther than this from a cell's own can cut the cell.
-fn security_radius(polygon: &ConvexPolygon) -> f64 {
+pub(crate) fn security_radius(polygon: &ConvexPolygon) -> f64 {
     let farthest = polygon.vertices().iter().map(|v| v.coords.norm_squared());
     2.0 * farthest.fold(0.0, f64::max).sqrt()
 }

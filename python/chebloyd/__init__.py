@@ -1,0 +1,65 @@
+"""Voronoi cells that become near-cubic, exact cells as arrays, and mass properties of solids.
+
+    import numpy, chebloyd
+    result = chebloyd.relax(numpy.random.default_rng(1).random((1000, 3)), iterations=50)
+    print(result.frame()[["iteration", "energy_percent", "movement_percent"]].tail())
+
+``relax``, ``measure``, ``energy`` and ``cells`` take arrays; ``scene`` runs a scene's file or dict; the other
+functions are the program's commands under their own names. ``Box``, ``HalfSpaces``, ``Polygon``, ``Surface``
+and ``Tets`` are domains, ``Lloyd``, ``QuasiNewton`` and ``Anneal`` methods. ``CPU`` says which native half
+runs: "v3" (with AVX2) or "baseline".
+"""
+
+from ._cells import Cells, cells
+from ._commands import (
+    Report,
+    bench,
+    command,
+    fragments,
+    integrate,
+    mass,
+    mesh,
+    octree,
+    plot,
+    print,
+    report,
+    schema,
+    spin,
+    stand,
+)
+from ._native import CPU
+from ._relax import Result, energy, measure, relax, scene
+from ._scene import Anneal, Box, HalfSpaces, Lloyd, Polygon, QuasiNewton, Surface, Tets
+
+__all__ = [
+    "CPU",
+    "Anneal",
+    "Box",
+    "Cells",
+    "HalfSpaces",
+    "Lloyd",
+    "Polygon",
+    "QuasiNewton",
+    "Report",
+    "Result",
+    "Surface",
+    "Tets",
+    "bench",
+    "cells",
+    "command",
+    "energy",
+    "fragments",
+    "integrate",
+    "mass",
+    "measure",
+    "mesh",
+    "octree",
+    "plot",
+    "print",
+    "relax",
+    "report",
+    "scene",
+    "schema",
+    "spin",
+    "stand",
+]
