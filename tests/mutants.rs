@@ -323,7 +323,7 @@ fn check_scene(path: &Path) {
             .iter()
             .try_fold(1_usize, |all, n| all.checked_mul(*n))
             .is_some_and(|all| all <= 1000),
-        Sites::List(_) | Sites::File(_) => true,
+        Sites::List(_) | Sites::File(_) | Sites::Given(_) => true,
     };
     if !is_small {
         return;
