@@ -7,11 +7,13 @@ use clap::Args;
 use nalgebra::Point3;
 
 use crate::cli::failure::{Failure, print, write_file};
-use crate::cli::mesh_cells::{CellMeshing, mesh_cells};
+use crate::cli::mesh_cells::{CellMeshing, MeshedCells, mesh_cells, patches_of};
+use crate::cli::mesh_elements::{element_columns, elements, file_of, write_elements};
 use crate::cli::mesh_report::{MeshLimit, MeshReport};
 use crate::cli::options::{Common, change, finite, given, length, named, space};
 use crate::cli::output::OutputRule;
 use crate::cli::run::RunDescription;
+use crate::complex::element_mesh::ElementMesh;
 use crate::complex::face_geometry::MeshGeometry;
 use crate::export::mesh_vtu::{CellColumn, write_mesh};
 use crate::export::poly_mesh::{MESH_FILES, write_case};
@@ -23,9 +25,30 @@ use crate::scene::overrides::Overrides;
 use crate::scene::run::energy_spec;
 use crate::scene::site_file;
 
-const FORMATS: [(&str, &str); 2] = [
+const FORMATS: [(&str, &str); 6] = [
     ("polymesh", "OpenFOAM's constant/polyMesh, in ASCII"),
     ("vtu", "mesh.vtu, for ParaView and all readers of VTK files"),
+    (
+        "msh",
+        "mesh.msh, Gmsh's MSH 4.1, patches as physical groups; hexes only",
+    ),
+    (
+        "inp",
+        "mesh.inp, for Abaqus and CalculiX, pyramids as degenerate C3D8; hexes only",
+    ),
+    ("medit", "mesh.mesh, for MEDIT, Mmg and FreeFEM; hexes only"),
+    ("su2", "mesh.su2, for SU2, patches as markers; hexes only"),
+];
+
+/// Edges up to this share of the mean cell's side collapse for hexahedra unless an option says otherwise.
+const HEX_COLLAPSE: f64 = 0.3;
+
+const ELEMENTS: [(&str, &str); 2] = [
+    ("cells", "the cells themselves: polyhedra"),
+    (
+        "hexes",
+        "hexahedra with corners at the sites, prisms, pyramids and tetrahedra between them",
+    ),
 ];
 
 const WALLS: [(&str, &str); 2] = [
@@ -54,6 +77,9 @@ pub(crate) struct MeshOptions {
     /// Formats to write
     #[arg(long, value_name = "FORMAT", value_delimiter = ',', default_value = "polymesh", value_parser = named(&FORMATS))]
     to: Vec<String>,
+    /// Elements of the mesh
+    #[arg(long, value_name = "KIND", default_value = "cells", value_parser = named(&ELEMENTS))]
+    elements: String,
     /// Fail where a measure is above its limit: nonorth=70,skew=4,pyramids=0,aspect=…,concave=…,open=0
     #[arg(long, value_name = "NAME=MOST", value_delimiter = ',')]
     limit: Vec<MeshLimit>,
@@ -138,6 +164,7 @@ fn make(
         let message = format!("--collapse {share} is not between 0 and 0.5");
         return Err(Failure::input(message));
     }
+    refuse_formats(options)?;
     let outputs = output_files(output, &options.to);
     if !options.force {
         refuse_existing(&outputs)?;
@@ -152,46 +179,118 @@ fn make(
     }
     refuse_inputs(run, &scene, &outputs)?;
     let space = space(&scene)?;
-    let meshing = CellMeshing {
-        is_exact: options.walls == "exact",
-        angle: options.feature_angle,
-        collapse: options.collapse,
-    };
-    let made = mesh_cells(&space, &scene, &sites, meshing)?;
-    let (mut mesh, complaint) = (made.mesh, made.complaint);
-    let factor = place_back(&mut mesh, &scene, options.scale)?;
-    let geometry = MeshGeometry::of(&mesh, &mesh.cell_faces());
-    let volume = space.domain().volume() * factor.powi(3);
-    let report = MeshReport::new(&mesh, &geometry, Some(volume));
-    if options.to.iter().any(|format| format == "polymesh") {
-        write_case(output, &mesh).map_err(Failure::run)?;
-    }
-    if options.to.iter().any(|format| format == "vtu") {
-        let columns = columns(&space, &scene, (&sites, &mesh.sites), &geometry)?;
-        let path = output.join("mesh.vtu");
-        fs::create_dir_all(output)
-            .map_err(|error| Failure::run(format!("cannot make {}: {error}", output.display())))?;
-        write_mesh(&path, &mesh, &columns, true)
-            .map_err(|error| Failure::run(format!("cannot write {}: {error}", path.display())))?;
+    let made = MadeMesh::new(options, &space, &scene, &sites)?;
+    let mesh = &made.mesh;
+    let geometry = MeshGeometry::of(mesh, &mesh.cell_faces());
+    let volume = space.domain().volume() * made.factor.powi(3);
+    let report = MeshReport::new(mesh, &geometry, Some(volume));
+    for format in &options.to {
+        match (format.as_str(), &made.elements) {
+            ("polymesh", _) => write_case(output, mesh).map_err(Failure::run)?,
+            ("vtu", None) => {
+                let columns = columns(&space, &scene, (&sites, &mesh.sites), &geometry)?;
+                write_vtu(output, mesh, &columns)?;
+            }
+            ("vtu", Some(_)) => write_vtu(output, mesh, &element_columns(mesh, &geometry))?,
+            (_, Some(elements)) => write_elements(output, format, elements)?,
+            (_, None) => {}
+        }
     }
     let text = json(&report)?;
     write_file(&output.join("mesh.json"), |file| {
         std::io::Write::write_all(file, text.as_bytes())
     })
     .map_err(Failure::run)?;
-    Ok((report, complaint))
+    Ok((report, made.complaint))
 }
 
-/// Gives a mesh the coordinates of the domain's own file, times `scale`; returns the factor on lengths.
-fn place_back(mesh: &mut PolyMesh, scene: &Scene, scale: f64) -> Result<f64, Failure> {
+/// A mesh in the coordinates of the domain's own file.
+struct MadeMesh {
+    mesh: PolyMesh,
+    /// The same as elements, where these were asked for.
+    elements: Option<ElementMesh>,
+    /// How much longer its lengths are than the scene's.
+    factor: f64,
+    /// What is wrong with its cells still.
+    complaint: Option<String>,
+}
+
+impl MadeMesh {
+    fn new(
+        options: &MeshOptions,
+        space: &Space,
+        scene: &Scene,
+        sites: &[Point3<f64>],
+    ) -> Result<Self, Failure> {
+        let is_hexes = options.elements == "hexes";
+        let meshing = CellMeshing {
+            is_exact: options.walls == "exact",
+            angle: options.feature_angle,
+            collapse: options.collapse.or(is_hexes.then_some(HEX_COLLAPSE)),
+        };
+        let MeshedCells {
+            mut mesh,
+            complaint,
+        } = mesh_cells(space, scene, sites, meshing)?;
+        let (factor, from, to) = placement(scene, options.scale)?;
+        if !is_hexes {
+            mesh.transform(factor, &from, &to);
+            return Ok(Self {
+                mesh,
+                elements: None,
+                factor,
+                complaint,
+            });
+        }
+        let patches = patches_of(space, scene, options.feature_angle);
+        let domain = (space.domain().shape(), &patches, options.feature_angle);
+        let mut elements = elements(&mesh, sites, domain)?;
+        for point in &mut elements.points {
+            *point = to + factor * (*point - from);
+        }
+        let mesh = elements.by_faces();
+        mesh.check_closed().map_err(Failure::run)?;
+        Ok(Self {
+            mesh,
+            elements: Some(elements),
+            factor,
+            complaint: None,
+        })
+    }
+}
+
+/// The map to the coordinates of the domain's own file, times `scale`: a factor, a place, and where it goes.
+fn placement(scene: &Scene, scale: f64) -> Result<(f64, Point3<f64>, Point3<f64>), Failure> {
     let similarity = scene.domain.similarity().map_err(Failure::input)?;
     let origin = Point3::origin();
-    let (factor, from, to) = match similarity {
+    Ok(match similarity {
         None => (scale, origin, origin),
         Some(map) => (scale / map.scale, map.to, map.from * scale),
-    };
-    mesh.transform(factor, &from, &to);
-    Ok(factor)
+    })
+}
+
+/// Writes `mesh.vtu` with the data of every cell.
+fn write_vtu(
+    output: &Path,
+    mesh: &PolyMesh,
+    columns: &[(&'static str, CellColumn)],
+) -> Result<(), Failure> {
+    let path = output.join("mesh.vtu");
+    fs::create_dir_all(output)
+        .map_err(|error| Failure::run(format!("cannot make {}: {error}", output.display())))?;
+    write_mesh(&path, mesh, columns, true)
+        .map_err(|error| Failure::run(format!("cannot write {}: {error}", path.display())))
+}
+
+/// Refuses formats that do not take the elements asked for.
+fn refuse_formats(options: &MeshOptions) -> Result<(), Failure> {
+    let of_elements = |format: &&String| file_of(format).is_some();
+    match options.to.iter().find(of_elements) {
+        Some(format) if options.elements == "cells" => Err(Failure::input(format!(
+            "--to {format} takes no polyhedra: add --elements hexes, or write --to polymesh,vtu"
+        ))),
+        _ => Ok(()),
+    }
 }
 
 /// The files that a mesh in these formats is written to.
@@ -200,7 +299,7 @@ fn output_files(output: &Path, formats: &[String]) -> Vec<PathBuf> {
     for format in formats {
         match format.as_str() {
             "polymesh" => names.extend(MESH_FILES),
-            _ => names.push("mesh.vtu"),
+            _ => names.push(file_of(format).unwrap_or("mesh.vtu")),
         }
     }
     names.into_iter().map(|name| output.join(name)).collect()

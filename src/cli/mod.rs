@@ -26,6 +26,7 @@ pub(crate) mod mass_units;
 pub(crate) mod measure;
 pub(crate) mod mesh;
 pub(crate) mod mesh_cells;
+pub(crate) mod mesh_elements;
 pub(crate) mod mesh_report;
 pub(crate) mod modifiers;
 pub(crate) mod octree;

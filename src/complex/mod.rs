@@ -9,25 +9,37 @@
 //! [`collapse`] removes short edges from an [`edit_mesh`], [`straighten`] vertices of two edges; both keep to
 //! the limits of [`edit_shapes`]. [`solid_mesh`] does what a solid's walls need beyond that:
 //! [`wall_polygons`], [`wall_cut`], [`cell_union`], [`repair`], all on the surface ([`wall_projection`]).
+//! [`dual`] makes an element of every vertex, and [`divide`] parts those that are no hexahedra, prisms,
+//! pyramids or tetrahedra with a positive [`jacobian`] into an [`element_mesh`].
 
 pub(crate) mod assemble;
 pub(crate) mod cell_surface;
 pub(crate) mod cell_union;
 pub(crate) mod check;
 pub(crate) mod collapse;
+pub(crate) mod divide;
+pub(crate) mod dual;
 pub(crate) mod edit_mesh;
 pub(crate) mod edit_shapes;
 pub(crate) mod element;
+pub(crate) mod element_mesh;
 pub(crate) mod face_geometry;
 pub(crate) mod identify;
+pub(crate) mod jacobian;
 pub(crate) mod loops;
+pub(crate) mod merge_flat;
 pub(crate) mod mesh_builder;
 pub(crate) mod point_copies;
+pub(crate) mod polygon_cut;
 pub(crate) mod quality;
 pub(crate) mod repair;
 pub(crate) mod shifted_union;
 pub(crate) mod solid_mesh;
+pub(crate) mod sorted_faces;
 pub(crate) mod straighten;
+pub(crate) mod straighten_all;
+pub(crate) mod untangle;
+pub(crate) mod vertex_groups;
 pub(crate) mod vertex_key;
 pub(crate) mod wall_cut;
 pub(crate) mod wall_patches;

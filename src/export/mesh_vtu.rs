@@ -146,7 +146,7 @@ fn cell_arrays(mesh: &PolyMesh, standard: bool) -> Vec<FileArray> {
 }
 
 /// VTK's wedge: the normal of its first triangle points out of it, against all other types.
-fn vtk_prism([a, b, c, d, e, f]: [u32; 6]) -> [u32; 6] {
+pub(crate) fn vtk_prism([a, b, c, d, e, f]: [u32; 6]) -> [u32; 6] {
     [a, c, b, d, f, e]
 }
 

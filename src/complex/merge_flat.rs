@@ -1,0 +1,79 @@
+//! Cells without a place inside that sees all their faces joined to neighbors.
+//!
+//! A dual element of four sites in a square, between a quadrilateral and two triangles, is flat wherever its
+//! points are. It goes to the neighbor with which it shares the greatest area.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use crate::complex::dual::{DualAnchor, DualMesh};
+use crate::complex::face_geometry::MeshGeometry;
+use crate::complex::sorted_faces::SortedFaces;
+use crate::mesh::poly_mesh::PolyMesh;
+
+/// Joins `flat` cells to neighbors that are not joined themselves; returns how many were.
+pub(crate) fn merge_flat(dual: &mut DualMesh, flat: &[usize]) -> usize {
+    let targets = targets(&dual.mesh, flat);
+    if targets.is_empty() {
+        return 0;
+    }
+    let mesh = &dual.mesh;
+    let cell = |cell: u32| targets.get(&cell).copied().unwrap_or(cell);
+    let mut faces = SortedFaces::default();
+    for (face, corners) in mesh.faces().enumerate().take(mesh.neighbor.len()) {
+        let sides = [mesh.owner[face], mesh.neighbor[face]].map(cell);
+        if sides[0] != sides[1] {
+            faces.push_inner(sides, corners.to_vec());
+        }
+    }
+    for (number, patch) in (0..).zip(&mesh.patches) {
+        for face in patch.start..patch.start + patch.count {
+            faces.push_wall(cell(mesh.owner[face]), mesh.face(face).to_vec(), number);
+        }
+    }
+    let names: Vec<String> = mesh
+        .patches
+        .iter()
+        .map(|patch| patch.name.clone())
+        .collect();
+    let (merged, used, _) = faces.finish(&mesh.points, &names);
+    let anchors: Vec<DualAnchor> = used
+        .iter()
+        .map(|&point| dual.anchors[point as usize])
+        .collect();
+    *dual = DualMesh {
+        mesh: merged,
+        anchors,
+    };
+    targets.len()
+}
+
+/// Per cell to be joined the one that takes it.
+fn targets(mesh: &PolyMesh, flat: &[usize]) -> BTreeMap<u32, u32> {
+    let cells = mesh.cell_faces();
+    let geometry = MeshGeometry::of(mesh, &cells);
+    let (mut targets, mut taken) = (BTreeMap::new(), BTreeSet::new());
+    for &cell in flat {
+        if taken.contains(&(cell as u32)) {
+            continue;
+        }
+        let mut shared: BTreeMap<u32, f64> = BTreeMap::new();
+        for (face, is_owner) in cells.of(cell) {
+            let other = match is_owner {
+                true => mesh.neighbor.get(face).copied(),
+                false => Some(mesh.owner[face]),
+            };
+            if let Some(other) = other {
+                *shared.entry(other).or_default() += geometry.face_areas[face].norm();
+            }
+        }
+        let free = shared
+            .into_iter()
+            .filter(|(other, _)| !targets.contains_key(other));
+        let largest = free.max_by(|one, other| one.1.total_cmp(&other.1));
+        if let Some((other, _)) = largest {
+            targets.insert(cell as u32, other);
+            taken.extend([cell as u32, other]);
+        }
+    }
+    targets
+}

@@ -1,0 +1,177 @@
+//! Elements without a positive Jacobian mended by moving their points a little.
+//!
+//! A point of a bad element tries places around it, near ones first, and goes where its elements lack least
+//! of being good, as little as that takes; points on walls and features stay there. Centers of parted
+//! cells move before points on walls, and these before sites, and only points of bad elements do.
+
+use nalgebra::{Point3, Vector3};
+
+use crate::complex::dual::DualAnchor;
+use crate::complex::element_mesh::ElementMesh;
+use crate::complex::jacobian::least_jacobian;
+use crate::complex::wall_projection::WallProjection;
+
+/// The Jacobian of an element is bad below this share of the cube of its longest edge.
+const BAD: f64 = 1e-5;
+
+/// Bad elements are mended until their Jacobians are this share.
+const GOOD: f64 = 1e-3;
+
+/// How often all bad elements are visited.
+const ROUNDS: usize = 40;
+
+/// Distances of tried places in lengths of the longest edge at a point.
+const REACHES: [f64; 5] = [0.004, 0.012, 0.04, 0.1, 0.2];
+
+/// Moves points of `mesh`, the first of which are anchored, until all elements are good or nothing helps.
+/// Returns the elements whose Jacobian is not positive.
+pub(crate) fn untangle(
+    mesh: &mut ElementMesh,
+    anchors: &[DualAnchor],
+    walls: Option<&WallProjection>,
+) -> Vec<usize> {
+    let mut at_point: Vec<Vec<u32>> = vec![Vec::new(); mesh.points.len()];
+    for (number, element) in (0..).zip(&mesh.elements) {
+        for &point in element.corners() {
+            at_point[point as usize].push(number);
+        }
+    }
+    let mut untangling = Untangling {
+        mesh,
+        anchors,
+        walls,
+        at_point,
+    };
+    for _ in 0..ROUNDS {
+        if !untangling.round() {
+            break;
+        }
+    }
+    untangling.below(0.0)
+}
+
+struct Untangling<'a> {
+    mesh: &'a mut ElementMesh,
+    anchors: &'a [DualAnchor],
+    walls: Option<&'a WallProjection>,
+    /// The elements at every point.
+    at_point: Vec<Vec<u32>>,
+}
+
+impl Untangling<'_> {
+    fn longest(&self, element: usize) -> f64 {
+        let corners = self.mesh.elements[element].corners();
+        let place = |corner: u32| self.mesh.points[corner as usize];
+        let to = |from: u32| {
+            corners
+                .iter()
+                .map(move |&to| (place(to) - place(from)).norm_squared())
+        };
+        let all = corners.iter().flat_map(|&from| to(from));
+        all.fold(0.0, f64::max).sqrt()
+    }
+
+    fn quality(&self, element: usize) -> f64 {
+        let least = least_jacobian(&self.mesh.points, &self.mesh.elements[element]);
+        least / self.longest(element).powi(3).max(1e-300)
+    }
+
+    /// The elements of no more than a quality.
+    fn below(&self, least: f64) -> Vec<usize> {
+        let all = 0..self.mesh.elements.len();
+        all.filter(|&element| self.quality(element) <= least)
+            .collect()
+    }
+
+    /// What the elements at a point lack of being good.
+    fn lack(&self, point: u32) -> f64 {
+        let elements = self.at_point[point as usize].iter();
+        let lacks = elements.map(|&element| (GOOD - self.quality(element as usize)).max(0.0));
+        lacks.sum()
+    }
+
+    /// Moves the points of bad elements; whether one moved.
+    fn round(&mut self) -> bool {
+        let bad = self.below(BAD).into_iter();
+        let points = bad.flat_map(|element| self.mesh.elements[element].corners().to_vec());
+        let mut points: Vec<u32> = points.collect();
+        points.sort_unstable_by_key(|&point| (self.rank(point), point));
+        points.dedup();
+        let mut has_moved = false;
+        for point in points {
+            has_moved |= self.improve(point);
+        }
+        has_moved
+    }
+
+    /// Which points move first.
+    fn rank(&self, point: u32) -> u8 {
+        match self.anchors.get(point as usize) {
+            None => 0,
+            Some(DualAnchor::Site) => 2,
+            Some(_) => 1,
+        }
+    }
+
+    /// Moves a point to the best of the places around it; whether it is better there.
+    fn improve(&mut self, point: u32) -> bool {
+        let from = self.mesh.points[point as usize];
+        let first = self.lack(point);
+        let elements = self.at_point[point as usize].iter();
+        let size = elements
+            .map(|&element| self.longest(element as usize))
+            .fold(0.0, f64::max);
+        let mut best = (first, from);
+        for reach in REACHES {
+            if best.0 <= 0.0 {
+                break;
+            }
+            for way in ways() {
+                let Some(place) = self.placed(point, from + way * (reach * size)) else {
+                    return false;
+                };
+                self.mesh.points[point as usize] = place;
+                let lack = self.lack(point);
+                if lack < best.0 {
+                    best = (lack, place);
+                }
+            }
+        }
+        self.mesh.points[point as usize] = best.1;
+        best.0 < first
+    }
+
+    /// The place nearest to `place` where a point may be; none if it may not move.
+    fn placed(&self, point: u32, place: Point3<f64>) -> Option<Point3<f64>> {
+        match self.anchors.get(point as usize) {
+            None | Some(DualAnchor::Site) => Some(place),
+            Some(DualAnchor::Wall(patch)) => self.walls?.nearest(&[*patch], &place),
+            Some(DualAnchor::Feature(patches)) => self.walls?.nearest(patches, &place),
+            Some(DualAnchor::Corner) => None,
+        }
+    }
+}
+
+/// Unit steps along axes and diagonals.
+fn ways() -> impl Iterator<Item = Vector3<f64>> {
+    let steps = [-1.0, 0.0, 1.0];
+    let all = steps.into_iter().flat_map(move |x| {
+        steps
+            .into_iter()
+            .flat_map(move |y| steps.into_iter().map(move |z| Vector3::new(x, y, z)))
+    });
+    all.filter_map(|way| way.try_normalize(0.5))
+}
+
+/// Moves points on walls and features to where these are.
+pub(crate) fn project(points: &mut [Point3<f64>], anchors: &[DualAnchor], walls: &WallProjection) {
+    for (place, anchor) in points.iter_mut().zip(anchors) {
+        let nearest = match anchor {
+            DualAnchor::Site | DualAnchor::Corner => None,
+            DualAnchor::Wall(patch) => walls.nearest(&[*patch], place),
+            DualAnchor::Feature([one, other]) if one == other => walls.nearest(&[*one], place),
+            DualAnchor::Feature(patches) => walls.nearest(patches, place),
+        };
+        *place = nearest.unwrap_or(*place);
+    }
+}
