@@ -8,6 +8,7 @@ use crate::complex::edit_mesh::EditMesh;
 use crate::complex::element::CellElement;
 use crate::complex::face_geometry::MeshGeometry;
 use crate::complex::quality::MeshQuality;
+use crate::complex::solid_mesh::{CleanMesh, Cleanup, clean_solid};
 use crate::complex::straighten::straighten_edges;
 use crate::complex::wall_patches::WallPatches;
 use crate::domain::convex::ConvexPolyhedron;
@@ -22,6 +23,7 @@ use crate::geometry::random::Random;
 use crate::mesh::poly_mesh::PolyMesh;
 use crate::mesh::shapes::{bracket, icosphere, torus, unit_cube, unit_cube_tets};
 use crate::mesh::surface::SurfaceMesh;
+use crate::mesh::surface_distance::SurfaceDistance;
 use crate::mesh::validate::{validate_surface, validate_tets};
 use crate::voronoi::diagram::Diagram;
 
@@ -434,4 +436,174 @@ fn collapse_keeps_the_volume_and_makes_hexahedra_of_a_disturbed_lattice() {
     assert_eq!((quality.open_cells, quality.bad_pyramids), (0, 0));
     assert!(quality.edge_min > before.edge_min && quality.non_orthogonality_max < 45.0);
     assert!(count(&mesh) >= 32, "{} hexahedra of 64", count(&mesh));
+}
+
+/// The clean mesh of cells of random sites in a solid, after two of Lloyd's steps.
+fn clean(shape: &SurfaceMesh, count: usize, collapse: f64) -> (SurfaceSolid, CleanMesh) {
+    let solid = SurfaceSolid::new(&validate_surface(shape).unwrap().0).unwrap();
+    let mut sites = points_in(&solid, 2, count);
+    for _ in 0..2 {
+        let mesh = mesh_in_pieces(&solid, &sites);
+        let cells = mesh.cell_faces();
+        let centers = MeshGeometry::of(&mesh, &cells).cell_centers;
+        for (site, center) in sites.iter_mut().zip(centers) {
+            *site = if solid.contains(&center) {
+                center
+            } else {
+                *site
+            };
+        }
+    }
+    let patches = WallPatches::by_features(solid.surface(), 40.0);
+    let cleanup = Cleanup {
+        collapse,
+        angle: 40.0,
+    };
+    let diagram = Diagram::new(&solid, &sites).unwrap();
+    let clean = clean_solid(&diagram, solid.surface(), &patches, cleanup).unwrap();
+    (solid, clean)
+}
+
+fn mesh_in_pieces(solid: &SurfaceSolid, sites: &[Point3<f64>]) -> PolyMesh {
+    assemble(&Diagram::new(solid, sites).unwrap(), &WallPatches::Each).unwrap()
+}
+
+#[test]
+fn walls_of_solids_become_few_polygons_and_no_cell_is_bad() {
+    let shapes: [(&str, SurfaceMesh, f64); 4] = [
+        ("cube", unit_cube(), 1e-12),
+        ("bracket", bracket(6), 0.012),
+        ("torus", torus(0.3, 0.12, 24, 12), 0.012),
+        ("ball", icosphere(2), 0.012),
+    ];
+    for (what, shape, lost) in shapes {
+        for collapse in [0.0, 0.1] {
+            let (solid, clean) = clean(&shape, 250, collapse);
+            let mesh = clean.mesh;
+            assert_eq!(mesh.check_closed(), Ok(Vec::new()), "{what}");
+            assert!(
+                clean.too_coarse.is_empty(),
+                "{what}: {:?}",
+                clean.too_coarse
+            );
+            let quality = quality(&mesh);
+            assert_eq!((quality.bad_pyramids, quality.open_cells), (0, 0), "{what}");
+            let skewness = quality.skewness_max.max(quality.skewness_wall_max);
+            assert!(
+                skewness <= 4.0 && quality.non_orthogonality_max < 70.0,
+                "{what}: {quality:?}"
+            );
+            let off = 1.0 - quality.volume / DomainShape::volume(&solid);
+            assert!(off.abs() <= lost, "{what}: {off:e}");
+            assert!(
+                (250..=262).contains(&mesh.cell_count),
+                "{what}: {}",
+                mesh.cell_count
+            );
+            let (distance, mut hint) = (SurfaceDistance::new(solid.surface()), 0);
+            let extent = DomainShape::bounds(&solid).extent().max();
+            for face in mesh.neighbor.len()..mesh.face_count() {
+                for corner in mesh.face_places(face) {
+                    assert!(distance.at(&corner, &mut hint) < 1e-9 * extent, "{what}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_cell_around_a_reentrant_edge_is_cut_along_the_wall() {
+    let solid = u_shape();
+    let sites = [
+        [0.5, 0.4, 0.5],
+        [2.5, 0.4, 0.5],
+        [1.0, 0.9, 0.5],
+        [0.5, 1.7, 0.5],
+        [0.5, 2.6, 0.5],
+        [2.5, 1.7, 0.5],
+        [2.5, 2.6, 0.5],
+    ];
+    let diagram = Diagram::new(&solid, &sites).unwrap();
+    let raw = mesh_in_pieces(&solid, &sites.map(Point3::from));
+    assert!(
+        quality(&raw).bad_pyramids > 0,
+        "cells wrap around the inner edges"
+    );
+    let patches = WallPatches::by_features(solid.surface(), 40.0);
+    let cleanup = Cleanup {
+        collapse: 0.1,
+        angle: 40.0,
+    };
+    let clean = clean_solid(&diagram, solid.surface(), &patches, cleanup).unwrap();
+    let quality = quality(&clean.mesh);
+    assert_eq!(clean.mesh.check_closed(), Ok(Vec::new()));
+    assert!(clean.mesh.cell_count > sites.len());
+    assert_eq!(quality.bad_pyramids, 0, "{quality:?}");
+    assert!(
+        (quality.volume - 7.0).abs() < 1e-9,
+        "planar walls lose nothing: {}",
+        quality.volume
+    );
+    assert_eq!(clean.mesh.patches.len(), 10);
+}
+
+#[test]
+fn edges_across_periods_collapse_in_pairs() {
+    let raw = mesh(&periodic([true, true, false]), &lattice(5, 0.02));
+    let mut edited = EditMesh::of(&raw);
+    assert_eq!(edited.finish(), raw, "nothing is changed");
+    let (collapsed, _) = collapse(&mut edited, 0.3 * 0.2, None);
+    straighten_edges(&mut edited, 0.15 * 0.2);
+    let mesh = edited.finish();
+    assert!(collapsed > 200 && mesh.face_count() < raw.face_count());
+    assert_eq!(mesh.check_closed(), Ok(Vec::new()));
+    let quality = quality(&mesh);
+    assert!((quality.volume - 1.0).abs() < 1e-12 && quality.open_cells == 0);
+    for patch in &mesh.patches {
+        let Some((partner, way)) = patch.partner else {
+            continue;
+        };
+        let other = &mesh.patches[partner];
+        assert_eq!(
+            (other.count, other.partner.map(|(_, back)| -back)),
+            (patch.count, Some(way))
+        );
+        for face in 0..patch.count {
+            let here: Vec<_> = mesh.face_places(patch.start + face).collect();
+            let there: Vec<_> = mesh.face_places(other.start + face).collect();
+            assert_eq!(here.len(), there.len());
+            for (corner, place) in here.iter().enumerate() {
+                let back = (here.len() - corner) % here.len();
+                assert!((there[back] - way - place).norm() < 1e-13);
+            }
+        }
+    }
+}
+
+#[test]
+fn whatever_is_undone_leaves_no_trace() {
+    let raw = mesh(&periodic([true, false, false]), &points(4, 60));
+    let mut edited = EditMesh::of(&raw);
+    let volume = edited.volume();
+    for (a, b) in edited.edges().into_iter().step_by(7) {
+        if edited.copies_of(a).contains(&b) {
+            continue;
+        }
+        let mark = edited.mark();
+        let place = edited.points[b as usize];
+        edited.collapse_edge(a, b, place);
+        edited.undo_to(mark);
+    }
+    assert_eq!(edited.finish(), raw);
+    assert!((edited.volume() - volume).abs() < 1e-14);
+}
+
+#[test]
+fn any_number_of_threads_cleans_a_solid_alike() {
+    let make = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new();
+        let pool = pool.num_threads(threads).build().unwrap();
+        pool.install(|| clean(&bracket(4), 80, 0.1).1.mesh)
+    };
+    assert_eq!(make(1), make(3));
 }
