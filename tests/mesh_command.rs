@@ -385,3 +385,194 @@ fn a_solid_keeps_the_coordinates_of_its_file_and_has_patches() {
         "{ends:?}"
     );
 }
+
+/// The elements of an MSH 4.1 file: type and the places of the corners, in file order.
+fn gmsh_elements(text: &str) -> Vec<(u32, Vec<[f64; 3]>)> {
+    let section = |name: &str| -> Vec<&str> {
+        let start = text.find(&format!("${name}\n")).expect("a section");
+        let body = &text[start + name.len() + 2..];
+        let end = body.find("$End").expect("its end");
+        body[..end].lines().collect()
+    };
+    let nodes = section("Nodes");
+    let count: usize = nodes[1]
+        .split(' ')
+        .nth(3)
+        .expect("a count")
+        .parse()
+        .expect("a number");
+    let place = |line: &str| -> [f64; 3] {
+        let numbers: Vec<f64> = line
+            .split(' ')
+            .map(|x| x.parse().expect("a number"))
+            .collect();
+        numbers.try_into().expect("three")
+    };
+    let points: Vec<[f64; 3]> = nodes[2 + count..].iter().map(|line| place(line)).collect();
+    assert_eq!(points.len(), count);
+    let mut lines = section("Elements").into_iter().skip(1);
+    let mut elements = Vec::new();
+    while let Some(head) = lines.next() {
+        let head: Vec<u32> = head
+            .split(' ')
+            .map(|x| x.parse().expect("a number"))
+            .collect();
+        for line in lines.by_ref().take(head[3] as usize) {
+            let tags = line.split(' ').skip(1);
+            let corners = tags.map(|tag| points[tag.parse::<usize>().expect("a tag") - 1]);
+            elements.push((head[2], corners.collect()));
+        }
+    }
+    elements
+}
+
+/// Six times the volume of a tetrahedron.
+fn six_volume(a: [f64; 3], b: [f64; 3], c: [f64; 3], d: [f64; 3]) -> f64 {
+    let [u, v, w] = [b, c, d].map(|p| [p[0] - a[0], p[1] - a[1], p[2] - a[2]]);
+    let normal = [
+        u[1] * v[2] - u[2] * v[1],
+        u[2] * v[0] - u[0] * v[2],
+        u[0] * v[1] - u[1] * v[0],
+    ];
+    normal[0] * w[0] + normal[1] * w[1] + normal[2] * w[2]
+}
+
+#[test]
+fn hexahedra_go_to_six_formats_and_fill_the_cube() {
+    let dir = with_run();
+    let report = report(&dir.stdout(&[
+        "mesh",
+        "run",
+        "-o",
+        "hexes",
+        "--elements",
+        "hexes",
+        "--collapse",
+        "0.1",
+        "--to",
+        "polymesh,vtu,msh,inp,medit,su2",
+        "--json",
+    ]));
+    let kinds = ["hexahedron", "prism", "pyramid", "tetrahedron"];
+    let counts = kinds.map(|kind| report["kinds"][kind]["count"].as_u64().expect("a count"));
+    let all: u64 = counts.iter().sum();
+    assert_eq!(report["cells"], all);
+    assert!((report["volume"].as_f64().expect("a volume") - 1.0).abs() < 1e-12);
+    let checked: Value = self::report(&dir.stdout(&["mesh", "--check", "hexes", "--json"]));
+    assert_eq!(
+        (&checked["cells"], &checked["kinds"]),
+        (&report["cells"], &report["kinds"])
+    );
+    let text = |name: &str| String::from_utf8(dir.read(&format!("hexes/{name}"))).expect("text");
+    let elements = gmsh_elements(&text("mesh.msh"));
+    let of = |kind: u32| elements.iter().filter(|(of, _)| *of == kind).count() as u64;
+    assert_eq!([5, 6, 7, 4].map(of), counts);
+    // Prisms and pyramids by tetrahedra along diagonals; their quadrilaterals are not plane, so this and the
+    // sum with the rest agree to the twist only.
+    let tetrahedra = elements.iter().filter(|(kind, _)| *kind == 4);
+    for (_, p) in tetrahedra {
+        assert!(six_volume(p[0], p[1], p[2], p[3]) > 0.0);
+    }
+    assert_all_in(
+        &text("mesh.msh"),
+        &["2 1 \"xmin\"", "2 6 \"zmax\"", "3 7 \"volume\""],
+    );
+    let su2 = text("mesh.su2");
+    assert_all_in(
+        &su2,
+        &[&format!("NELEM= {all}"), "NMARK= 6", "MARKER_TAG= ymax"],
+    );
+    let medit = text("mesh.mesh");
+    for (keyword, count) in ["Hexahedra", "Prisms", "Pyramids", "Tetrahedra"]
+        .iter()
+        .zip(counts)
+    {
+        let section = format!("{keyword}\n{count}\n");
+        assert!(count == 0 || medit.contains(&section), "{section}");
+    }
+    let inp = text("mesh.inp");
+    assert_all_in(
+        &inp,
+        &["*SURFACE, NAME=xmin, TYPE=ELEMENT", "*ELSET, ELSET=SOLID"],
+    );
+    let walls = elements
+        .iter()
+        .filter(|(kind, _)| [2, 3].contains(kind))
+        .count();
+    let sides = inp
+        .lines()
+        .filter(|line| line.contains(", S"))
+        .filter(|line| !line.starts_with('*'));
+    assert_eq!(sides.count(), walls);
+}
+
+#[test]
+fn polyhedra_are_refused_where_a_format_has_none() {
+    let dir = with_run();
+    for format in ["msh", "inp", "medit", "su2"] {
+        let arguments = ["mesh", "run", "-o", "case", "--to", format];
+        assert_refused(
+            &dir,
+            &arguments,
+            &[format, "--elements hexes", "polymesh,vtu"],
+        );
+    }
+    assert!(!dir.path("case").exists());
+}
+
+#[test]
+fn tables_of_cells_and_faces_balance() {
+    let dir = with_run();
+    let arguments = [
+        "measure",
+        "run",
+        "--cells-table",
+        "c.csv",
+        "--faces-table",
+        "f.csv",
+    ];
+    dir.stdout(&arguments);
+    assert_refused(&dir, &arguments, &["c.csv", "--force"]);
+    let rows = |name: &str| -> Vec<Vec<String>> {
+        let text = String::from_utf8(dir.read(name)).expect("text");
+        let lines = text.lines().skip(1);
+        lines
+            .map(|line| line.split(',').map(str::to_owned).collect())
+            .collect()
+    };
+    let number = |text: &String| text.parse::<f64>().expect("a number");
+    let cells = rows("c.csv");
+    assert_eq!(cells.len(), 30);
+    let volume: f64 = cells.iter().map(|row| number(&row[4])).sum();
+    assert!((volume - 1.0).abs() < 1e-12);
+    let faces = rows("f.csv");
+    for (site, cell) in cells.iter().enumerate() {
+        let own: Vec<&Vec<String>> = faces
+            .iter()
+            .filter(|row| row[0] == site.to_string())
+            .collect();
+        assert_eq!(own.len().to_string(), cell[9]);
+        // The divergence theorem: areas close, and their moments are the volume.
+        let flux = |axis: usize| {
+            own.iter()
+                .map(|row| number(&row[3]) * number(&row[4 + axis]))
+                .sum::<f64>()
+        };
+        assert!((0..3).all(|axis| flux(axis).abs() < 1e-12));
+        let moment = |row: &&Vec<String>| {
+            let along = |axis: usize| number(&row[4 + axis]) * number(&row[7 + axis]);
+            number(&row[3]) * (along(0) + along(1) + along(2)) / 3.0
+        };
+        let sum: f64 = own.iter().map(moment).sum();
+        assert!((sum - number(&cell[4])).abs() < 1e-12);
+        for row in own.iter().filter(|row| !row[1].is_empty()) {
+            let back = faces
+                .iter()
+                .any(|other| other[0] == row[1] && other[1] == row[0] && other[3] == row[3]);
+            assert!(back, "{row:?}");
+        }
+    }
+    let walls = faces.iter().filter(|row| !row[2].is_empty());
+    let area: f64 = walls.map(|row| number(&row[3])).sum();
+    assert!((area - 6.0).abs() < 1e-12);
+}

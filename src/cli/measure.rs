@@ -7,6 +7,7 @@ use crate::scene::description::Scene;
 use crate::scene::overrides::Overrides;
 use crate::scene::run::{RunSpace, energy_spec, plane};
 
+use crate::cli::cell_tables::TableOptions;
 use crate::cli::failure::{Failure, print};
 use crate::cli::options::{SceneOptions, print_notes, space};
 
@@ -18,16 +19,31 @@ pub(crate) struct MeasureOptions {
     /// Print every cell too, in site order
     #[arg(long)]
     per_cell: bool,
+    #[command(flatten)]
+    tables: TableOptions,
 }
 
 pub(crate) fn run(options: &MeasureOptions) -> Result<(), Failure> {
     let scene = options.scene.scene(Overrides::default())?;
+    options
+        .tables
+        .check(&scene, &options.scene.inputs(&scene))?;
     match scene.dimension {
         2 => {
             let plane = plane(&scene).map_err(Failure::input)?;
             print_figures(&plane, &scene, options.per_cell)
         }
-        _ => print_figures(&space(&scene)?, &scene, options.per_cell),
+        _ => {
+            let space = space(&scene)?;
+            if options.tables.is_wanted() {
+                let sites = space.place(&scene).map_err(Failure::input)?;
+                let cells = space
+                    .metrics(&sites, energy_spec(&scene))
+                    .map_err(Failure::input)?;
+                options.tables.write((&space, &scene), &sites, &cells)?;
+            }
+            print_figures(&space, &scene, options.per_cell)
+        }
     }
 }
 

@@ -3,6 +3,7 @@
 pub(crate) mod bench;
 pub(crate) mod bench_sites;
 pub(crate) mod cell_files;
+pub(crate) mod cell_tables;
 pub(crate) mod command;
 pub(crate) mod cpu_features;
 pub(crate) mod density_files;

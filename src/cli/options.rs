@@ -57,7 +57,7 @@ pub(crate) struct SceneOptions {
     scene: Option<PathBuf>,
     /// Take the sites from a .csv, .tsv, .npy, .xyz, .txt or .json file, plain or .gz; - is standard
     /// input
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["count", "seed"])]
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["count", "seed", "edge"])]
     sites: Option<PathBuf>,
     /// The format of the sites, where neither the name nor the content says it
     #[arg(long, value_name = "FORMAT", value_parser = named(&SITE_FORMATS))]
@@ -71,6 +71,10 @@ pub(crate) struct SceneOptions {
     /// Number of random sites
     #[arg(long, value_name = "N")]
     count: Option<usize>,
+    /// As many random sites as cubes of edge L fill the domain, in its own unit; in a box the product of
+    /// the sides' rounded counts
+    #[arg(long, value_name = "L", value_parser = length, conflicts_with = "count")]
+    pub(crate) edge: Option<f64>,
     /// Seed of random sites, or of a grid's jitter
     #[arg(long, value_name = "S")]
     seed: Option<u64>,
@@ -158,9 +162,15 @@ impl SceneOptions {
         };
         print_notes(&notes);
         self.set_sites(&scene, &mut others)?;
-        others
-            .sites
-            .extend(given(json!({ "count": self.count, "seed": self.seed })));
+        others.sites.extend(given(
+            json!({ "count": self.count, "seed": self.seed, "edge": self.edge }),
+        ));
+        // The count and the edge replace each other.
+        if self.edge.is_some() {
+            others.sites.insert("count".to_owned(), Value::Null);
+        } else if self.count.is_some() && scene.sites.has_edge() {
+            others.sites.insert("edge".to_owned(), Value::Null);
+        }
         others.scene.extend(given(json!({
             "drop_outside": self.drop_outside, "cells": self.cells, "norm": self.norm,
             "order": self.order, "sites_format": self.sites_format,

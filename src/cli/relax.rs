@@ -29,10 +29,14 @@ const METHODS: [(&str, &str); 3] = [
     ),
 ];
 
-const GOALS: [(&str, &str); 2] = [
+const GOALS: [(&str, &str); 3] = [
     (
         "cubes",
         "Every cell a cube, as near as the number of sites allows",
+    ),
+    (
+        "mesh",
+        "Cells to mesh with, in rows along the axes: random sites become a lattice first",
     ),
     ("squares", "In the plane: every cell a square"),
 ];
@@ -106,6 +110,9 @@ fn start(options: &RelaxOptions, common: Common) -> Result<(), Failure> {
     let mut scene = options.scene.scene(options.overrides())?;
     scene.output.range = options.range.map(|ends| ends.0).or(scene.output.range);
     check_goal(options.goal.as_deref(), scene.dimension)?;
+    if options.goal.as_deref() == Some("mesh") {
+        scene.sites.set_lattice();
+    }
     let inputs = options.scene.inputs(&scene);
     check_outputs(&options.out, &inputs, options.force)?;
     if scene.dimension == 2 {
@@ -118,9 +125,9 @@ fn start(options: &RelaxOptions, common: Common) -> Result<(), Failure> {
 /// Refuses the goal of the other dimension.
 fn check_goal(goal: Option<&str>, dimension: usize) -> Result<(), Failure> {
     match (goal, dimension) {
-        (Some("cubes"), 2) => Err(Failure::input(
-            "--goal cubes is for sites in space, the scene has \"dimension\": 2; say --goal squares",
-        )),
+        (Some(goal @ ("cubes" | "mesh")), 2) => Err(Failure::input(format!(
+            "--goal {goal} is for sites in space, the scene has \"dimension\": 2; say --goal squares",
+        ))),
         (Some("squares"), 3) => Err(Failure::input(
             "--goal squares is for sites in the plane; say --goal cubes, or set \"dimension\": 2 in the scene",
         )),
@@ -168,8 +175,10 @@ impl RelaxOptions {
             method: given(&self.of_method),
             ..Overrides::default()
         };
-        if self.goal.is_some() {
-            overrides.set_cubes();
+        match self.goal.as_deref() {
+            None => {}
+            Some("mesh") => overrides.set_mesh(),
+            Some(_) => overrides.set_cubes(),
         }
         let unless = |is_off: bool| is_off.then_some(false);
         overrides.output = given_values(json!({

@@ -1,7 +1,6 @@
 //! `mesh.msh`: Gmsh's MSH 4.1 in ASCII, a physical group for every patch and one for the volume.
 //!
-//! Source: Gmsh reference manual, section 10.1 (MSH file format). Tags count from one. The order of points
-//! within elements is VTK's but for prisms, where it is the mesh's own.
+//! Source: Gmsh reference manual, section 10.1 (MSH file format). Tags count from one; the order of points is the mesh's.
 
 use std::io::{self, Write};
 use std::path::Path;

@@ -2,7 +2,9 @@
 //!
 //! The format is that of `cells.vtu` (`export::vtu`): XML, version 1.0, arrays appended as raw
 //! little-endian binary. Hexahedra, prisms, pyramids and tetrahedra have VTK's own types (12, 13, 14,
-//! 10), other cells are polyhedra (42) with `faces` and `faceoffsets`.
+//! 10), other cells are polyhedra (42) with `faces` and `faceoffsets`. A prism's first triangle runs
+//! counter-clockwise as seen from inside, as in hexahedra: with the other order, which VTK's documentation shows,
+//! VTK's own filters find negative volumes (9.7.2).
 
 use std::io::{self, Write};
 use std::path::Path;
@@ -122,7 +124,7 @@ fn cell_arrays(mesh: &PolyMesh, standard: bool) -> Vec<FileArray> {
         let (kind, corners): (u8, Vec<u32>) = match element {
             CellElement::Tetrahedron(corners) => (10, corners.into()),
             CellElement::Hexahedron(corners) => (12, corners.into()),
-            CellElement::Prism(corners) => (13, vtk_prism(corners).into()),
+            CellElement::Prism(corners) => (13, corners.into()),
             CellElement::Pyramid(corners) => (14, corners.into()),
             CellElement::Polyhedron => (42, push_stream(mesh, &faces, cell, &mut streams)),
         };
@@ -143,11 +145,6 @@ fn cell_arrays(mesh: &PolyMesh, standard: bool) -> Vec<FileArray> {
         arrays.push(integers("faceoffsets", &stream_ends));
     }
     arrays
-}
-
-/// VTK's wedge: the normal of its first triangle points out of it, against all other types.
-pub(crate) fn vtk_prism([a, b, c, d, e, f]: [u32; 6]) -> [u32; 6] {
-    [a, c, b, d, f, e]
 }
 
 /// Adds a polyhedron's faces, each as seen from outside, and returns its points in ascending order.

@@ -5,10 +5,8 @@
 use std::io::{self, Write};
 use std::path::Path;
 
-use crate::complex::element::CellElement;
 use crate::complex::element_mesh::ElementMesh;
 use crate::export::atomic_write;
-use crate::export::mesh_vtu::vtk_prism;
 
 /// VTK's types in the order of [`crate::complex::element::KINDS`].
 const TYPES: [u32; 4] = [12, 13, 14, 10];
@@ -22,12 +20,7 @@ pub(crate) fn write_su2(path: &Path, mesh: &ElementMesh) -> io::Result<()> {
         writeln!(file, "NDIME= 3\nNELEM= {}", mesh.elements.len())?;
         for (number, element) in mesh.elements.iter().enumerate() {
             let kind = TYPES[element.kind()];
-            match element {
-                CellElement::Prism(corners) => {
-                    write_entry(file, kind, &vtk_prism(*corners))?;
-                }
-                _ => write_entry(file, kind, element.corners())?,
-            }
+            write_entry(file, kind, element.corners())?;
             writeln!(file, " {number}")?;
         }
         writeln!(file, "NPOIN= {}", mesh.points.len())?;

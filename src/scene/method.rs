@@ -34,6 +34,15 @@ impl SceneMethod {
         Self::Anneal(Anneal::of_kind(PerturbationKind::Exchange))
     }
 
+    /// What makes most hexahedra of a lattice of sites: a descent, which keeps rows and moves walls' cells.
+    #[must_use]
+    pub fn mesh() -> Self {
+        Self::QuasiNewton(QuasiNewton {
+            iterations: 60,
+            ..QuasiNewton::default()
+        })
+    }
+
     /// How many moves the method makes at most.
     #[must_use]
     pub fn iterations(&self) -> u64 {

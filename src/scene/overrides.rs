@@ -48,6 +48,12 @@ impl Overrides {
         self.scene.insert("method".to_owned(), method);
     }
 
+    /// Takes the method that keeps the rows of a lattice and fits them to the walls.
+    pub fn set_mesh(&mut self) {
+        let method = json!(SceneMethod::mesh());
+        self.scene.insert("method".to_owned(), method);
+    }
+
     /// Changes `scene`.
     ///
     /// # Errors

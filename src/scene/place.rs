@@ -19,9 +19,10 @@ use crate::geometry::bounds::Bounds;
 use crate::geometry::random::{PointSource, Random, points_inside};
 use crate::scene::description::Scene;
 use crate::scene::error::Error;
+use crate::scene::memory;
 use crate::scene::numbers::point;
 use crate::scene::site_file;
-use crate::scene::sites::{Grid, Sites};
+use crate::scene::sites::{Grid, Random as RandomSites, Sites};
 
 /// Makes a source of points closer to a domain than its bounding box is, if there is one.
 type Closer<'a, const D: usize> = Box<dyn Fn() -> Option<PointSource<'static, D>> + Sync + 'a>;
@@ -37,6 +38,8 @@ pub struct SiteRegion<'a, const D: usize> {
     pub periodic: [bool; D],
     /// Whether the closed domain holds a point.
     pub contains: Contains<'a, D>,
+    /// The domain's volume; none where it fills its bounding box.
+    pub(crate) volume: Option<f64>,
     /// For domains that fill next to nothing of their bounding box.
     pub(crate) closer: Closer<'a, D>,
 }
@@ -49,6 +52,7 @@ impl<const D: usize> SiteRegion<'_, D> {
             bounds,
             periodic,
             contains: Box::new(move |point| bounds.contains(point)),
+            volume: None,
             closer: Box::new(|| None),
         }
     }
@@ -60,6 +64,7 @@ impl<const D: usize> SiteRegion<'_, D> {
             bounds: domain.bounds(),
             periodic: domain.periods().map(|period| period.is_some()),
             contains: Box::new(|point| domain.contains(point)),
+            volume: (!domain.is_box()).then(|| domain.volume()),
             closer: Box::new(|| source_in_solid(domain.shape())),
         }
     }
@@ -71,6 +76,7 @@ impl<const D: usize> SiteRegion<'_, D> {
             bounds: domain.bounds(),
             periodic: domain.periods().map(|period| period.is_some()),
             contains: Box::new(|point| domain.contains(point)),
+            volume: None,
             closer: Box::new(|| source_in_plane(domain)),
         }
     }
@@ -125,7 +131,7 @@ pub fn place<const D: usize>(
     region: &SiteRegion<'_, D>,
 ) -> Result<PlacedSites<D>, Error> {
     let (mut sites, mut notes): (Vec<Point<f64, D>>, _) = match &scene.sites {
-        Sites::Random(random) => (random_sites(random.count, random.seed, region)?, Vec::new()),
+        Sites::Random(random) => (random_or_lattice(random, region)?, Vec::new()),
         Sites::Grid(grid) => (grid_sites(grid, region)?, Vec::new()),
         Sites::List(list) => (list.iter().map(|row| point(row)).collect(), Vec::new()),
         Sites::File(path) => {
@@ -153,6 +159,52 @@ pub fn place<const D: usize>(
         dropped,
         notes,
     })
+}
+
+/// The rounded counts of edges along the sides of the region's box.
+fn sides<const D: usize>(edge: f64, region: &SiteRegion<'_, D>) -> [f64; D] {
+    let extent = region.bounds.extent();
+    std::array::from_fn(|axis| (extent[axis] / edge).round().max(1.0))
+}
+
+/// Random sites, or those of a lattice: as many as asked for, or as cubes of an edge fill the domain.
+///
+/// # Errors
+/// [`Error::TooManySites`] for more than memory holds, [`Error::NoRoom`], [`Error::EmptyGrid`].
+fn random_or_lattice<const D: usize>(
+    random: &RandomSites,
+    region: &SiteRegion<'_, D>,
+) -> Result<Vec<Point<f64, D>>, Error> {
+    let volume = region.volume.unwrap_or(region.bounds.extent().product());
+    let edge = match (random.edge, random.count) {
+        (Some(edge), _) => edge,
+        (None, count) => (volume / count.unwrap_or(1) as f64).powf(1.0 / D as f64),
+    };
+    let sides = sides(edge, region);
+    let in_box: f64 = sides.iter().product();
+    if random.lattice {
+        memory::check(in_box as u64)?;
+        let counts = sides.map(|count| count as usize).to_vec();
+        let (jitter, seed) = (0.0, random.seed);
+        return grid_sites(
+            &Grid {
+                counts,
+                jitter,
+                seed,
+            },
+            region,
+        );
+    }
+    let of_edge = match region.volume {
+        Some(volume) => (volume / edge.powi(D as i32)).round().max(1.0),
+        None => in_box,
+    };
+    memory::check(random.count.map_or(of_edge as u64, |count| count as u64))?;
+    random_sites(
+        random.count.unwrap_or(of_edge as usize),
+        random.seed,
+        region,
+    )
 }
 
 /// `count` sites uniform over the region, by rejection from its bounding box or from closer about it.

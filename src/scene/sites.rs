@@ -26,15 +26,24 @@ pub enum Sites {
     Given(Arc<[f64]>),
 }
 
-/// Uniform random sites.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+/// Uniform random sites, or a lattice.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Random {
     /// How many.
-    pub count: usize,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub count: Option<usize>,
+    /// In place of the count: the length of a cell's edge. There are as many sites as cubes of this edge
+    /// fill the domain; in a box the product of the sides' own rounded counts.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub edge: Option<f64>,
     /// The same seed gives the same sites everywhere.
     #[serde(default = "one")]
     pub seed: u64,
+    /// Whether the sites are those points of the cubic lattice over the domain's bounding box that the
+    /// domain holds, as many as come nearest to the count.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub lattice: bool,
 }
 
 /// Sites on a grid.
@@ -62,7 +71,7 @@ impl Sites {
     /// How many sites there will be at most; a file tells only when it is read.
     pub(crate) fn announced(&self) -> Option<u64> {
         match self {
-            Self::Random(random) => Some(random.count as u64),
+            Self::Random(random) => random.count.map(|count| count as u64),
             Self::Grid(grid) => Some(grid.counts.iter().fold(1, |product: u64, &count| {
                 product.saturating_mul(count as u64)
             })),
@@ -71,11 +80,21 @@ impl Sites {
         }
     }
 
+    /// Makes random sites those of a lattice.
+    pub(crate) fn set_lattice(&mut self) {
+        if let Self::Random(random) = self {
+            random.lattice = true;
+        }
+    }
+
+    /// Whether they are counted by the edge of a cell.
+    pub(crate) fn has_edge(&self) -> bool {
+        matches!(self, Self::Random(random) if random.edge.is_some())
+    }
+
     pub(crate) fn validate(&self, dimension: usize) -> Result<(), Error> {
         match self {
-            Self::Random(random) if random.count == 0 => {
-                Err(Error::value("sites.random.count", "0 sites have no cells"))
-            }
+            Self::Random(random) => random.validate(dimension),
             Self::Grid(grid) => grid.validate(dimension),
             Self::List(list) if list.is_empty() => {
                 Err(Error::value("sites.list", "0 sites have no cells"))
@@ -88,7 +107,31 @@ impl Sites {
                 let message = format!("{} numbers are no points of {dimension}", numbers.len());
                 Err(Error::value("sites", message))
             }
-            Self::Random(_) | Self::File(_) | Self::Given(_) => Ok(()),
+            Self::File(_) | Self::Given(_) => Ok(()),
+        }
+    }
+}
+
+impl Random {
+    fn validate(&self, dimension: usize) -> Result<(), Error> {
+        let refused =
+            |key: &str, message: &str| Err(Error::value(&format!("sites.random.{key}"), message));
+        match (self.count, self.edge) {
+            (Some(0), _) => refused("count", "0 sites have no cells"),
+            (Some(_), Some(_)) => {
+                refused("edge", "the count says it already; leave one of them out")
+            }
+            (None, None) => refused(
+                "count",
+                "is missing; say how many sites, or the `edge` of a cell",
+            ),
+            (None, Some(edge)) if !(edge > 0.0 && edge.is_finite()) => {
+                refused("edge", &format!("{edge:?} is not a positive length"))
+            }
+            (None, Some(_)) if dimension != 3 => {
+                refused("edge", "is for sites in space; say a `count` in the plane")
+            }
+            _ => Ok(()),
         }
     }
 }

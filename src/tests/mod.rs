@@ -6,6 +6,7 @@ mod cell_check;
 mod complex;
 mod cubes;
 mod density;
+mod dual;
 mod energy;
 mod export;
 mod fields;
