@@ -33,7 +33,8 @@ def test_cells_fill_the_domain_and_their_facets_close(points, domain, volume):
     # The divergence theorem: Σ A n = 0, and 3 V = Σ A h, h the height of the facet's plane.
     gap = np.zeros((len(cells), 3))
     np.add.at(gap, owner, cells.areas[:, None] * cells.normals)
-    assert np.abs(gap).max() < 1e-12
+    # Slivers of a lattice moved by 1e-9 have normals that are known to as much.
+    assert np.abs(gap).max() < 1e-10
     assert np.abs(np.linalg.norm(cells.normals, axis=1) - 1).max() < 1e-12
     first = cells.vertices[cells.corners[cells.corner_offsets[:-1]]]
     heights = ((first - cells.centroids[owner]) * cells.normals).sum(1)
@@ -100,9 +101,10 @@ def test_chosen_cells_have_the_bits_of_all_and_thin_halos_are_noticed():
             inside = np.minimum(0.5 + halo - points[own], np.inf if not domain.periodic else points[own] + halo).min(1)
             by_distance = chebloyd.cells(points[near], domain=domain, select=numbers, known=inside)
             assert (by_distance.certified <= ours.certified).all()
-            # Nothing said: what the points themselves span.
-            spanned = chebloyd.cells(points[near], domain=domain, select=numbers)
-            assert (spanned.certified <= ours.certified).all() and right[spanned.certified].all()
+            # Nothing said: what the points themselves span, however they are wrapped.
+            for given in (points[near], wrapped[near]):
+                spanned = chebloyd.cells(given, domain=domain, select=numbers)
+                assert (spanned.certified <= ours.certified).all() and right[spanned.certified].all()
             outcomes.append((right.mean(), ours.certified.mean()))
         (thin, few), _, (wide, all_) = outcomes
         assert thin < 1 and few < 0.9 and wide == 1 and all_ == 1
@@ -193,7 +195,7 @@ def test_pyvoros_dicts():
     assert walls == {-3, -4}
     pyvoro2 = pytest.importorskip("pyvoro2")
     box = pyvoro2.OrthorhombicCell(((-1, 1), (0, 1), (2, 2.5)), periodic=(True, False, True))
-    theirs = pyvoro2.compute(LONG_POINTS, domain=box)
+    theirs = pyvoro2.compute(LONG_POINTS, domain=box, output="cells")
     theirs = sorted(theirs, key=lambda cell: cell["id"])
     for ours, other in zip(dicts, theirs, strict=True):
         assert abs(ours["volume"] - other["volume"]) < 1e-9
@@ -208,10 +210,15 @@ def test_freuds_neighbor_list():
     ours = chebloyd.cells(points, domain=box).to_freud()
     voronoi = freud.locality.Voronoi().compute((box, points))
     theirs = voronoi.nlist
-    order = [np.lexsort((*np.round(n.vectors.T, 3), n.point_indices, n.query_point_indices)) for n in (ours, theirs)]
-    assert (ours[:][order[0]] == theirs[:][order[1]]).all()
-    assert np.abs(ours.vectors[order[0]] - theirs.vectors[order[1]]).max() < 1e-4
-    assert np.abs(ours.weights[order[0]] - theirs.weights[order[1]]).max() < 1e-4
+
+    def large(nlist):
+        # freud computes in single precision: facets of no size come and go.
+        keys = map(tuple, np.column_stack((nlist[:], np.round(nlist.vectors))).astype(int))
+        return {key: float(area) for key, area in zip(keys, nlist.weights) if area > 1e-3}
+
+    ours, theirs = large(ours), large(theirs)
+    assert len(ours) > 2500 and all(abs(area - theirs[key]) < 1e-4 for key, area in ours.items() if area > 2e-3)
+    assert all(key in ours for key, area in theirs.items() if area > 2e-3)
     with pytest.raises(ValueError, match="triclinic"):
         chebloyd.cells(points, domain=freud.box.Box(2, 3, 4, 0.1, 0, 0))
 

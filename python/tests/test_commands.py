@@ -29,7 +29,8 @@ def test_solids_are_weighed_integrated_stood_and_spun():
         assert "field.json" in str(error)
     assert chebloyd.integrate(bracket, monomials=1)["volume"]["0,0,0"] == pytest.approx(chebloyd.mass(bracket).volume)
     standing = chebloyd.stand(bracket, range=(0.5, 2))
-    assert standing == printed("stand", bracket, "--range=0.5,2") and standing.feasible in (True, False)
+    theirs = printed("stand", bracket, "--range=0.5,2")
+    assert {**standing, "seconds": 0} == {**theirs, "seconds": 0} and standing.feasible in (True, False)
     spun = chebloyd.spin(bracket, axis=(0, 0, 0, 0, 0, 1), range=(0.5, 2), basis="cells:50")
     assert spun.feasible in (True, False) and len(spun["center_of_mass"]) == 3
     infeasible = chebloyd.stand(bracket, target=(1e3, 1e3, None), range=(0.9, 1.1))

@@ -15,7 +15,7 @@ use crate::geometry::brep::Piece;
 use crate::geometry::label::Label;
 use crate::geometry::polyhedron::Polyhedron;
 use crate::geometry::shell::{weld, welded_ring};
-use crate::voronoi::cell::{Cell, NO_AREA, holds_ball};
+use crate::voronoi::cell::{Cell, holds_ball};
 use crate::voronoi::diagram::{Diagram, DiagramError};
 use crate::voronoi::planar::diagram::{
     PlaneCell, PlaneDiagram, PlaneDiagramError, security_radius,
@@ -28,7 +28,8 @@ const CELLS_PER_BLOCK: usize = 512;
 const WELD: f64 = 1e-10;
 
 /// Some sites' cells, in the order in which these were chosen. Points have `dimension` coordinates each.
-/// Facets are polygons in space and edges in the plane.
+/// Facets are polygons in space and edges in the plane; those that shrink to an edge or a vertex when corners
+/// nearer than 1e-10 of the cell are one are left out, so that every cell stays closed.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct CellArrays {
@@ -177,7 +178,6 @@ impl Cells {
     fn push_piece(&mut self, cell: &Cell<'_>, piece: Piece<'_>, (first, shapes): (usize, bool)) {
         let places = piece.vertices();
         let extent = cell.bounds().extent();
-        let least = NO_AREA * extent.norm_squared();
         let welded = has_near(&places, WELD * extent.max()).then(|| weld(&places));
         let mut ring = std::mem::take(&mut self.scratch.ring);
         self.scratch.numbers.clear();
@@ -192,7 +192,7 @@ impl Cells {
                 None => ring.extend_from_slice(corners),
             }
             let area = area(&places, &ring);
-            if ring.len() >= 3 && area > least {
+            if ring.len() >= 3 {
                 self.push_facet(label, area, &normal.normalize());
                 if shapes {
                     self.push_loop(&places, &ring, (first, &cell.position));
