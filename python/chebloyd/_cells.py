@@ -26,7 +26,8 @@ class Cells:
     """Cells of n sites as flat arrays; D = 3 coordinates in space, 2 in the plane.
 
     V corners, F facets (polygons; edges in the plane) and their C corner numbers stand one cell after the
-    other. Lengths are in the unit of the sites (L). Facets that only touch, without area, are left out.
+    other. Lengths are in the unit of the sites (L). Facets that shrink
+    to an edge or a corner (within 1e-10 of the cell) are left out.
     """
 
     #: The sites whose cells these are, by their index in the points: (n,).
@@ -252,8 +253,8 @@ def cells(
     ``select`` asks for the cells of some points only, by index or as a mask: one's own among ghosts. Such a cell
     is right if all points within its radius are given, and ``known`` says where they are: within a ``Box``, or
     within a distance of each chosen point (a number, or one for each); ``"all"`` says that there are no others.
-    Left out, it is the least box around the points given. ``certified`` then says which cells are right for
-    sure. Without ``select`` and ``known`` the points are all there are.
+    Left out, it is the least box around the points given (along periodic axes, all but the widest gap).
+    ``certified`` then says which cells are right for sure. Without ``select`` and ``known`` the points are all there are.
 
     ``shapes=False`` leaves out corners, for neighbors, areas and volumes alone. Points weigh alike: ``weights``
     and ``radii`` (power diagrams) are refused, and so are triclinic boxes. Raises ``ValueError``, also where
@@ -266,15 +267,15 @@ def cells(
         )
     given = points_of(points)
     chosen = None if select is None else _chosen(select, len(given))
-    box, distance = _known(known, given, chosen)
     with Files() as files:
         text = scene_text(given.shape[1], domain, files, {})
-        arrays, notes = native.cells(text, given, chosen, box, shapes, threads)
+        low, periods = _periods(text, given.shape[1])
+        box, distance = _known(known, given, chosen, (low, periods))
+        arrays, notes = native.cells(text, _wrapped(given, low, periods), chosen, box, shapes, threads)
     if chosen is None:
         chosen = np.arange(len(given))
     if distance is not None:
         arrays["certified"] = np.asarray(arrays["radii"] <= distance)
-    low, periods = _periods(text, given.shape[1])
     found = Cells(select=chosen, points=given[chosen], periods=periods, notes=notes, **arrays)
     found.__dict__["_given"], found.__dict__["_low"] = given, low
     return found
@@ -292,7 +293,7 @@ def _chosen(select: ArrayLike, count: int) -> Ints:
 
 
 def _known(
-    known: Any, points: Floats, chosen: Ints | None
+    known: Any, points: Floats, chosen: Ints | None, periodic: tuple[Floats, Floats]
 ) -> tuple[list[list[float]] | None, float | Floats | None]:
     """The box in which all points are given, or how far from each chosen one; neither if that is everywhere."""
     if isinstance(known, str):
@@ -307,9 +308,32 @@ def _known(
         if distances.shape not in ((), (count,)):
             raise ValueError(f"known has shape {distances.shape}; one distance, or ({count},), is needed")
         return None, distances
-    corners = [points.min(axis=0), points.max(axis=0)] if known is None else [known.min, known.max]
+    corners = _spanned(points, *periodic) if known is None else [known.min, known.max]
     ends = [[float(x) for x in corner] for corner in corners]
     return [[*end, *[0.0] * (3 - len(end))] for end in ends], None
+
+
+def _wrapped(points: Floats, low: Floats, periods: Floats) -> Floats:
+    """Points within the first period; those given if they are there already."""
+    for axis in np.flatnonzero(periods):
+        along = points[:, axis]
+        if ((along < low[axis]) | (along > low[axis] + periods[axis])).any():
+            points = points.copy()
+            points[:, axis] = low[axis] + (along - low[axis]) % periods[axis]
+    return points
+
+
+def _spanned(points: Floats, low: Floats, periods: Floats) -> list[Floats]:
+    """The least box around points; along periodic axes what is left of a period without its largest gap."""
+    least, most = points.min(axis=0), points.max(axis=0)
+    for axis in np.flatnonzero(periods):
+        period = periods[axis]
+        sorted_ = np.sort((points[:, axis] - low[axis]) % period) + low[axis]
+        gaps = np.diff(sorted_, append=sorted_[0] + period)
+        widest = int(gaps.argmax())
+        least[axis] = sorted_[(widest + 1) % len(sorted_)]
+        most[axis] = least[axis] + period - gaps[widest]
+    return [least, most]
 
 
 def _periods(text: str, dimension: int) -> tuple[Floats, Floats]:

@@ -55,7 +55,7 @@ def command(
     end first, and a second Ctrl-C raises at once. A command without ``--json`` leaves ``"text"``.
     """
     with Files() as files:
-        words = [name, *map(os.fspath, arguments)]
+        words = [name, *(os.fspath(word) for word in arguments)]
         for key, value in options.items():
             words += _option(key.strip("_").replace("_", "-"), value, files)
         if name in _WITH_JSON:

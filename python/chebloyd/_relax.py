@@ -64,9 +64,8 @@ class Result:
 
 
 def _shortest(number: float) -> str:
-    """The shortest decimal that reads back to the same number, without an exponent of zero."""
-    text = repr(number)
-    return text[:-2] if text.endswith(".0") else text
+    """The shortest decimal that reads back to the same number, as the program writes it."""
+    return repr(number).replace("e-0", "e-").replace("e+", "e")
 
 
 def relax(

@@ -2,6 +2,7 @@
 
 mod acceleration;
 mod balance;
+mod cell_arrays;
 mod cell_check;
 mod complex;
 mod cubes;

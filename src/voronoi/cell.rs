@@ -23,7 +23,7 @@ use crate::voronoi::kd_tree::tree::KdTree;
 use crate::voronoi::search::{BisectorSearch, BuildError, Duplicate};
 
 /// Facets below this share of the squared diagonal of the cell's box count as having no area.
-pub(crate) const NO_AREA: f64 = 1e-14;
+const NO_AREA: f64 = 1e-14;
 
 /// A cell while it is visited: its body, cut from the domain's convex start, in coordinates
 /// relative to its site.
