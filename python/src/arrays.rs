@@ -16,7 +16,9 @@ pub(crate) fn numbers(sites: &PyReadonlyArray2<'_, f64>) -> PyResult<(Vec<f64>, 
     };
     if !(2..=3).contains(&dimension) {
         let shape = (view.nrows(), dimension);
-        return Err(refused(format!("sites have shape {shape:?}; (n, 3) is needed, in the plane (n, 2)")));
+        return Err(refused(format!(
+            "sites have shape {shape:?}; (n, 3) is needed, in the plane (n, 2)"
+        )));
     }
     let numbers = match view.as_slice() {
         Some(numbers) => numbers.to_vec(),
@@ -38,7 +40,10 @@ pub(crate) fn table<'py, T: numpy::Element>(
 
 /// The coordinates of points, one after the other; the memory stays where it is.
 pub(crate) fn flat<const D: usize>(points: Vec<Point<f64, D>>) -> Vec<f64> {
-    let rows: Vec<[f64; D]> = points.into_iter().map(|point| point.coords.into()).collect();
+    let rows: Vec<[f64; D]> = points
+        .into_iter()
+        .map(|point| point.coords.into())
+        .collect();
     rows.into_flattened()
 }
 

@@ -80,7 +80,9 @@ pub(crate) fn detached<Event: Send + 'static, T: Send + 'static>(
                     Ok(())
                 }),
                 Err(RecvTimeoutError::Timeout) => Python::attach(|py| py.check_signals()),
-                Err(RecvTimeoutError::Disconnected) => return Err(failed("the work failed; please report it")),
+                Err(RecvTimeoutError::Disconnected) => {
+                    return Err(failed("the work failed; please report it"));
+                }
             };
             if let Err(error) = heard {
                 flag.store(true, Ordering::Relaxed);

@@ -205,7 +205,14 @@ fn run_stage(stage: BenchStage, space: &Space, sites: &[Point3<f64>]) -> Result<
             return Ok(cells.iter().map(|cell| u64::from(cell.evaluations)).sum());
         }
         BenchStage::Global => drop(space.objective(sites, ENERGY.order)?),
-        BenchStage::Linf => drop(LinfCells { domain, sites, stop: &None }.objective(ENERGY.order)?),
+        BenchStage::Linf => drop(
+            LinfCells {
+                domain,
+                sites,
+                stop: &None,
+            }
+            .objective(ENERGY.order)?,
+        ),
         _ => run_part(stage, domain, &Diagram::borrowed(domain, sites)?)?,
     }
     Ok(0)

@@ -52,8 +52,12 @@ pub fn call(arguments: Vec<OsString>, stop: &Arc<AtomicBool>) -> CallOutcome {
         Err(text) if !text.use_stderr() => print(text.render().to_string()),
         Err(error) => Err(usage(&error)),
     };
-    let host = HOST.with(|slot| RefCell::replace(slot, outer)).unwrap_or_default();
-    let failure = ran.err().map(|failure| (failure.code(), failure.to_string()));
+    let host = HOST
+        .with(|slot| RefCell::replace(slot, outer))
+        .unwrap_or_default();
+    let failure = ran
+        .err()
+        .map(|failure| (failure.code(), failure.to_string()));
     CallOutcome {
         output: host.output,
         notes: host.notes,
@@ -65,6 +69,9 @@ pub fn call(arguments: Vec<OsString>, stop: &Arc<AtomicBool>) -> CallOutcome {
 fn usage(error: &clap::Error) -> Failure {
     let text = error.render().to_string();
     let text = text.split("\n\nUsage:").next().unwrap_or_default();
-    let text = text.split("\n\nFor more information").next().unwrap_or_default();
+    let text = text
+        .split("\n\nFor more information")
+        .next()
+        .unwrap_or_default();
     Failure::input(text.trim().trim_start_matches("error: "))
 }

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use nalgebra::Point3;
 
-use crate::cli::failure::{Failure, print, write_file, print_note};
+use crate::cli::failure::{Failure, print, print_note, write_file};
 use crate::cli::mesh_report::{MeshLimit, MeshReport};
 use crate::cli::options::{Common, change, finite, given, length, named, space};
 use crate::cli::output::OutputRule;

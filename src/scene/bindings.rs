@@ -95,8 +95,8 @@ pub fn scene_at(path: &Path, sites: Option<Vec<f64>>) -> Result<Scene, Error> {
 /// # Errors
 /// As [`scene_at`].
 pub fn scene_of(text: &str, sites: Vec<f64>) -> Result<Scene, Error> {
-    let mut keys: Map<String, Value> = serde_json::from_str(text)
-        .map_err(|error| Error::value("scene", error.to_string()))?;
+    let mut keys: Map<String, Value> =
+        serde_json::from_str(text).map_err(|error| Error::value("scene", error.to_string()))?;
     keys.insert("sites".to_owned(), json!({ "random": { "count": 1 } }));
     let mut scene = parse(&Value::Object(keys).to_string(), Path::new(NAME))?;
     scene.sites = Sites::Given(sites.into());
@@ -152,7 +152,10 @@ fn objective<const D: usize>(
 ) -> Result<(f64, Vec<f64>), Error> {
     let sites = space.place(scene)?;
     let value = RelaxationSpace::objective(space, &sites, scene.order).map_err(relaxing)?;
-    let gradient = value.gradient.iter().flat_map(|along| along.iter().copied());
+    let gradient = value
+        .gradient
+        .iter()
+        .flat_map(|along| along.iter().copied());
     Ok((value.energy, gradient.collect()))
 }
 

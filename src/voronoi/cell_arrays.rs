@@ -17,7 +17,9 @@ use crate::geometry::polyhedron::Polyhedron;
 use crate::geometry::shell::{weld, welded_ring};
 use crate::voronoi::cell::{Cell, NO_AREA, holds_ball};
 use crate::voronoi::diagram::{Diagram, DiagramError};
-use crate::voronoi::planar::diagram::{PlaneCell, PlaneDiagram, PlaneDiagramError, security_radius};
+use crate::voronoi::planar::diagram::{
+    PlaneCell, PlaneDiagram, PlaneDiagramError, security_radius,
+};
 
 /// How many cells a block holds: enough for a thread to be worth waking, few enough to share work evenly.
 const CELLS_PER_BLOCK: usize = 512;
@@ -150,16 +152,23 @@ impl Cells {
             (moments.mass, moments.center())
         };
         self.volumes.push(volume);
-        self.centroids.extend((cell.position + center).coords.iter());
+        self.centroids
+            .extend((cell.position + center).coords.iter());
         let reach = cell.reach();
         self.radii.push(reach);
         let known = query.known.as_ref();
-        self.certified.push(known.is_none_or(|known| cell.is_certified(known)));
+        self.certified
+            .push(known.is_none_or(|known| cell.is_certified(known)));
         let first = self.vertices.len();
         let mut pieces = std::mem::take(&mut self.scratch.pieces);
-        domain.outline(&cell.position, cell.polyhedron(), &mut pieces, &mut |piece| {
-            self.push_piece(cell, piece, (first, query.shapes));
-        });
+        domain.outline(
+            &cell.position,
+            cell.polyhedron(),
+            &mut pieces,
+            &mut |piece| {
+                self.push_piece(cell, piece, (first, query.shapes));
+            },
+        );
         self.scratch.pieces = pieces;
         self.end(3);
     }
@@ -177,7 +186,9 @@ impl Cells {
             ring.clear();
             match &welded {
                 // A piece's facets name its own vertices only.
-                Some(welded) => ring.extend(welded_ring(welded, 0, corners.iter().copied()).unwrap_or_default()),
+                Some(welded) => {
+                    ring.extend(welded_ring(welded, 0, corners.iter().copied()).unwrap_or_default())
+                }
                 None => ring.extend_from_slice(corners),
             }
             let area = area(&places, &ring);
@@ -199,7 +210,12 @@ impl Cells {
         self.normals.extend(normal.iter());
     }
 
-    fn push_loop(&mut self, places: &[Point3<f64>], ring: &[u32], (first, site): (usize, &Point3<f64>)) {
+    fn push_loop(
+        &mut self,
+        places: &[Point3<f64>],
+        ring: &[u32],
+        (first, site): (usize, &Point3<f64>),
+    ) {
         for &vertex in ring {
             let number = &mut self.scratch.numbers[vertex as usize];
             if *number == u32::MAX {
@@ -221,7 +237,13 @@ impl Cells {
         let known = query.known.as_ref();
         self.certified.push(known.is_none_or(|known| {
             let known = [known.min, known.max].map(|end| [end.x, end.y]);
-            holds_ball(&domain.bounds(), &domain.periods(), &cell.site, reach, &known)
+            holds_ball(
+                &domain.bounds(),
+                &domain.periods(),
+                &cell.site,
+                reach,
+                &known,
+            )
         }));
         for piece in cell.pieces() {
             let first = self.vertices.len() / 2 - self.ends.last().map_or(0, |ends| ends[0]);
@@ -230,7 +252,8 @@ impl Cells {
                 let along = edge.end - edge.start;
                 let (neighbor, image) = behind(edge.label);
                 if query.shapes {
-                    self.vertices.extend((edge.start + cell.site.coords).coords.iter());
+                    self.vertices
+                        .extend((edge.start + cell.site.coords).coords.iter());
                 }
                 if neighbor == i64::MIN || along.norm() <= 0.0 {
                     continue;
@@ -238,9 +261,11 @@ impl Cells {
                 self.neighbors.push(neighbor);
                 self.images.extend(&image[..2]);
                 self.areas.push(along.norm());
-                self.normals.extend([along.y / along.norm(), -along.x / along.norm()]);
+                self.normals
+                    .extend([along.y / along.norm(), -along.x / along.norm()]);
                 if query.shapes {
-                    self.corners.extend([number, (number + 1) % corners].map(|n| first as u32 + n));
+                    self.corners
+                        .extend([number, (number + 1) % corners].map(|n| first as u32 + n));
                     self.sizes.push(2);
                 }
             }
@@ -250,7 +275,8 @@ impl Cells {
 
     fn end(&mut self, dimension: usize) {
         let points = self.vertices.len() / dimension;
-        self.ends.push([points, self.corners.len(), self.areas.len()]);
+        self.ends
+            .push([points, self.corners.len(), self.areas.len()]);
     }
 }
 
@@ -311,7 +337,12 @@ enum Part {
 
 impl Gathering {
     /// The part of a block's array that a cell's `part`s take, `width` numbers each.
-    fn span(&self, (block, number): (u32, u32), part: Part, width: usize) -> std::ops::Range<usize> {
+    fn span(
+        &self,
+        (block, number): (u32, u32),
+        part: Part,
+        width: usize,
+    ) -> std::ops::Range<usize> {
         let ends = &self.ends[block as usize];
         let at = |number: usize| ends[number][part as usize] * width;
         at(number as usize)..at(number as usize + 1)
@@ -319,7 +350,10 @@ impl Gathering {
 
     /// Where each cell's `part`s begin in the gathered array, and how many there are.
     fn offsets(&self, part: Part) -> Vec<i64> {
-        let lengths = self.places.iter().map(|&place| self.span(place, part, 1).len() as i64);
+        let lengths = self
+            .places
+            .iter()
+            .map(|&place| self.span(place, part, 1).len() as i64);
         let sums = lengths.scan(0, |sum, length| {
             *sum += length;
             Some(*sum)
@@ -379,13 +413,23 @@ fn gathered(
             places[cell] = (block, number);
         }
     }
-    let ends = blocks.iter().map(|block| std::iter::once([0; 3]).chain(block.ends.iter().copied()).collect());
-    let gathering = Gathering { places, ends: ends.collect() };
+    let ends = blocks.iter().map(|block| {
+        std::iter::once([0; 3])
+            .chain(block.ends.iter().copied())
+            .collect()
+    });
+    let gathering = Gathering {
+        places,
+        ends: ends.collect(),
+    };
     let vertex_offsets = gathering.offsets(Part::Points);
     // Each array's blocks are freed as soon as it is whole.
     macro_rules! of {
         ($field:ident) => {
-            &blocks.iter_mut().map(|block| std::mem::take(&mut block.$field)).collect::<Vec<_>>()
+            &blocks
+                .iter_mut()
+                .map(|block| std::mem::take(&mut block.$field))
+                .collect::<Vec<_>>()
         };
     }
     let (points, facets) = ((Part::Points, dimension), (Part::Facets, dimension));

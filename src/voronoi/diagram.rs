@@ -275,7 +275,9 @@ impl<'a> Diagram<'a> {
     ) -> Result<Vec<T>, DiagramError> {
         let push = |results: &mut Vec<T>, cell: Cell<'_>| results.push(of_cell(&cell));
         let blocks = self.map_blocks(chosen, CELLS_PER_TASK, push)?;
-        let numbered = blocks.into_iter().flat_map(|(order, results)| order.into_iter().zip(results));
+        let numbered = blocks
+            .into_iter()
+            .flat_map(|(order, results)| order.into_iter().zip(results));
         let mut all: Vec<(usize, T)> = numbered.collect();
         all.par_sort_unstable_by_key(|(number, _)| *number);
         Ok(all.into_iter().map(|(_, result)| result).collect())
@@ -306,7 +308,9 @@ impl<'a> Diagram<'a> {
             }
             Ok((numbers.to_vec(), block))
         };
-        let blocks = order.par_chunks(size).map_init(CellBuilder::default, of_block);
+        let blocks = order
+            .par_chunks(size)
+            .map_init(CellBuilder::default, of_block);
         self.first_error(blocks.collect())
     }
 
@@ -444,9 +448,8 @@ impl<'a> Diagram<'a> {
         mut take: impl FnMut(usize, T) -> Result<(), Failure>,
     ) -> Result<(), Failure> {
         let places = self.tree()?.places_of_sites();
-        let of_place = |memory: &mut Memory, &place: &u32| {
-            self.unless_stopped(|| one(memory, place as usize))
-        };
+        let of_place =
+            |memory: &mut Memory, &place: &u32| self.unless_stopped(|| one(memory, place as usize));
         for (chunk, places) in places.chunks(CELLS_PER_CHUNK).enumerate() {
             let results: Vec<Result<T, Halt>> = places
                 .par_iter()
