@@ -169,6 +169,10 @@ pub use crate::voronoi::diagram::{Diagram, DiagramError};
 pub use crate::cli::command::{command_line, command_line_of};
 #[cfg(feature = "cli")]
 pub use crate::cli::embedding::{CallOutcome, call};
+#[cfg(feature = "cli")]
+pub use crate::cli::over_ranks::command_line_over;
+#[cfg(feature = "cli")]
+pub use crate::relax::ranks::Ranks;
 
 /// The README's code compiles and runs.
 #[cfg(doctest)]

@@ -37,6 +37,7 @@ pub(crate) mod octree;
 pub(crate) mod octree_report;
 pub(crate) mod options;
 pub(crate) mod output;
+pub(crate) mod over_ranks;
 mod overlay;
 pub(crate) mod phases;
 pub(crate) mod plot;

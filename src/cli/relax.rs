@@ -136,7 +136,7 @@ fn check_goal(goal: Option<&str>, dimension: usize) -> Result<(), Failure> {
 }
 
 /// Refuses a directory in which a run would replace other files than it may.
-fn check_outputs(out: &Path, inputs: &[PathBuf], force: bool) -> Result<(), Failure> {
+pub(crate) fn check_outputs(out: &Path, inputs: &[PathBuf], force: bool) -> Result<(), Failure> {
     let mut outputs = RunDirectory::files(out);
     if !force {
         outputs.retain(|file| !RunDirectory::is_empty_log(file));

@@ -27,7 +27,8 @@ use crate::relax::record::Record;
 use crate::relax::relaxation::Checkpoint;
 use crate::relax::state::RunState;
 use crate::scene::description::Scene;
-use crate::scene::run::{all_sites, check_memory, energy_spec, relax};
+use crate::scene::place::PlacedSites;
+use crate::scene::run::{RunSpace, all_sites, check_memory, energy_spec, relax};
 
 /// How `run.json` calls the end that Ctrl-C brings.
 const INTERRUPTED: &str = "interrupted";
@@ -56,37 +57,15 @@ impl<'a, const D: usize, S: DrawCells<D>> FiledRun<'a, D, S> {
     ) -> Result<Self, Failure> {
         let placed = space.placed(&scene).map_err(Failure::input)?;
         print_notes(&placed.notes);
-        let sites = placed.sites;
-        let (volume, optimum) = (space.volume(), space.optimum());
-        space
-            .check_scale(sites.len(), energy_spec(&scene))
-            .map_err(Failure::input)?;
-        check_memory(&scene, sites.len()).map_err(Failure::input)?;
-        let run = identity(&scene, &sites)?;
-        let description = RunDescription {
-            program: env!("CARGO_PKG_NAME").to_owned(),
-            version: env!("CARGO_PKG_VERSION").to_owned(),
-            identity: run.clone(),
-            scene,
-            sites: sites.len(),
-            dropped_outside: placed.dropped,
-            domain_volume: volume,
-            optimal_energy: optimum.energy::<D>(sites.len()),
-            optimal_energy_error: optimum.energy_error::<D>(sites.len()),
-            energy_reference: optimum.kind,
-            initial: None,
-            last: None,
-            ended: None,
-            seconds: 0.0,
-            threads: rayon::current_num_threads(),
-        };
+        let description = describe(space, scene, &placed)?;
         interrupt.finish_first();
-        let directory = RunDirectory::create(out, &run, &description).map_err(Failure::input)?;
+        let directory = RunDirectory::create(out, &description.identity, &description)
+            .map_err(Failure::input)?;
         Ok(Self {
             space,
             directory,
             description,
-            checkpoint: Checkpoint::at_start(sites),
+            checkpoint: Checkpoint::at_start(placed.sites),
             interrupt,
         })
     }
@@ -100,7 +79,7 @@ impl<'a, const D: usize, S: DrawCells<D>> FiledRun<'a, D, S> {
     ) -> Result<Self, Failure> {
         check_scene(&description, directory.path())?;
         interrupt.finish_first();
-        let checkpoint = Self::last_checkpoint(space, &mut directory, &description)?;
+        let checkpoint = last_checkpoint(space, &mut directory, &description)?;
         let (count, optimum) = (checkpoint.count(), space.optimum());
         description.sites = count;
         description.domain_volume = space.volume();
@@ -118,41 +97,6 @@ impl<'a, const D: usize, S: DrawCells<D>> FiledRun<'a, D, S> {
             checkpoint,
             interrupt,
         })
-    }
-
-    /// The last checkpoint of `directory`, its log cut back to it; else the scene's own sites.
-    fn last_checkpoint(
-        space: &S,
-        directory: &mut RunDirectory,
-        description: &RunDescription,
-    ) -> Result<Checkpoint<D>, Failure> {
-        let run = &description.identity;
-        let Some(kept) = directory.checkpoint(run).map_err(Failure::input)? else {
-            let sites = space.place(&description.scene).map_err(Failure::input)?;
-            if !run.ends_with(&of_sites(&sites)) {
-                return Err(other_run(
-                    directory.path(),
-                    "the sites that its scene names",
-                ));
-            }
-            directory.log().clear().map_err(Failure::input)?;
-            return Ok(Checkpoint::at_start(sites));
-        };
-        let (wanted, done) = (description.scene.method.iterations(), kept.record.iteration);
-        if wanted < done {
-            return Err(already_further(wanted, done));
-        }
-        let checkpoint = Checkpoint::from_parts(kept.sites, kept.record.clone(), &kept.memory);
-        let checkpoint = checkpoint.map_err(Failure::input)?;
-        let missing = directory.log().rewind(&kept.record);
-        let missing = missing.map_err(Failure::input)?;
-        if missing > 0 {
-            print_note(format!(
-                "log.jsonl lacks {missing} of the {done} records before iteration {done}; the run goes \
-                 on from its checkpoint"
-            ));
-        }
-        Ok(checkpoint)
     }
 
     /// Runs to the end and leaves all files.
@@ -282,6 +226,71 @@ impl<'a, const D: usize, S: DrawCells<D>> FiledRun<'a, D, S> {
         let iteration = last.map_or(0, |record| record.iteration);
         figures.checked(iteration).map_err(Failure::run)
     }
+}
+
+/// What `run.json` holds of a run of placed sites that is about to begin.
+pub(crate) fn describe<const D: usize, S: RunSpace<D>>(
+    space: &S,
+    scene: Scene,
+    placed: &PlacedSites<D>,
+) -> Result<RunDescription, Failure> {
+    let (sites, optimum) = (&placed.sites, space.optimum());
+    space
+        .check_scale(sites.len(), energy_spec(&scene))
+        .map_err(Failure::input)?;
+    check_memory(&scene, sites.len()).map_err(Failure::input)?;
+    Ok(RunDescription {
+        program: env!("CARGO_PKG_NAME").to_owned(),
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+        identity: identity(&scene, sites)?,
+        scene,
+        sites: sites.len(),
+        dropped_outside: placed.dropped,
+        domain_volume: space.volume(),
+        optimal_energy: optimum.energy::<D>(sites.len()),
+        optimal_energy_error: optimum.energy_error::<D>(sites.len()),
+        energy_reference: optimum.kind,
+        initial: None,
+        last: None,
+        ended: None,
+        seconds: 0.0,
+        threads: rayon::current_num_threads(),
+    })
+}
+
+/// The last checkpoint of `directory`, its log cut back to it; else the scene's own sites.
+pub(crate) fn last_checkpoint<const D: usize, S: RunSpace<D>>(
+    space: &S,
+    directory: &mut RunDirectory,
+    description: &RunDescription,
+) -> Result<Checkpoint<D>, Failure> {
+    let run = &description.identity;
+    let Some(kept) = directory.checkpoint(run).map_err(Failure::input)? else {
+        let sites = space.place(&description.scene).map_err(Failure::input)?;
+        if !run.ends_with(&of_sites(&sites)) {
+            return Err(other_run(
+                directory.path(),
+                "the sites that its scene names",
+            ));
+        }
+        directory.log().clear().map_err(Failure::input)?;
+        return Ok(Checkpoint::at_start(sites));
+    };
+    let (wanted, done) = (description.scene.method.iterations(), kept.record.iteration);
+    if wanted < done {
+        return Err(already_further(wanted, done));
+    }
+    let checkpoint = Checkpoint::from_parts(kept.sites, kept.record.clone(), &kept.memory);
+    let checkpoint = checkpoint.map_err(Failure::input)?;
+    let missing = directory.log().rewind(&kept.record);
+    let missing = missing.map_err(Failure::input)?;
+    if missing > 0 {
+        print_note(format!(
+            "log.jsonl lacks {missing} of the {done} records before iteration {done}; the run goes \
+             on from its checkpoint"
+        ));
+    }
+    Ok(checkpoint)
 }
 
 fn already_further(wanted: u64, done: u64) -> Failure {

@@ -31,6 +31,7 @@ pub(crate) mod cell_moments;
 pub(crate) mod clip;
 pub(crate) mod cone_rule;
 mod double_double;
+pub(crate) mod exact_sum;
 pub(crate) mod expression;
 pub(crate) mod expression_text;
 mod formula;

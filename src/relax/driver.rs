@@ -376,7 +376,7 @@ impl<const D: usize, S: RelaxationSpace<D>> Driver<'_, '_, D, S> {
         lengthened: Option<bool>,
     ) -> ControlFlow<RunEnd> {
         let movement = if sites.len() == self.sites.len() {
-            Movement::between(self.space, self.sites, sites.iter())
+            Movement::between(self.space, self.sites, &sites)
         } else {
             Movement::default()
         };

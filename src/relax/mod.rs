@@ -10,6 +10,7 @@
 //! [`evaluate_cell`] computes a cell's energy and minimizer in its own [`frames`]; [`linf_cell`] the same of an L∞
 //! cell, [`linf`] of all; [`planar_cell`] of one in the plane; [`metrics`] are the figures of cells for `measure`.
 
+pub(crate) mod bricks;
 pub(crate) mod cell_check;
 pub(crate) mod descent;
 pub(crate) mod driver;
@@ -26,6 +27,7 @@ pub(crate) mod optimum;
 pub(crate) mod plan;
 pub(crate) mod planar;
 pub(crate) mod planar_cell;
+pub(crate) mod ranks;
 pub(crate) mod record;
 pub(crate) mod relaxation;
 pub(crate) mod relaxation_space;

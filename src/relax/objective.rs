@@ -16,6 +16,7 @@ use crate::domain::domain::Domain;
 use crate::domain::facet_kind::FacetKind;
 use crate::energy::evaluation::energy;
 use crate::energy::facet_terms::{FacetTermScratch, facet_terms};
+use crate::integrals::exact_sum::exact_sums;
 use crate::relax::evaluate_cell::CellMemory;
 use crate::relax::frames::Frames;
 use crate::relax::relaxation_space::ObjectiveValue;
@@ -40,16 +41,15 @@ pub(crate) struct ObjectiveScratch {
 
 /// The objective at sites whose cells have these terms, in site order.
 pub(crate) fn sum_of<const D: usize>(cells: &[CellTerms<D>]) -> ObjectiveValue<D> {
+    let [energy, chebyshev] = exact_sums(cells, |cell| [cell.energy, cell.chebyshev]);
     let mut sum = ObjectiveValue {
-        energy: 0.0,
-        chebyshev: 0.0,
+        energy: energy.value(),
+        chebyshev: chebyshev.value(),
         energy_max: 0.0,
         gradient: vec![SVector::zeros(); cells.len()],
         energies: cells.iter().map(|cell| cell.energy).collect(),
     };
     for (site, cell) in cells.iter().enumerate() {
-        sum.energy += cell.energy;
-        sum.chebyshev += cell.chebyshev;
         sum.energy_max = sum.energy_max.max(cell.energy);
         sum.gradient[site] += cell.gradient;
         for &(neighbor, term) in &cell.across {

@@ -1,11 +1,16 @@
 //! Records of a run: one line of its log per move.
 
 use nalgebra::Point;
+use rayon::prelude::*;
 #[cfg(feature = "scene")]
 use serde::{Deserialize, Serialize};
 
+use crate::integrals::exact_sum::{ExactSum, exact_sums};
 use crate::relax::optimum::{EnergyOptimum, EnergyReference, optimal_side};
 use crate::relax::relaxation_space::{CellResult, ObjectiveValue, RelaxationSpace};
+
+/// Sites whose ways one task adds at least.
+const LEAST_TASK: usize = 1024;
 
 /// The state of a run after `iteration` moves: one flat JSON object of `log.jsonl`.
 ///
@@ -97,19 +102,16 @@ pub struct Movement {
 
 impl Movement {
     /// The movement of `sites` to `targets`, the short way round where the space is periodic.
-    pub fn between<'a, const D: usize>(
+    pub fn between<const D: usize>(
         space: &impl RelaxationSpace<D>,
         sites: &[Point<f64, D>],
-        targets: impl Iterator<Item = &'a Point<f64, D>>,
+        targets: &[Point<f64, D>],
     ) -> Self {
-        let mut movement = Self::default();
-        for (site, target) in sites.iter().zip(targets) {
-            let distance = space.displacement(site, target).norm();
-            movement.mean += distance;
-            movement.max = movement.max.max(distance);
+        let sums = MovementSums::of(space, sites, targets);
+        Self {
+            mean: sums.total.value() / sites.len() as f64,
+            max: sums.max,
         }
-        movement.mean /= sites.len() as f64;
-        movement
     }
 
     /// 100 · mean / diagonal of a cube of the mean of `count` cells' volumes.
@@ -117,6 +119,35 @@ impl Movement {
     pub fn percent<const D: usize>(&self, volume: f64, count: usize) -> f64 {
         let diagonal = optimal_side::<D>(volume, count) * (D as f64).sqrt();
         100.0 * self.mean / diagonal
+    }
+}
+
+/// The sum of the ways of some sites, exactly, and the longest.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct MovementSums {
+    pub(crate) total: ExactSum,
+    pub(crate) max: f64,
+}
+
+impl MovementSums {
+    /// The ways of `sites` to `targets`.
+    pub(crate) fn of<const D: usize>(
+        space: &impl RelaxationSpace<D>,
+        sites: &[Point<f64, D>],
+        targets: &[Point<f64, D>],
+    ) -> Self {
+        let pairs = sites.par_iter().zip(targets).with_min_len(LEAST_TASK);
+        let add = |mut sums: Self, (site, target)| {
+            let distance = space.displacement(site, target).norm();
+            sums.total.add(distance);
+            sums.max = sums.max.max(distance);
+            sums
+        };
+        let join = |one: Self, other: Self| Self {
+            total: one.total.merged(other.total),
+            max: one.max.max(other.max),
+        };
+        pairs.fold(Self::default, add).reduce(Self::default, join)
     }
 }
 
@@ -137,11 +168,12 @@ impl Totals {
     /// The totals of `cells`.
     #[must_use]
     pub fn of_cells<const D: usize>(cells: &[CellResult<D>]) -> Self {
+        let [energy, chebyshev] = exact_sums(cells, |cell| [cell.energy, cell.chebyshev]);
         Self {
             count: cells.len(),
-            energy: cells.iter().map(|cell| cell.energy).sum(),
+            energy: energy.value(),
             energy_max: cells.iter().map(|cell| cell.energy).fold(0.0, f64::max),
-            chebyshev: cells.iter().map(|cell| cell.chebyshev).sum(),
+            chebyshev: chebyshev.value(),
         }
     }
 

@@ -26,7 +26,7 @@ use crate::relax::relaxation_space::{
     CellCrowding, CellResult, EnergySpec, Minimizer, Norm, ObjectiveValue, RelaxationError,
     RelaxationSpace,
 };
-use crate::voronoi::cell::Cell;
+use crate::voronoi::cell::{Cell, CellBuilder};
 use crate::voronoi::diagram::{Diagram, DiagramError, StopFlag};
 
 /// Why sites have no cells in a [`Space`].
@@ -232,6 +232,35 @@ impl Space {
             let diagram = Diagram::borrowed(self.domain(), sites).ok()?;
             Some(diagram.check().err()?.to_string())
         })
+    }
+
+    /// The results of the cells of chosen sites, in ascending order, and how far each asks for others (L). The
+    /// sites given may be some of `count`.
+    pub(crate) fn assess_of(
+        &self,
+        sites: &[Point3<f64>],
+        count: usize,
+        chosen: &[usize],
+        spec: EnergySpec,
+    ) -> Result<Vec<(CellResult<3>, f64)>, SpaceError> {
+        self.totals().check_scale::<3>(count, spec.kind())?;
+        let mut is_chosen = vec![false; sites.len()];
+        chosen.iter().for_each(|&site| is_chosen[site] = true);
+        let diagram = Diagram::borrowed(self.domain(), sites)?.with_stop(&self.stop);
+        let tree = diagram.tree()?;
+        let of_place = |(builder, memory): &mut (CellBuilder, CellMemory), place| {
+            if !is_chosen[tree.site(place) as usize] {
+                return Ok(None);
+            }
+            let cell = builder.build(self.domain(), tree, place)?;
+            memory.load_in_frame(self.domain(), &cell, self.frames.of(cell.site));
+            Ok(Some((
+                memory.assess(self.domain(), &cell, spec),
+                cell.reach(),
+            )))
+        };
+        let all = diagram.map_places(of_place)?;
+        Ok(all.into_iter().flatten().collect())
     }
 
     /// As [`Diagram::map`], where every site has a frame.

@@ -36,6 +36,7 @@ mod plane_methods;
 mod plot;
 mod properties;
 pub(crate) mod quadrature;
+mod ranks;
 mod relax;
 mod sites;
 mod solids;

@@ -5,6 +5,11 @@
 //! cell; of what lies beyond, only subtrees and sites inside the ball of a far vertex are tested
 //! ([`VertexBalls`]). So an elongated cell beside a dense cluster costs little more than others.
 //!
+//! Sites cut in the order of their distances, those at one distance in the order of their indices and
+//! images. What lies beyond the sorted ones is searched in rings, each so many times as wide as the last, and
+//! what of a ring may still cut is sorted. So a cell's bits depend on its neighbors alone, not on the index:
+//! not on other sites, nor on which of them an index holds.
+//!
 //! \[RSL\] Ray, Sokolov, Lefebvre & Lévy, *Meshless Voronoi on the GPU*, 2018.
 
 use nalgebra::{Point3, Vector3};
@@ -18,7 +23,7 @@ use crate::geometry::polyhedron::Polyhedron;
 use crate::geometry::small_polyhedron::SmallPolyhedron;
 use crate::geometry::small_polyhedron_clip::{Full, SmallClipScratch};
 use crate::voronoi::kd_tree::candidates::{Candidate, Subtree};
-use crate::voronoi::kd_tree::neighborhood::{DISORDER, NeighborQuery};
+use crate::voronoi::kd_tree::neighborhood::NeighborQuery;
 use crate::voronoi::kd_tree::tree::KdTree;
 
 /// Two sites in one place.
@@ -43,6 +48,24 @@ pub(crate) enum BuildError {
 pub(crate) struct BisectorSearch {
     query: NeighborQuery,
     balls: VertexBalls,
+    rings: Rings,
+}
+
+/// What is nearer than this share to cutting a cell, or to its reach, is tried when its turn comes: what is left
+/// out before must not depend on the state in which the cell then was, up to rounding.
+const SLACK: f64 = 1e-10;
+
+/// Each ring reaches so many times as far as the one before, squared.
+const RING_FACTOR_SQUARED: f64 = 2.0;
+
+/// What is left to be searched beyond the sorted sites.
+#[derive(Clone, Debug, Default)]
+struct Rings {
+    /// Sites that may cut the cell, in no order.
+    sites: Vec<Candidate>,
+    /// Subtrees beyond the present ring.
+    beyond: Vec<Subtree>,
+    /// Subtrees within it.
     stack: Vec<Subtree>,
 }
 
@@ -66,8 +89,6 @@ impl BisectorSearch {
         place: usize,
         cell: &mut impl ClipTarget,
     ) -> Result<(), BuildError> {
-        // An earlier search may have ended in an error.
-        self.stack.clear();
         let reach_squared = 4.0 * cell.radius_squared();
         let initial = tree.initial_radius_squared(place);
         let limit = initial.min(reach_squared);
@@ -81,8 +102,7 @@ impl BisectorSearch {
         };
         self.cut_by_sorted(&mut state)?;
         if state.reach_squared > state.searched_squared {
-            let least = 0.25 * state.searched_squared;
-            state.cell.list_beyond(least, &mut self.balls);
+            state.list_far_vertices(&mut self.balls);
             self.search_beyond(&mut state)?;
         }
         Ok(())
@@ -102,14 +122,14 @@ impl BisectorSearch {
         for candidate in self.query.near() {
             if candidate.distance_squared < state.reach_squared {
                 state.try_cut(candidate)?;
-            } else if candidate.distance_squared > DISORDER * state.reach_squared {
+            } else {
                 break;
             }
         }
         Ok(())
     }
 
-    /// Tries the sites beyond the sorted ones that lie in the ball of a far vertex.
+    /// Cuts by the sites beyond the sorted ones that lie in the ball of a far vertex, ring by ring.
     fn search_beyond(
         &mut self,
         state: &mut SearchState<'_, impl ClipTarget>,
@@ -117,71 +137,121 @@ impl BisectorSearch {
         let Self {
             query,
             balls,
-            stack,
+            rings,
         } = self;
         let range = (state.searched_squared, state.reach_squared);
+        rings.sites.clear();
         for candidate in query.gathered(state.tree, state.place, range) {
-            state.try_far(candidate, balls)?;
+            rings.push(candidate, balls);
         }
-        for subtree in query.beyond(state.reach_squared) {
-            if subtree.gap_squared >= state.reach_squared {
-                break;
-            }
-            stack.push(*subtree);
-            state.descend(stack, balls)?;
+        // All sites so near have been gathered.
+        let mut ring = query.gathered_squared();
+        state.cut_by_ring(rings, balls, ring)?;
+        if ring < state.reach_squared {
+            rings.beyond.clear();
+            rings.beyond.extend(query.beyond(state.reach_squared));
+        }
+        while ring < state.reach_squared {
+            ring = match ring > 0.0 {
+                true => ring * RING_FACTOR_SQUARED,
+                false => state.reach_squared,
+            };
+            state.descend(rings, balls, ring);
+            state.cut_by_ring(rings, balls, ring)?;
         }
         Ok(())
     }
 }
 
+impl Rings {
+    /// Keeps a site that may cut: one in the place of the cell's own too, which is an error.
+    #[inline]
+    fn push(&mut self, candidate: &Candidate, balls: &VertexBalls) {
+        if candidate.distance_squared <= 0.0 || balls.may_exceed(&candidate.bisector()) {
+            self.sites.push(*candidate);
+        }
+    }
+}
+
 impl<S: ClipTarget> SearchState<'_, S> {
-    /// Tries the sites of the subtrees on the stack.
-    fn descend(
-        &mut self,
-        stack: &mut Vec<Subtree>,
-        balls: &mut VertexBalls,
-    ) -> Result<(), BuildError> {
-        while let Some(subtree) = stack.pop() {
-            if subtree.gap_squared >= self.reach_squared {
-                continue;
+    /// Keeps the sites of the subtrees within a ring that may cut.
+    fn descend(&mut self, rings: &mut Rings, balls: &VertexBalls, ring_squared: f64) {
+        let reach_squared = self.reach_squared * (1.0 + SLACK);
+        let ring_squared = ring_squared.min(reach_squared);
+        let stack = &mut rings.stack;
+        stack.clear();
+        rings.beyond.retain(|subtree| {
+            let is_within = subtree.gap_squared < ring_squared;
+            if is_within {
+                stack.push(*subtree);
             }
+            !is_within && subtree.gap_squared < reach_squared
+        });
+        while let Some(subtree) = rings.stack.pop() {
             let by = self.tree.images()[subtree.shift as usize].by;
             let here = self.site - by;
             if !balls.meet(&self.tree.bounds(subtree.node), &here) {
                 continue;
             }
             if self.tree.is_leaf(subtree.node) {
-                for place in self.tree.places(subtree.node) {
-                    if place != self.place {
-                        let at = (place, subtree.shift);
-                        let candidate = Candidate::new(self.tree, &self.site, at, &by);
-                        self.try_far(&candidate, balls)?;
-                    }
+                self.keep_leaf(rings, balls, &subtree, &by);
+                continue;
+            }
+            for child in subtree.children(self.tree, &here) {
+                if child.gap_squared < ring_squared {
+                    rings.stack.push(child);
+                } else if child.gap_squared < reach_squared {
+                    rings.beyond.push(child);
                 }
-            } else {
-                let [near, other] = subtree.children(self.tree, &here);
-                stack.push(other);
-                stack.push(near);
             }
         }
-        Ok(())
     }
 
-    /// Cuts by a candidate beyond the sorted ones, if it cuts at all.
-    #[inline]
-    fn try_far(
+    /// Keeps the sites of a leaf that may cut and have not been tried.
+    fn keep_leaf(&self, rings: &mut Rings, balls: &VertexBalls, leaf: &Subtree, by: &Vector3<f64>) {
+        let reach_squared = self.reach_squared * (1.0 + SLACK);
+        for place in self.tree.places(leaf.node) {
+            if place != self.place {
+                let candidate = Candidate::new(self.tree, &self.site, (place, leaf.shift), by);
+                let square = candidate.distance_squared;
+                if square > self.searched_squared && square < reach_squared {
+                    rings.push(&candidate, balls);
+                }
+            }
+        }
+    }
+
+    /// The vertices that sites beyond the sorted ones may cut.
+    fn list_far_vertices(&self, balls: &mut VertexBalls) {
+        let least = 0.25 * self.searched_squared * (1.0 - SLACK);
+        self.cell.list_beyond(least, balls);
+    }
+
+    /// Cuts by the sites of a ring in their order; later ones are kept.
+    fn cut_by_ring(
         &mut self,
-        candidate: &Candidate,
+        rings: &mut Rings,
         balls: &mut VertexBalls,
+        ring_squared: f64,
     ) -> Result<(), BuildError> {
-        let square = candidate.distance_squared;
-        let may_cut = square > self.searched_squared && square < self.reach_squared;
-        // A site in the same place cuts nothing, and is an error.
-        if !may_cut || square > 0.0 && !balls.exceed(&candidate.bisector()) {
+        if rings.sites.is_empty() {
             return Ok(());
         }
-        self.try_cut(candidate)?;
-        self.cell.list_beyond(0.25 * self.searched_squared, balls);
+        let tree = self.tree;
+        let sites = &mut rings.sites;
+        sites.sort_unstable_by(|one, other| one.compare(other, tree));
+        let within = sites.partition_point(|site| site.distance_squared <= ring_squared);
+        for candidate in &sites[..within] {
+            let square = candidate.distance_squared;
+            if square >= self.reach_squared {
+                break;
+            }
+            if square <= 0.0 || balls.may_exceed(&candidate.bisector()) {
+                self.try_cut(candidate)?;
+                self.list_far_vertices(balls);
+            }
+        }
+        sites.drain(..within);
         Ok(())
     }
 
@@ -312,20 +382,21 @@ impl VertexBalls {
         self.count += 1;
     }
 
-    /// Whether one of the vertices lies beyond the half-space, as computed.
+    /// Whether one of the vertices lies beyond a bisector, or nearly so: |a·v| ≤ offset + |v|²/2.
     #[inline]
     #[must_use]
-    pub(crate) fn exceed(&self, half_space: &HalfSpace) -> bool {
-        let [a, b, c] = [0, 1, 2].map(|axis| f64x4::splat(half_space.normal[axis]));
-        let offset = f64x4::splat(half_space.offset);
+    pub(crate) fn may_exceed(&self, bisector: &HalfSpace) -> bool {
+        let [a, b, c] = [0, 1, 2].map(|axis| f64x4::splat(bisector.normal[axis]));
+        let offset = f64x4::splat(bisector.offset * (1.0 - SLACK));
+        let slack = f64x4::splat(SLACK);
         let mut cut = 0;
-        for [x, y, z, _] in &self.blocks {
-            cut |= (offset - (a * *x + b * *y + c * *z)).to_bitmask();
+        for [x, y, z, square] in &self.blocks {
+            cut |= (offset - slack * *square - (a * *x + b * *y + c * *z)).to_bitmask();
         }
         cut != 0
     }
 
-    /// Whether the ball of one of the vertices meets the box, for a cell whose site is at `here`.
+    /// Whether the ball of one of the vertices meets the box, or nearly so, for a cell whose site is at `here`.
     #[inline]
     #[must_use]
     pub(crate) fn meet(&self, bounds: &Bounds<3>, here: &Point3<f64>) -> bool {
@@ -334,7 +405,7 @@ impl VertexBalls {
             [0, 1, 2].map(|axis| f64x4::splat(end[axis]))
         });
         for [x, y, z, square] in &self.blocks {
-            let mut excess = -*square;
+            let mut excess = -*square * f64x4::splat(1.0 + SLACK);
             for (axis, along) in [x, y, z].into_iter().enumerate() {
                 let outside = (min[axis] - *along).fast_max(*along - max[axis]);
                 let gap = outside.fast_max(f64x4::ZERO);

@@ -3,6 +3,8 @@
 //! Gathered sites are kept by component in single precision, eight to a register, so that a site
 //! selects the near ones without a branch; those are measured again in double precision.
 
+use std::cmp::Ordering;
+
 use nalgebra::{Point3, Vector3};
 use wide::{f32x8, u16x8};
 
@@ -76,6 +78,16 @@ impl Candidate {
             place: place as u32,
             shift,
         }
+    }
+
+    /// The nearer one first; at one distance by index and image, whatever their places.
+    #[inline]
+    pub(crate) fn compare(&self, other: &Self, tree: &KdTree) -> Ordering {
+        let by_distance = self.distance_squared.total_cmp(&other.distance_squared);
+        by_distance.then_with(|| {
+            let name = |candidate: &Self| (tree.site(candidate.place as usize), candidate.shift);
+            name(self).cmp(&name(other))
+        })
     }
 
     /// The label of a facet towards it.

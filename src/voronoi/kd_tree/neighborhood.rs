@@ -23,10 +23,6 @@ const MOST_SORTED: usize = 256;
 /// The bits of a sorting key that number a candidate: as many as [`MOST_SORTED`] takes.
 const NUMBER: i32 = 0xff;
 
-/// A near site may come after one that is farther by this factor, squared: keys hold the distance to
-/// 2⁻¹² only.
-pub(crate) const DISORDER: f64 = 1.001;
-
 /// Up to so many near sites are ranked by comparing all with all: there is no branch in that.
 const RANKED_BY_COMPARISON: usize = 64;
 
@@ -63,7 +59,7 @@ impl NeighborQuery {
         let mut limit = limit.min(self.buffer.near_squared());
         for _ in 0..MOST_REDUCTIONS {
             if self.select_within(tree, place, &site, limit) {
-                self.sort();
+                self.sort(tree);
                 return limit;
             }
             limit *= 0.25;
@@ -78,24 +74,47 @@ impl NeighborQuery {
         -1.0
     }
 
-    /// The sites within the initial radius, nearest first but for [`DISORDER`].
+    /// The sites within the initial radius in the order of [`Candidate::compare`].
     pub(crate) fn near(&self) -> impl Iterator<Item = &Candidate> {
         let order = self.order.iter();
         let candidates = self.near.candidates();
         order.map(|&number| &candidates[usize::from(number)])
     }
 
-    /// Orders the candidates by their keys, no two of which agree.
-    fn sort(&mut self) {
+    /// Orders the candidates by their keys, no two of which agree, and then near ties by themselves: keys
+    /// hold the distance to 2⁻¹² only.
+    fn sort(&mut self, tree: &KdTree) {
         let count = self.keys.len();
         self.order.clear();
         if count > RANKED_BY_COMPARISON {
             self.keys.sort_unstable();
             let numbers = self.keys.iter().map(|key| (key & NUMBER) as u8);
             self.order.extend(numbers);
-            return;
+        } else {
+            self.rank_by_comparison(count);
         }
-        self.rank_by_comparison(count);
+        self.sort_near_ties(tree);
+    }
+
+    /// Sorts by insertion what is sorted but for near ties.
+    fn sort_near_ties(&mut self, tree: &KdTree) {
+        let near = self.near.candidates();
+        for end in 1..self.order.len() {
+            let number = self.order[end];
+            let candidate = &near[usize::from(number)];
+            let mut place = end;
+            while place > 0 {
+                let before = &near[usize::from(self.order[place - 1])];
+                if before.distance_squared < candidate.distance_squared
+                    || before.compare(candidate, tree).is_lt()
+                {
+                    break;
+                }
+                self.order[place] = self.order[place - 1];
+                place -= 1;
+            }
+            self.order[place] = number;
+        }
     }
 
     /// Ranks each of the first `count` keys by the number of smaller ones.
@@ -129,6 +148,11 @@ impl NeighborQuery {
         self.buffer
             .find_all(tree, from, (searched, reach_squared), &mut self.others);
         self.others.candidates()
+    }
+
+    /// The squared distance from the site within which all sites have been gathered.
+    pub(crate) fn gathered_squared(&self) -> f64 {
+        self.buffer.reach_squared
     }
 
     /// What has not been gathered and may be nearer to the neighborhood than the root of `reach_squared`,
