@@ -317,7 +317,7 @@ fn check_scene(path: &Path) {
     };
     // Sites that were asked for by the million are no mistake of the reader.
     let is_small = match &scene.sites {
-        Sites::Random(random) => random.count <= 1000,
+        Sites::Random(random) => random.count.is_some_and(|count| count <= 1000),
         Sites::Grid(grid) => grid
             .counts
             .iter()
