@@ -46,7 +46,7 @@ def build_wheel(wheel_directory: str, config_settings: Any = None, metadata_dire
         baseline = {"RUSTFLAGS": _flags(""), "CARGO_TARGET_DIR": str(Path(target, "baseline"))}
         if "--profile dev" in os.environ.get("MATURIN_PEP517_ARGS", ""):
             # A build for tests: this half shares no files with other builds and is to be ready soon.
-            baseline["CARGO_PROFILE_DEV_OPT_LEVEL"] = "1"
+            baseline["CARGO_PROFILE_DEV_OPT_LEVEL"] = "0"
         with _environment(**baseline):
             name = str(maturin.build_wheel(wheel_directory, config_settings, metadata_directory))
         _add(Path(wheel_directory, name), fast)
