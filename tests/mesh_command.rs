@@ -576,3 +576,44 @@ fn tables_of_cells_and_faces_balance() {
     let area: f64 = walls.map(|row| number(&row[3])).sum();
     assert!((area - 6.0).abs() < 1e-12);
 }
+
+/// The unit cube as OBJ; the upper face is the group `lid`.
+const GROUPED_CUBE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n\
+    g lid\nf 5 6 7\nf 5 7 8\ng hull\nf 1 3 2\nf 1 4 3\nf 1 2 6\nf 1 6 5\nf 2 3 7\nf 2 7 6\nf 3 4 8\nf 3 8 7\nf 4 1 5\nf 4 5 8\n";
+
+#[test]
+fn walls_of_solids_are_polygons_by_default_and_exact_on_request() {
+    let dir = TestDir::new();
+    dir.write("cube.obj", GROUPED_CUBE);
+    dir.write(
+        "s.json",
+        r#"{ "domain": { "surface": "cube.obj" }, "sites": { "random": { "count": 40 } },
+             "output": { "cells": false, "plot": false } }"#,
+    );
+    let relax = [
+        "relax",
+        "s.json",
+        "--iterations",
+        "3",
+        "--out",
+        "run",
+        "--quiet",
+    ];
+    dir.stdout(&relax);
+    for walls in ["polygons", "exact"] {
+        let made = report(&dir.stdout(&["mesh", "run", "-o", walls, "--walls", walls, "--json"]));
+        assert!((made["volume"].as_f64().expect("a volume") - 1.0).abs() < 1e-12);
+        assert_eq!(
+            (&made["open_cells"], &made["cells"]),
+            (&0.into(), &40.into())
+        );
+        let patches = made["patches"].as_object().expect("patches");
+        assert_eq!(
+            patches.keys().collect::<Vec<_>>(),
+            ["hull", "lid"],
+            "{walls}"
+        );
+    }
+    let wrong = ["mesh", "run", "-o", "other", "--walls", "round"];
+    assert_refused(&dir, &wrong, &["polygons", "exact"]);
+}

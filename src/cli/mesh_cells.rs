@@ -8,11 +8,13 @@ use crate::complex::collapse::collapse;
 use crate::complex::edit_mesh::EditMesh;
 use crate::complex::solid_mesh::{Cleanup, clean_solid};
 use crate::complex::straighten::straighten_edges;
-use crate::complex::wall_patches::WallPatches;
+use crate::complex::wall_patches::{WallPatches, joined_by_name};
+use crate::domain::domain::Domain;
 use crate::mesh::poly_mesh::PolyMesh;
 use crate::relax::space::Space;
 use crate::scene::description::Scene;
 use crate::scene::domain::SceneDomain;
+use crate::scene::mesh_domain::GroupedSolid;
 use crate::voronoi::diagram::Diagram;
 
 /// Edges up to this share of the mean cell's side collapse in solids unless an option says otherwise:
@@ -43,9 +45,23 @@ pub(crate) struct MeshedCells {
 
 /// The patches of a domain's walls.
 pub(crate) fn patches_of(space: &Space, scene: &Scene, angle: f64) -> WallPatches {
+    let grouped = scene.domain.grouped_surface();
+    patches_with(space, scene, angle, grouped.ok().flatten().as_ref())
+}
+
+/// The same, given the groups of the surface's file.
+fn patches_with(
+    space: &Space,
+    scene: &Scene,
+    angle: f64,
+    grouped: Option<&GroupedSolid>,
+) -> WallPatches {
     match (&scene.domain, space.domain().surface_mesh()) {
         (SceneDomain::Box(_), _) => WallPatches::Box,
-        (_, Some(surface)) => WallPatches::by_features(surface, angle),
+        (_, Some(surface)) => match grouped {
+            Some(file) => WallPatches::by_groups(surface, angle, &file.groups, &file.names),
+            None => WallPatches::by_features(surface, angle),
+        },
         (_, None) => WallPatches::Each,
     }
 }
@@ -57,8 +73,12 @@ pub(crate) fn mesh_cells(
     sites: &[Point3<f64>],
     meshing: CellMeshing,
 ) -> Result<MeshedCells, Failure> {
-    let domain = space.domain();
-    let patches = patches_of(space, scene, meshing.angle);
+    let grouped = scene.domain.grouped_surface().map_err(Failure::input)?;
+    let domain: &dyn Domain = match &grouped {
+        Some(file) => &file.solid,
+        None => space.domain(),
+    };
+    let patches = patches_with(space, scene, meshing.angle, grouped.as_ref());
     let diagram = Diagram::new(domain, sites).map_err(Failure::input)?;
     let surface = domain.surface_mesh().filter(|_| !meshing.is_exact);
     if let Some(surface) = surface {
@@ -70,7 +90,7 @@ pub(crate) fn mesh_cells(
         clean.mesh.check_closed().map_err(Failure::run)?;
         return Ok(MeshedCells {
             complaint: complaint(&clean.too_coarse),
-            mesh: clean.mesh,
+            mesh: joined_by_name(&clean.mesh),
         });
     }
     let mut mesh = assemble(&diagram, &patches).map_err(Failure::run)?;
@@ -84,7 +104,7 @@ pub(crate) fn mesh_cells(
         mesh = collapsed(&mesh, domain.volume(), share)?;
     }
     Ok(MeshedCells {
-        mesh,
+        mesh: joined_by_name(&mesh),
         complaint: None,
     })
 }

@@ -174,6 +174,9 @@ struct Dispute {
 fn disputes(cells: &[CellLoops]) -> Vec<Dispute> {
     let found = cells.par_iter().enumerate().flat_map_iter(|(cell, loops)| {
         let mut mine = BorderLoops::new();
+        if agrees(cells, cell as u32) {
+            return Vec::new();
+        }
         for (label, corners) in loops.facets() {
             if let FacetKind::Neighbor { site, image } = FacetKind::of(label) {
                 let facet = mine.entry((site, image.map(i16::from))).or_default();
@@ -189,9 +192,43 @@ fn disputes(cells: &[CellLoops]) -> Vec<Dispute> {
                 vertices: one_sided(&mine.concat(), &theirs.concat()),
             })
         };
-        mine.into_iter().filter_map(compare)
+        mine.into_iter().filter_map(compare).collect()
     });
     found.collect()
+}
+
+/// Whether a cell has one facet towards every neighbor, all of them at image zero, and each is the same from
+/// the other side: so it is nearly always, and that is told without any list.
+fn agrees(cells: &[CellLoops], cell: u32) -> bool {
+    let mut seen = [u64::MAX; 64];
+    let here = FacetKind::Neighbor {
+        site: cell,
+        image: [0; 3],
+    };
+    let facets = cells[cell as usize].facets().enumerate();
+    facets.into_iter().all(|(place, (label, corners))| {
+        let FacetKind::Neighbor { site, image } = FacetKind::of(label) else {
+            return true;
+        };
+        if image != [0; 3] || place >= seen.len() || seen[..place].contains(&label) {
+            return false;
+        }
+        seen[place] = label;
+        let other = cells[site as usize].facets();
+        let mut others = other.filter(|(label, _)| *label == here.label());
+        let (first, second) = (others.next(), others.next());
+        first.is_some_and(|(_, there)| second.is_none() && is_reverse(corners, there))
+    })
+}
+
+/// Whether a loop is another one backwards.
+fn is_reverse(corners: &[LoopCorner], other: &[LoopCorner]) -> bool {
+    let count = corners.len();
+    let Some(start) = other.iter().position(|corner| *corner == corners[0]) else {
+        return false;
+    };
+    count == other.len()
+        && (0..count).all(|place| corners[place] == other[(start + count - place) % count])
 }
 
 /// Loops by the neighbor and its image.

@@ -1,4 +1,4 @@
-//! How good the faces and cells of a mesh under change are, and by how much they miss stated limits.
+//! The quality of a mesh under change, and by how much faces and cells miss stated limits.
 //!
 //! The measures are those of [`crate::complex::quality`]. What a face misses is zero within the limits and
 //! grows beyond them; a change is allowed where neither the sum over all cells that it touches
@@ -7,27 +7,8 @@
 use nalgebra::{Point3, Vector3};
 
 use crate::complex::edit_mesh::{EditMesh, loop_edges};
+use crate::complex::loop_shape::{CellShape, FaceShape};
 use crate::complex::quality::skewness;
-
-/// Center, area and flatness of a face.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct FaceShape {
-    /// Its center.
-    pub(crate) center: Point3<f64>,
-    /// Its area times its normal (L²), outward of the owner.
-    pub(crate) area: Vector3<f64>,
-    /// The ratio of its area to the sum of its triangles' areas.
-    pub(crate) flatness: f64,
-}
-
-/// Center and volume of a cell.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct CellShape {
-    /// Its center of mass.
-    pub(crate) center: Point3<f64>,
-    /// Its volume (L³).
-    pub(crate) volume: f64,
-}
 
 /// The least cosine between a face's normal and the line of its cells' centers: that of 40 degrees.
 const LEAN: f64 = 0.766_044_443_118_978;
@@ -72,12 +53,6 @@ impl Miss {
     #[must_use]
     pub(crate) fn is_no_worse_than(&self, before: &Self) -> bool {
         self.sum <= before.sum + ROUNDING && self.worst <= before.worst + ROUNDING
-    }
-
-    /// Whether there is less of it than `before`.
-    #[must_use]
-    pub(crate) fn is_better_than(&self, before: &Self) -> bool {
-        self.is_no_worse_than(before) && self.sum < before.sum - 1e-6
     }
 }
 

@@ -90,18 +90,46 @@ impl VertexReports {
             total - cell.vertices.len()
         };
         let starts: Vec<usize> = cells.iter().map(start).collect();
-        let mut sorted: Vec<VertexReport> = Vec::with_capacity(total);
-        sorted.par_extend(cells.par_iter().enumerate().flat_map_iter(|(place, cell)| {
-            let key = move |(vertex, at)| (cell.key(at).0, place as u32, vertex as u32);
-            cell.vertices.iter().enumerate().map(key)
-        }));
-        sorted.par_sort_unstable();
+        let keys: Vec<Vec<VertexReport>> = cells
+            .par_iter()
+            .enumerate()
+            .map(|(place, cell)| {
+                let key = move |(vertex, at)| (cell.key(at).0, place as u32, vertex as u32);
+                cell.vertices.iter().enumerate().map(key).collect()
+            })
+            .collect();
+        let mut sorted = by_first_site(&keys, cells.len(), total);
+        drop(keys);
+        sorted
+            .par_chunk_by_mut(|one, other| one.0.first_site() == other.0.first_site())
+            .for_each(<[VertexReport]>::sort_unstable);
         Self { sorted, starts }
     }
 
     fn groups(&self) -> impl Iterator<Item = &[VertexReport]> {
         self.sorted.chunk_by(|one, other| one.0 == other.0)
     }
+}
+
+/// Reports by the first sites of their keys.
+fn by_first_site(keys: &[Vec<VertexReport>], sites: usize, total: usize) -> Vec<VertexReport> {
+    let mut next = vec![0_usize; sites + 1];
+    for report in keys.iter().flatten() {
+        next[report.0.first_site() + 1] += 1;
+    }
+    for site in 0..sites {
+        next[site + 1] += next[site];
+    }
+    let Some(&any) = keys.iter().flatten().next() else {
+        return Vec::new();
+    };
+    let mut sorted = vec![any; total];
+    for report in keys.iter().flatten() {
+        let place = &mut next[report.0.first_site()];
+        sorted[*place] = *report;
+        *place += 1;
+    }
+    sorted
 }
 
 /// Numbers by keys and places.

@@ -149,7 +149,7 @@ impl<'a> MeshBuilder<'a> {
     }
 
     fn push_inner(&mut self, mut faces: Vec<InnerFace<'_>>) {
-        faces.sort_by_key(|face| face.cells);
+        faces.par_sort_by_key(|face| face.cells);
         for face in faces {
             let [owner, neighbor] = face.cells;
             match face.is_turned {

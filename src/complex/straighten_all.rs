@@ -29,7 +29,7 @@ fn remove_link(mesh: &mut EditMesh, point: u32, turn: f64) -> bool {
     let &[one, other] = mesh.neighbors(point).as_slice() else {
         return false;
     };
-    let faces: Vec<u32> = mesh.at_point[point as usize].iter().copied().collect();
+    let faces = mesh.at_point[point as usize].clone();
     let patches = mesh.patches_at(point).len();
     let way = |end: u32| -> Vector3<f64> {
         let way = mesh.points[end as usize] - mesh.points[point as usize];

@@ -68,6 +68,13 @@ impl VertexKey {
         (Self(generators.map(normalized)), shift)
     }
 
+    /// The site of the first generator, which is one.
+    #[inline]
+    #[must_use]
+    pub(crate) fn first_site(&self) -> usize {
+        (self.0[0] >> 24) as usize
+    }
+
     /// How many sites and images have a cell at the vertex.
     #[must_use]
     pub(crate) fn site_count(&self) -> usize {

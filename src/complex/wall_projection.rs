@@ -123,8 +123,8 @@ fn on_segment(point: &Point3<f64>, [a, b]: &[Point3<f64>; 2]) -> Point3<f64> {
     a + way * share.clamp(0.0, 1.0)
 }
 
-/// The place of a triangle nearest to a point, by the region of its plane in which the foot lies (Ericson,
-/// *Real-Time Collision Detection*, 2005, section 5.1.5).
+/// The place of a triangle nearest to a point: its foot, where the barycentric coordinates are not negative
+/// (Ericson, *Real-Time Collision Detection*, 2005, section 3.4), else the nearest place of the sides.
 fn on_triangle(point: &Point3<f64>, [a, b, c]: &[Point3<f64>; 3]) -> Point3<f64> {
     let (ab, ac, ap) = (b - a, c - a, point - a);
     let normal = ab.cross(&ac);

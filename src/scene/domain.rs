@@ -18,6 +18,7 @@ use crate::geometry::half_plane::HalfPlane;
 use crate::geometry::half_space::HalfSpace;
 use crate::mesh::similarity::Similarity;
 use crate::scene::error::Error;
+use crate::scene::mesh_domain::GroupedSolid;
 use crate::scene::mesh_domain::{MeshDomain, ScaleTo};
 use crate::scene::numbers::{dimensions_match, point, rows_match};
 
@@ -225,6 +226,14 @@ impl SceneDomain {
             Self::Tets(mesh) => return mesh.tets(),
         };
         Ok((domain, Vec::new()))
+    }
+
+    /// The solid of a surface's file with the groups of its triangles, where it has several.
+    pub(crate) fn grouped_surface(&self) -> Result<Option<GroupedSolid>, Error> {
+        match self {
+            Self::Surface(mesh) => mesh.grouped_surface(),
+            _ => Ok(None),
+        }
     }
 
     /// The map from the coordinates of the domain's file to its own, if they differ.

@@ -9,12 +9,23 @@ use crate::domain::domain as space;
 use crate::domain::tet_mesh::TetSolid;
 use crate::domain::tri_surface::solid::SurfaceSolid;
 use crate::geometry::bounds::Bounds;
-use crate::mesh::formats::read::load_within;
+use crate::mesh::formats::read::{load_labeled, load_within};
 use crate::mesh::report::SurfaceReport;
 use crate::mesh::similarity::Similarity;
 use crate::mesh::validate::{Solid, validate_surface};
 use crate::scene::error::Error;
 use crate::scene::numbers::{dimensions_match, point};
+
+/// A solid with the groups of its triangles.
+#[derive(Debug)]
+pub(crate) struct GroupedSolid {
+    /// The solid.
+    pub(crate) solid: SurfaceSolid,
+    /// The group of every triangle.
+    pub(crate) groups: Vec<u32>,
+    /// The names of the groups.
+    pub(crate) names: Vec<String>,
+}
 
 /// A mesh file and the box into which its solid is fitted.
 #[derive(Clone, Debug, PartialEq)]
@@ -105,6 +116,26 @@ impl MeshDomain {
             }
         };
         Ok((Box::new(SurfaceSolid::new(&surface)?), notes))
+    }
+
+    /// The solid within the file's surface with walls that end where its groups do, where it has several.
+    pub(crate) fn grouped_surface(&self) -> Result<Option<GroupedSolid>, Error> {
+        let labeled = load_labeled(&self.file, self.weld.unwrap_or(0.0))?;
+        let groups = labeled.elements.groups;
+        let mut solid = labeled.solid;
+        self.scale(&mut solid);
+        let Solid::Surface(surface, _) = solid else {
+            return Ok(None);
+        };
+        let of_triangles = groups.of_elements();
+        if groups.names().len() < 2 || of_triangles.len() != surface.mesh().triangles.len() {
+            return Ok(None);
+        }
+        Ok(Some(GroupedSolid {
+            solid: SurfaceSolid::new(&surface)?.parted_by(of_triangles),
+            groups: of_triangles.to_vec(),
+            names: groups.names().to_vec(),
+        }))
     }
 
     /// The solid that the file's tetrahedra fill, and what was repaired.

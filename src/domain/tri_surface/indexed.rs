@@ -35,6 +35,13 @@ impl IndexedSurface {
     /// The surface `mesh`, which is closed.
     #[must_use]
     pub fn new(mesh: SurfaceMesh) -> Self {
+        Self::with_groups(mesh, &[])
+    }
+
+    /// The same, where triangles of different `groups` are on different walls; without groups all may be on
+    /// one.
+    #[must_use]
+    pub(crate) fn with_groups(mesh: SurfaceMesh, groups: &[u32]) -> Self {
         let table = EdgeTable::of(&mesh.triangles, mesh.vertices.len());
         let mut edges = vec![[0; 3]; mesh.triangles.len()];
         for (edge, number) in table.iter().zip(0..) {
@@ -44,7 +51,7 @@ impl IndexedSurface {
         }
         Self {
             edges,
-            walls: walls(&mesh, &table),
+            walls: walls(&mesh, &table, groups),
             distance: DistanceGrid::new(&mesh),
             bvh: Bvh::new(mesh.all_corners().map(|corners| Bounds::of(&corners))),
             bounds: mesh.bounds(),
@@ -106,8 +113,8 @@ impl IndexedSurface {
     }
 }
 
-/// Per triangle the first one of its wall: of those in one plane that are connected.
-fn walls(surface: &SurfaceMesh, edges: &EdgeTable) -> Vec<u32> {
+/// Per triangle the first one of its wall: of those of one group in one plane that are connected.
+fn walls(surface: &SurfaceMesh, edges: &EdgeTable, groups: &[u32]) -> Vec<u32> {
     let normals: Vec<Vector3<f64>> = surface
         .all_corners()
         .map(|[a, b, c]| (b - a).cross(&(c - a)).normalize())
@@ -116,7 +123,8 @@ fn walls(surface: &SurfaceMesh, edges: &EdgeTable) -> Vec<u32> {
     for edge in edges.iter() {
         let &[one, other] = edge.sides else { continue };
         let [one, other] = [one / 3, other / 3];
-        if (normals[one as usize] - normals[other as usize]).amax() < COPLANAR {
+        let is_one_group = groups.get(one as usize) == groups.get(other as usize);
+        if is_one_group && (normals[one as usize] - normals[other as usize]).amax() < COPLANAR {
             let [one, other] = [one, other].map(|triangle| root(&mut wall, triangle));
             wall[one.max(other) as usize] = one.min(other);
         }

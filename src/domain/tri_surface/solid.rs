@@ -51,6 +51,13 @@ impl SurfaceSolid {
         })
     }
 
+    /// The same solid with walls that end where the `groups` of its triangles do.
+    #[must_use]
+    pub(crate) fn parted_by(mut self, groups: &[u32]) -> Self {
+        self.surface = IndexedSurface::with_groups(self.surface.mesh, groups);
+        self
+    }
+
     /// The solid within a closed surface of triangles, counter-clockwise from outside. What needs no
     /// guess (winding, duplicates) is repaired.
     ///
