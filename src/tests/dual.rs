@@ -4,7 +4,7 @@ use nalgebra::Point3;
 
 use crate::complex::assemble::assemble;
 use crate::complex::collapse::collapse;
-use crate::complex::divide::{divide, unseen};
+use crate::complex::divide::divide;
 use crate::complex::dual::{DualAnchor, DualMesh};
 use crate::complex::edit_mesh::EditMesh;
 use crate::complex::element::{CellElement, KINDS, scaled_jacobian};
@@ -32,7 +32,7 @@ fn cells(sites: &[Point3<f64>], reach: f64) -> PolyMesh {
 
 fn elements(sites: &[Point3<f64>], reach: f64) -> (DualMesh, ElementMesh) {
     let mut dual = DualMesh::of(&cells(sites, reach), sites, 40.0);
-    while merge_flat(&mut dual, &unseen(&dual.mesh)) > 0 {}
+    merge_flat(&mut dual);
     let mut mesh = divide(&dual.mesh);
     let bad = untangle(&mut mesh, &dual.anchors, None);
     assert_eq!(bad, Vec::<usize>::new());
