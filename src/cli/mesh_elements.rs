@@ -5,14 +5,14 @@ use std::path::Path;
 use nalgebra::Point3;
 
 use crate::cli::failure::Failure;
-use crate::complex::divide::{divide, unseen};
+use crate::complex::divide::divide;
 use crate::complex::dual::DualMesh;
 use crate::complex::element::{CellElement, scaled_jacobian};
 use crate::complex::element_mesh::ElementMesh;
 use crate::complex::face_geometry::MeshGeometry;
 use crate::complex::merge_flat::merge_flat;
 use crate::complex::straighten_all::without_chains;
-use crate::complex::untangle::{project, untangle};
+use crate::complex::untangle::{balance, project, untangle};
 use crate::complex::wall_patches::WallPatches;
 use crate::complex::wall_projection::WallProjection;
 use crate::domain::shape::DomainShape;
@@ -30,9 +30,6 @@ const ELEMENT_FORMATS: [(&str, &str); 4] = [
     ("medit", "mesh.mesh"),
     ("su2", "mesh.su2"),
 ];
-
-/// How often flat elements are joined to neighbors.
-const MERGES: usize = 8;
 
 /// The file of a format of elements.
 pub(crate) fn file_of(format: &str) -> Option<&'static str> {
@@ -98,14 +95,10 @@ pub(crate) fn elements(
     let mut dual = DualMesh::of(&cells, &corners(&cells, sites), angle);
     if let Some(walls) = &walls {
         project(&mut dual.mesh.points, &dual.anchors, walls);
+        balance(&mut dual, walls);
     }
     dual.mesh.check_closed().map_err(Failure::run)?;
-    for _ in 0..MERGES {
-        let flat = unseen(&dual.mesh);
-        if merge_flat(&mut dual, &flat) == 0 {
-            break;
-        }
-    }
+    merge_flat(&mut dual);
     dual.mesh.check_closed().map_err(Failure::run)?;
     let mut mesh = divide(&dual.mesh);
     let bad = untangle(&mut mesh, &dual.anchors, walls.as_ref());

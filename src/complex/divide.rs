@@ -31,11 +31,14 @@ pub(crate) fn divide(mesh: &PolyMesh) -> ElementMesh {
     Division::done(mesh).finish()
 }
 
-/// The cells that have no place from which all parts of their faces are seen.
+/// The cells that have no place from which all parts of their faces are seen, or two faces between the same
+/// points.
 #[must_use]
 pub(crate) fn unseen(mesh: &PolyMesh) -> Vec<usize> {
     let division = Division::done(mesh);
-    let is_unseen = |&cell: &usize| !division.is_whole[cell] && division.least(cell) <= 0.0;
+    let is_unseen = |&cell: &usize| {
+        !division.is_whole[cell] && (division.least(cell) <= 0.0 || division.has_twins(cell))
+    };
     (0..mesh.cell_count).filter(is_unseen).collect()
 }
 
@@ -84,6 +87,18 @@ impl<'a> Division<'a> {
         }
         division.cut_faces();
         division
+    }
+
+    /// Whether two faces of a cell have the same points.
+    fn has_twins(&self, cell: usize) -> bool {
+        let sorted = |(face, _): (usize, bool)| {
+            let mut corners = self.mesh.face(face).to_vec();
+            corners.sort_unstable();
+            corners
+        };
+        let mut faces: Vec<Vec<u32>> = self.cells.of(cell).map(sorted).collect();
+        faces.sort_unstable();
+        faces.windows(2).any(|pair| pair[0] == pair[1])
     }
 
     /// The least height (L) of a cell's center above the planes of its faces' parts.

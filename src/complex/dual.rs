@@ -8,7 +8,7 @@
 
 use std::collections::HashMap;
 
-use nalgebra::{Point3, Vector3};
+use nalgebra::Point3;
 
 use crate::complex::edit_mesh::loop_edges;
 use crate::complex::face_geometry::MeshGeometry;
@@ -23,7 +23,7 @@ pub(crate) enum DualAnchor {
     Site,
     /// On a patch of the wall.
     Wall(u32),
-    /// On the edges between two patches, or within one.
+    /// On the edges between two patches.
     Feature([u32; 2]),
     /// Where it is.
     Corner,
@@ -56,8 +56,8 @@ enum DualSource {
 }
 
 impl DualMesh {
-    /// The dual of `mesh`, which has no periods, with a point `corners[c]` for every cell c. An edge of
-    /// the wall is a feature where two patches meet, or where the wall turns by more than `angle` (degrees).
+    /// The dual of `mesh`, which has no periods, with a point `corners[c]` for every cell c. Edges of the
+    /// wall between two patches are features; one has a corner where it turns by more than `angle` (degrees).
     #[must_use]
     pub(crate) fn of(mesh: &PolyMesh, corners: &[Point3<f64>], angle: f64) -> Self {
         let mut builder = DualBuilder::new(mesh, corners, angle);
@@ -81,7 +81,7 @@ struct DualBuilder<'a> {
     mesh: &'a PolyMesh,
     corners: &'a [Point3<f64>],
     geometry: MeshGeometry,
-    /// Cosine of the angle by which a wall turns at a feature.
+    /// Cosine of the angle by which a feature turns at a corner.
     turn: f64,
     groups: VertexGroups,
     numbers: HashMap<DualSource, u32>,
@@ -177,7 +177,7 @@ impl<'a> DualBuilder<'a> {
         if let (Some(&DualNode::Wall(first)), Some(&DualNode::Wall(last))) =
             (ring.first(), ring.last())
         {
-            let is_feature = self.is_feature(first, last);
+            let is_feature = self.patch(first) != self.patch(last);
             if is_feature {
                 corners.push(self.edge_point([a, b], [first, last]));
             }
@@ -186,15 +186,6 @@ impl<'a> DualBuilder<'a> {
         }
         let sides = [a, b].map(|vertex| self.groups.of_cell(vertex, cell));
         self.faces.push_inner(sides, corners);
-    }
-
-    /// Whether the edge between two faces of the wall is sharp or a border of patches.
-    fn is_feature(&self, first: u32, last: u32) -> bool {
-        let normal = |face: u32| {
-            let area: Vector3<f64> = self.geometry.face_areas[face as usize];
-            area.try_normalize(0.0).unwrap_or_default()
-        };
-        self.patch(first) != self.patch(last) || normal(first).dot(&normal(last)) < self.turn
     }
 
     fn point(&mut self, source: DualSource, place: Point3<f64>, anchor: DualAnchor) -> u32 {

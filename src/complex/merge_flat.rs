@@ -5,18 +5,33 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::complex::dual::{DualAnchor, DualMesh};
+use crate::complex::divide::unseen;
+use crate::complex::dual::DualMesh;
 use crate::complex::face_geometry::MeshGeometry;
 use crate::complex::sorted_faces::SortedFaces;
 use crate::mesh::poly_mesh::PolyMesh;
 
-/// Joins `flat` cells to neighbors that are not joined themselves; returns how many were.
-pub(crate) fn merge_flat(dual: &mut DualMesh, flat: &[usize]) -> usize {
-    let targets = targets(&dual.mesh, flat);
-    if targets.is_empty() {
-        return 0;
+/// Joins cells to neighbors as long as fewer are left, and all are closed balls.
+pub(crate) fn merge_flat(dual: &mut DualMesh) {
+    let mut flat = unseen(&dual.mesh);
+    while !flat.is_empty() {
+        let merged = merged(dual, &flat);
+        let left = unseen(&merged.mesh);
+        let is_sound = merged
+            .mesh
+            .check_closed()
+            .is_ok_and(|others| others.is_empty());
+        if left.len() >= flat.len() || !is_sound {
+            return;
+        }
+        (*dual, flat) = (merged, left);
     }
+}
+
+/// The dual with `flat` cells joined to neighbors that are not joined themselves.
+fn merged(dual: &DualMesh, flat: &[usize]) -> DualMesh {
     let mesh = &dual.mesh;
+    let targets = targets(mesh, flat);
     let cell = |cell: u32| targets.get(&cell).copied().unwrap_or(cell);
     let mut faces = SortedFaces::default();
     for (face, corners) in mesh.faces().enumerate().take(mesh.neighbor.len()) {
@@ -36,15 +51,11 @@ pub(crate) fn merge_flat(dual: &mut DualMesh, flat: &[usize]) -> usize {
         .map(|patch| patch.name.clone())
         .collect();
     let (merged, used, _) = faces.finish(&mesh.points, &names);
-    let anchors: Vec<DualAnchor> = used
-        .iter()
-        .map(|&point| dual.anchors[point as usize])
-        .collect();
-    *dual = DualMesh {
+    let anchors = used.iter().map(|&point| dual.anchors[point as usize]);
+    DualMesh {
         mesh: merged,
-        anchors,
-    };
-    targets.len()
+        anchors: anchors.collect(),
+    }
 }
 
 /// Per cell to be joined the one that takes it.

@@ -6,8 +6,9 @@
 
 use nalgebra::{Point3, Vector3};
 
-use crate::complex::dual::DualAnchor;
+use crate::complex::dual::{DualAnchor, DualMesh};
 use crate::complex::element_mesh::ElementMesh;
+use crate::complex::face_geometry::MeshGeometry;
 use crate::complex::jacobian::least_jacobian;
 use crate::complex::wall_projection::WallProjection;
 
@@ -169,9 +170,40 @@ pub(crate) fn project(points: &mut [Point3<f64>], anchors: &[DualAnchor], walls:
         let nearest = match anchor {
             DualAnchor::Site | DualAnchor::Corner => None,
             DualAnchor::Wall(patch) => walls.nearest(&[*patch], place),
-            DualAnchor::Feature([one, other]) if one == other => walls.nearest(&[*one], place),
             DualAnchor::Feature(patches) => walls.nearest(patches, place),
         };
         *place = nearest.unwrap_or(*place);
+    }
+}
+
+/// How far the middle of a small face between points of a curved surface sinks on average below it, of how
+/// far it does in the middle: κh²/12 of κh²/8 for a square of side h and the sum κ of curvatures.
+const MEAN_SAG: f64 = 2.0 / 3.0;
+
+/// Moves points on curved walls out by the sag of the faces around them, so that these enclose the
+/// volume of the solid rather than less.
+pub(crate) fn balance(dual: &mut DualMesh, walls: &WallProjection) {
+    let mesh = &dual.mesh;
+    let geometry = MeshGeometry::of(mesh, &mesh.cell_faces());
+    let mut sums = vec![(Vector3::zeros(), 0.0); mesh.points.len()];
+    for (number, patch) in (0..).zip(&mesh.patches) {
+        for face in patch.start..patch.start + patch.count {
+            let center = geometry.face_centers[face];
+            let Some(place) = walls.nearest(&[number], &center) else {
+                continue;
+            };
+            let area = geometry.face_areas[face].norm();
+            for &point in mesh.face(face) {
+                let sum: &mut (Vector3<f64>, f64) = &mut sums[point as usize];
+                sum.0 += (place - center) * area;
+                sum.1 += area;
+            }
+        }
+    }
+    let points = dual.mesh.points.iter_mut().zip(&dual.anchors).zip(sums);
+    for ((point, anchor), (gap, area)) in points {
+        if matches!(anchor, DualAnchor::Wall(_)) && area > 0.0 {
+            *point += gap * (MEAN_SAG / area);
+        }
     }
 }
