@@ -6,7 +6,7 @@
 //! cells, [`loops`] removes what rounding alone made, [`assemble`] pairs faces into a mesh,
 //! and [`check`] tests it. [`face_geometry`] and [`quality`] measure by the definitions of
 //! OpenFOAM's `checkMesh`, [`element`] recognizes hexahedra, prisms, pyramids and tetrahedra.
-//! [`linf_mesh`] does all of this for L∞ cells, without rounding.
+//! [`linf_mesh`] does all of this for L∞ cells, without rounding, on [`grid_lines`].
 //! [`collapse`] removes short edges from an [`edit_mesh`].
 
 pub(crate) mod assemble;
@@ -16,6 +16,7 @@ pub(crate) mod collapse;
 pub(crate) mod edit_mesh;
 pub(crate) mod element;
 pub(crate) mod face_geometry;
+pub(crate) mod grid_lines;
 pub(crate) mod identify;
 pub(crate) mod linf_mesh;
 pub(crate) mod loops;
