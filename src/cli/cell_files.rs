@@ -148,7 +148,8 @@ impl DrawCells<3> for Space {
             Ok::<(), Box<dyn Error>>(())
         };
         if let Some(cells) = self.linf(sites) {
-            cells.stream_shells(|shell| [shell.clone(), shell], &mut add)?;
+            let is_seen = |site: u32, label| shown[site as usize] && !is_covered(label, &shown);
+            cells.stream_shells(is_seen, |shells| shells, &mut add)?;
         } else {
             Diagram::borrowed(self.domain(), sites)?.stream(
                 |scratch: &mut PieceScratch, cell| {

@@ -116,7 +116,7 @@ fn stream_shells(
 ) -> Result<(), DiagramError> {
     let kept = |shell: Shell| shown(&shell).then_some(shell);
     if let Some(cells) = space.linf(sites) {
-        return cells.stream_shells(kept, take);
+        return cells.stream_shells(|_, _| false, |[shell, _]| kept(shell), take);
     }
     let of_cell = |scratch: &mut PieceScratch, cell: Cell<'_>| {
         let [shell, _] = shells(space.domain(), &cell, scratch, |_| false);

@@ -12,6 +12,9 @@ use std::collections::{BTreeMap, HashMap};
 
 use nalgebra::{Point3, Vector3};
 
+use crate::complex::grid_lines::{
+    DIRECTIONS, LineKey, Place, direction_of, line_of, line_through, parts_of, place_on,
+};
 use crate::complex::loops::{CellLoops, LoopCorner};
 use crate::complex::mesh_builder::MeshBuilder;
 use crate::complex::vertex_key::Shift;
@@ -28,12 +31,6 @@ use crate::voronoi::linf::cell::{LinfCell, Ties};
 
 /// Digits of a coordinate beyond the grid's step: half steps, doubled by sums of two, still fit in 53 bits.
 const DIGITS: i32 = 47;
-
-/// A place in half steps of the grid.
-type Place = [i64; 3];
-
-/// A line: its direction's number, and where it passes.
-type LineKey = (u8, i64, i64);
 
 /// A plane of a cell's boundary: what is beyond, the normal's number, and the offset in half steps.
 type PlaneKey = (Label, u8, i64);
@@ -54,23 +51,6 @@ const NORMALS: [[i64; 3]; 9] = [
     [0, 1, -1],
 ];
 
-/// The directions of lines, whose first component that is not zero is one.
-const DIRECTIONS: [[i64; 3]; 13] = [
-    [1, 0, 0],
-    [0, 1, 0],
-    [0, 0, 1],
-    [1, 1, 0],
-    [1, -1, 0],
-    [1, 0, 1],
-    [1, 0, -1],
-    [0, 1, 1],
-    [0, 1, -1],
-    [1, 1, 1],
-    [1, 1, -1],
-    [1, -1, 1],
-    [1, -1, -1],
-];
-
 /// A facet: what is beyond, its outward normal, and its directed edges.
 #[derive(Clone, Debug)]
 struct GridFacet {
@@ -78,6 +58,9 @@ struct GridFacet {
     normal: Place,
     edges: Vec<[Place; 2]>,
 }
+
+/// The facets of all cells.
+type CellFacets = Vec<Vec<GridFacet>>;
 
 /// The grid, and the box and its periods on it.
 #[derive(Clone, Debug)]
@@ -187,7 +170,7 @@ impl WholeGrid {
         &self,
         cuboid: &Cuboid,
         sites: &[Point3<f64>],
-    ) -> Option<(Vec<f64>, Option<Vec<Vec<GridFacet>>>)> {
+    ) -> Option<(Vec<f64>, Option<CellFacets>)> {
         let diagram = Diagram::new(cuboid, sites).ok()?;
         let of_cell = |(): &mut (), cell: LinfCell<'_>| (cell.volume(), facets(self, &cell));
         let cells = diagram.map_linf(Ties::ToSmallerIndex, of_cell).ok()?;
@@ -219,7 +202,7 @@ impl WholeGrid {
     }
 
     /// The mesh of cells with these facets; none if they do not fit together.
-    fn mesh(&self, cells: Vec<Vec<GridFacet>>) -> Option<PolyMesh> {
+    fn mesh(&self, cells: CellFacets) -> Option<PolyMesh> {
         let divided = self.divided(cells);
         let numbers = VertexNumbers::new(self, &divided);
         let loops: Vec<CellLoops> = divided.iter().map(|cell| numbers.loops(cell)).collect();
@@ -231,7 +214,7 @@ impl WholeGrid {
     }
 
     /// Facets whose edges end at all vertices that lie on them.
-    fn divided(&self, mut cells: Vec<Vec<GridFacet>>) -> Vec<Vec<GridFacet>> {
+    fn divided(&self, mut cells: CellFacets) -> CellFacets {
         let mut lines: HashMap<LineKey, Vec<i64>> = HashMap::new();
         let edges = || cells.iter().flatten().flat_map(|facet| &facet.edges);
         let mut vertices: Vec<Place> = Vec::new();
@@ -384,66 +367,6 @@ impl GridFacet {
         edges
             .map(|[from, to]| normal.dot(&arm(from).cross(&arm(to))))
             .sum()
-    }
-}
-
-/// The number of the direction from one place to another, and whether it runs forward (1) or back (−1).
-fn direction_of(from: &Place, to: &Place) -> Option<(u8, i32)> {
-    let way = [0, 1, 2].map(|axis| to[axis] - from[axis]);
-    let length = way.iter().map(|along| along.abs()).max()?;
-    let sign = way.iter().find(|along| **along != 0)?.signum();
-    let runs = |direction: &Place| (0..3).all(|axis| way[axis] == sign * length * direction[axis]);
-    let number = DIRECTIONS.iter().position(runs)?;
-    Some((number as u8, sign as i32))
-}
-
-/// The line through a place along a direction, and where on it the place is.
-fn line_through(at: &Place, number: u8, direction: &Place) -> (LineKey, i64) {
-    let axis = direction.iter().position(|along| *along != 0).unwrap_or(0);
-    let along = at[axis];
-    let [one, other] = [1, 2].map(|turn| {
-        let axis = (axis + turn) % 3;
-        at[axis] - direction[axis] * along
-    });
-    ((number, one, other), along)
-}
-
-/// The place on a line.
-fn place_on(&(number, one, other): &LineKey, along: i64) -> Place {
-    let direction = DIRECTIONS[usize::from(number)];
-    let axis = direction.iter().position(|along| *along != 0).unwrap_or(0);
-    let mut place = direction.map(|part| part * along);
-    place[(axis + 1) % 3] += one;
-    place[(axis + 2) % 3] += other;
-    place
-}
-
-/// The line of an edge, which is along one of [`DIRECTIONS`].
-fn line_of([from, to]: &[Place; 2]) -> LineKey {
-    let (number, _) = direction_of(from, to).unwrap_or_default();
-    line_through(from, number, &DIRECTIONS[usize::from(number)]).0
-}
-
-/// The parts of an edge between vertices on its line.
-fn parts_of(edge: &[Place; 2], lines: &HashMap<LineKey, Vec<i64>>) -> Vec<[Place; 2]> {
-    let key = line_of(edge);
-    let direction = &DIRECTIONS[usize::from(key.0)];
-    let [from, to] = edge.map(|at| line_through(&at, key.0, direction).1);
-    let (low, high) = (from.min(to), from.max(to));
-    let on_line = lines.get(&key).map_or(&[][..], Vec::as_slice);
-    let inner = on_line[on_line.partition_point(|along| *along <= low)..]
-        .iter()
-        .copied();
-    let mut ends: Vec<i64> = vec![low];
-    ends.extend(inner.take_while(|along| *along < high));
-    ends.push(high);
-    ends.dedup();
-    let parts = ends
-        .windows(2)
-        .map(|pair| [pair[0], pair[1]].map(|along| place_on(&key, along)));
-    match from < to {
-        true => parts.collect(),
-        false => parts.rev().map(|[low, high]| [high, low]).collect(),
     }
 }
 

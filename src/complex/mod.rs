@@ -6,7 +6,7 @@
 //! cells, [`loops`] removes what rounding alone made, [`assemble`] pairs faces into a mesh,
 //! and [`check`] tests it. [`face_geometry`] and [`quality`] measure by the definitions of
 //! OpenFOAM's `checkMesh`, [`element`] recognizes hexahedra, prisms, pyramids and tetrahedra.
-//! [`linf_mesh`] does all of this for L∞ cells, without rounding.
+//! [`linf_mesh`] does all of this for L∞ cells, without rounding, on [`grid_lines`].
 //! [`collapse`] removes short edges from an [`edit_mesh`], [`straighten`] vertices of two edges; both keep to
 //! the limits of [`edit_shapes`]. [`solid_mesh`] does what a solid's walls need beyond that:
 //! [`wall_polygons`], [`wall_cut`], [`cell_union`], [`repair`], all on the surface ([`wall_projection`]).
@@ -26,6 +26,7 @@ pub(crate) mod edited_order;
 pub(crate) mod element;
 pub(crate) mod element_mesh;
 pub(crate) mod face_geometry;
+pub(crate) mod grid_lines;
 pub(crate) mod identify;
 pub(crate) mod jacobian;
 pub(crate) mod linf_mesh;

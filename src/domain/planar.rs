@@ -171,51 +171,6 @@ impl PlaneDomain {
         self.has_linf_cells
     }
 
-    /// The box around the domain, relative to a site, or one period about it, with labels bottom, right,
-    /// top, left: walls of the domain that lie along them, images of the site.
-    pub(crate) fn box_about(&self, site: &Point2<f64>, index: u32) -> (Bounds<2>, [Label; 4]) {
-        let start = self.start(site, index);
-        let bounds = start.bounds();
-        let labels = std::array::from_fn(|side| {
-            let (axis, end) = (
-                [1, 0][side % 2],
-                [bounds.min, bounds.max][usize::from((1..3).contains(&side))],
-            );
-            let along = |edge: &PolygonEdge| {
-                edge.start[axis] == end[axis]
-                    && edge.end[axis] == end[axis]
-                    && edge.start != edge.end
-            };
-            let edge = start.edges().find(along);
-            edge.map_or(FacetKind::Inner.label(), |edge| edge.label)
-        });
-        (bounds, labels)
-    }
-
-    /// The parts of convex polygons, given relative to `site`, that lie in the domain.
-    pub(crate) fn within(
-        &self,
-        site: &Point2<f64>,
-        polygons: Vec<ConvexPolygon>,
-    ) -> Vec<ConvexPolygon> {
-        if self.is_periodic() || self.is_box() {
-            return polygons;
-        }
-        let mut kept = Vec::new();
-        for piece in self.pieces() {
-            let piece = piece.translated(&-site.coords);
-            let around = piece.bounds();
-            for polygon in polygons.iter().filter(|it| it.bounds().overlaps(&around)) {
-                let mut part = polygon.clone();
-                for edge in piece.edges().filter(|edge| edge.length() > 0.0) {
-                    part.clip(&HalfPlane::left_of(&edge.start, &edge.end), edge.label);
-                }
-                kept.extend((!part.is_empty()).then_some(part));
-            }
-        }
-        kept
-    }
-
     /// The density; none is 1 everywhere.
     #[must_use]
     pub(crate) fn density(&self) -> Option<&PlaneDensity> {

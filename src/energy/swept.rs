@@ -41,6 +41,28 @@ struct PathSums {
     hessian: [f64; 6],
 }
 
+/// A point of a corner's way, with the first derivatives of G.
+#[derive(Clone, Copy, Debug)]
+struct PathPoint {
+    at: [f64; 3],
+    slopes: [f64; 3],
+}
+
+impl PathPoint {
+    #[inline]
+    fn of(at: [f64; 3]) -> Self {
+        let slopes = slopes(&at);
+        Self { at, slopes }
+    }
+
+    /// G.
+    #[inline]
+    fn value(&self) -> f64 {
+        let [h, u, v] = self.at;
+        (h * self.slopes[0] + u * self.slopes[1] + v * self.slopes[2]) / 3.0
+    }
+}
+
 impl SweptSolid {
     /// Becomes the empty set, keeping its memory.
     pub(crate) fn clear(&mut self) {
@@ -84,38 +106,56 @@ impl PathSums {
     fn add(&mut self, path: &CornerPath, about: [f64; 3]) {
         let ends = (path.ends).map(|end| [0, 1, 2].map(|axis| end[axis] - about[axis]));
         let weight = if path.is_added { 1.0 } else { -1.0 };
-        let length = ends[1][0] - ends[0][0];
+        let length = weight * (ends[1][0] - ends[0][0]);
         if is_ahead(&ends) {
-            return self.add_interval(&ends, weight * length);
+            return self.add_ahead(&ends, length);
         }
         let (shares, count) = turns(&ends);
         let at = |share: f64| {
             let [from, to] = &ends;
             [0, 1, 2].map(|axis: usize| from[axis] + (to[axis] - from[axis]) * share)
         };
-        let (mut share, mut from) = (0.0, ends[0]);
+        let (mut share, mut from) = (0.0, PathPoint::of(ends[0]));
         for &next in &shares[..count] {
-            let to = at(next);
-            self.add_interval(&[from, to], weight * length * (next - share));
+            let to = PathPoint::of(at(next));
+            self.add_interval([&from, &to], length * (next - share));
             (share, from) = (next, to);
         }
-        self.add_interval(&[from, ends[1]], weight * length * (1.0 - share));
+        self.add_interval([&from, &PathPoint::of(ends[1])], length * (1.0 - share));
+    }
+
+    /// Adds the integral over a way on which G = |h| u v.
+    #[inline]
+    fn add_ahead(&mut self, [[h, u, v], [i, w, x]]: &[[f64; 3]; 2], length: f64) {
+        let length = length.copysign(length * h);
+        let (half, sixth) = (0.5 * length, length / 6.0);
+        let [sum_h, sum_u, sum_v] = [h + i, u + w, v + x];
+        let [ahead, low, high] = [
+            u * v + sum_u * sum_v + w * x,
+            h * v + sum_h * sum_v + i * x,
+            h * u + sum_h * sum_u + i * w,
+        ];
+        self.value += sixth * (h * u * v + 0.5 * (sum_h * sum_u * sum_v) + i * w * x);
+        for (sum, product) in self.gradient.iter_mut().zip([ahead, low, high]) {
+            *sum -= sixth * product;
+        }
+        for (sum, along) in self.hessian[3..].iter_mut().zip([sum_v, sum_u, sum_h]) {
+            *sum += half * along;
+        }
     }
 
     /// Adds the integral over an interval in which all are polynomials.
     #[inline]
-    fn add_interval(&mut self, ends: &[[f64; 3]; 2], weight: f64) {
-        let middle = [0, 1, 2].map(|axis: usize| 0.5 * (ends[0][axis] + ends[1][axis]));
+    fn add_interval(&mut self, ends: [&PathPoint; 2], weight: f64) {
+        let at = [0, 1, 2].map(|axis: usize| 0.5 * (ends[0].at[axis] + ends[1].at[axis]));
+        let middle = PathPoint::of(at);
         let outer = weight / 6.0;
-        for (at, weight) in [(&ends[0], outer), (&middle, 4.0 * outer), (&ends[1], outer)] {
-            let slopes = slopes(at);
-            let value = at.iter().zip(slopes).map(|(along, slope)| along * slope);
-            self.value += weight / 3.0 * value.sum::<f64>();
-            for (sum, slope) in self.gradient.iter_mut().zip(slopes) {
-                *sum -= weight * slope;
-            }
+        for axis in 0..3 {
+            let sum = ends[0].slopes[axis] + 4.0 * middle.slopes[axis] + ends[1].slopes[axis];
+            self.gradient[axis] -= outer * sum;
         }
-        for (sum, entry) in self.hessian.iter_mut().zip(curvatures(&middle)) {
+        self.value += outer * (ends[0].value() + 4.0 * middle.value() + ends[1].value());
+        for (sum, entry) in self.hessian.iter_mut().zip(curvatures(&at)) {
             *sum += weight * entry;
         }
     }
@@ -163,12 +203,11 @@ fn slopes([h, u, v]: &[f64; 3]) -> [f64; 3] {
     let [a, x, y] = [h.abs(), u.abs(), v.abs()];
     // ∫_0^y max(m, t) dt.
     let along = |m: f64, y: f64| if y <= m { m * y } else { 0.5 * (m * m + y * y) };
-    let ahead = a.min(x) * a.min(y);
-    let sign = h.signum() * u.signum() * v.signum();
+    // The sign of a product is the product of signs.
     [
-        sign * ahead,
-        v.signum() * along(a.max(x), y),
-        u.signum() * along(a.max(y), x),
+        (a.min(x) * a.min(y)).copysign(h * u * v),
+        along(a.max(x), y).copysign(*v),
+        along(a.max(y), x).copysign(*u),
     ]
 }
 
@@ -176,15 +215,14 @@ fn slopes([h, u, v]: &[f64; 3]) -> [f64; 3] {
 #[inline]
 fn curvatures([h, u, v]: &[f64; 3]) -> [f64; 6] {
     let [a, x, y] = [h.abs(), u.abs(), v.abs()];
-    let (sign_h, sign_u, sign_v) = (h.signum(), u.signum(), v.signum());
     let if_less = |one: f64, other: f64, value: f64| if one < other { value } else { 0.0 };
-    let sign = sign_u * sign_v;
+    let [ax, ay, xy] = [a.min(x), a.min(y), x.min(y)];
     [
-        sign * (if_less(a, x, a.min(y)) + if_less(a, y, a.min(x))),
-        sign * if_less(a, x, x.min(y)),
-        sign * if_less(a, y, x.min(y)),
-        sign_v * sign_h * if_less(x, a, a.min(y)),
-        sign_u * sign_h * if_less(y, a, a.min(x)),
+        (if_less(a, x, ay) + if_less(a, y, ax)).copysign(u * v),
+        if_less(a, x, xy).copysign(u * v),
+        if_less(a, y, xy).copysign(u * v),
+        if_less(x, a, ay).copysign(h * v),
+        if_less(y, a, ax).copysign(h * u),
         a.max(x).max(y),
     ]
 }

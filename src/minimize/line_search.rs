@@ -8,7 +8,7 @@
 //! * A trial that is not finite counts as too high.
 //! * Interpolated trials keep off both ends, and an interval that shrinks slowly is bisected.
 //! * Where the change of the value drowns in rounding, the slope decides (Hager & Zhang, SIAM J.
-//!   Optim. 16, 2005, eq. 4.1).
+//!   Optim. 16, 2005, eq. 4.1), and the secant of slopes gives the next trial.
 //! * At the longest fraction allowed, sufficient decrease is enough; so it is when the
 //!   trials run out.
 
@@ -79,7 +79,7 @@ pub(crate) fn line_search(search: &LineSearch, line: &mut impl Line) -> Result<T
             return kept(search, low, Termination::EvaluationLimit);
         };
         if search.is_high(&trial, &low) {
-            if search.promises_at_most(search.rounding, fraction) {
+            if search.promises_at_most(search.rounding, fraction) && !search.is_past(&trial) {
                 return kept(search, low, search.failure());
             }
             high = Some(trial);
@@ -99,7 +99,10 @@ pub(crate) fn line_search(search: &LineSearch, line: &mut impl Line) -> Result<T
         }
         let Some(high) = high else { continue };
         let width = (high.fraction - low.fraction).abs();
-        fraction = between(&low, &high, width > SHRINKAGE * widths[0]);
+        fraction = match search.is_past(&high) && low.slope * width < 0.0 {
+            true => root_of_slopes(&low, &high),
+            false => between(&low, &high, width > SHRINKAGE * widths[0]),
+        };
         widths = [widths[1], width];
     }
     kept(search, low, search.failure())
@@ -130,6 +133,12 @@ impl LineSearch {
     /// Whether the slope has shrunk enough.
     fn is_flat(&self, trial: &Trial) -> bool {
         trial.slope.abs() <= -CURVATURE * self.start.slope
+    }
+
+    /// Whether a trial's value differs from the start's by rounding alone while its slope says that it lies
+    /// beyond the minimum: then slopes tell where that is.
+    fn is_past(&self, trial: &Trial) -> bool {
+        (trial.value - self.start.value).abs() <= self.rounding && trial.slope > 0.0
     }
 
     /// Whether the slope promises no more than `change` at `fraction`.
@@ -170,6 +179,12 @@ fn between(low: &Trial, high: &Trial, bisect: bool) -> f64 {
         cubic_minimum(low, high).clamp(MARGIN, 1.0 - MARGIN)
     };
     low.fraction + share * width
+}
+
+/// Where the secant of the slopes vanishes between two trials.
+fn root_of_slopes(low: &Trial, high: &Trial) -> f64 {
+    let share = low.slope / (low.slope - high.slope);
+    low.fraction + share.clamp(MARGIN, 1.0 - MARGIN) * (high.fraction - low.fraction)
 }
 
 /// Where between `low` (0) and `high` (1) the cubic through values and slopes is least (Nocedal

@@ -16,6 +16,7 @@ use crate::domain::facet_kind::FacetKind;
 use crate::domain::shape::PieceScratch;
 use crate::geometry::brep::Piece;
 use crate::geometry::half_space::HalfSpace;
+use crate::geometry::label::Label;
 use crate::geometry::polyhedron::Polyhedron;
 use crate::geometry::shell::Shell;
 use crate::relax::linf_cell::{LinfCellInDomain, LinfCellMemory, LinfTerms, visit_tetrahedra};
@@ -90,10 +91,12 @@ impl<'a> LinfCells<'a> {
         self.frame.map_or(vector, |frame| frame * vector)
     }
 
-    /// Passes what is `kept` of the surface of every cell to `take`, in site order.
+    /// Passes what is `kept` of the surface of every cell, and of its facets for whose labels `is_seen` holds,
+    /// to `take`, in site order.
     pub(crate) fn stream_shells<T: Send, Failure: From<DiagramError>>(
         &self,
-        kept: impl Fn(Shell) -> T + Sync,
+        is_seen: impl Fn(u32, Label) -> bool + Sync,
+        kept: impl Fn([Shell; 2]) -> T + Sync,
         take: impl FnMut(usize, T) -> Result<(), Failure>,
     ) -> Result<(), Failure> {
         let diagram = self.diagram()?;
@@ -101,7 +104,11 @@ impl<'a> LinfCells<'a> {
             Some(frame) => shell.rotated(frame),
             None => shell,
         };
-        diagram.stream_linf(|cell| kept(in_space(linf_shell(self.domain, &cell))), take)
+        let of_cell = |cell: LinfCell<'_>| {
+            let shells = linf_shells(self.domain, &cell, |label| is_seen(cell.site, label));
+            kept(shells.map(in_space))
+        };
+        diagram.stream_linf(of_cell, take)
     }
 
     fn terms(&self, order: u32) -> Result<Vec<LinfTerms>, DiagramError> {
@@ -184,15 +191,25 @@ pub(crate) fn turned(domain: &dyn Domain, frame: &Rotation3<f64>) -> Option<Conv
     ConvexPolyhedron::new(&walls.collect::<Vec<_>>()).ok()
 }
 
-/// The surface of a cell, in the domain's coordinates, for files and pictures: its merged facets, or where
+/// The surface of a cell, in the domain's coordinates, for files, and what is seen of it, for pictures: its merged facets, or where
 /// rounding keeps those from closing, the fragments that they are made of.
-fn linf_shell(domain: &dyn Domain, cell: &LinfCell<'_>) -> Shell {
+fn linf_shells(
+    domain: &dyn Domain,
+    cell: &LinfCell<'_>,
+    is_seen: impl Fn(Label) -> bool,
+) -> [Shell; 2] {
     let outline = domain.is_convex().then(|| cell.outline()).flatten();
-    let shell = match outline {
-        Some(outline) => Shell::from(Piece::Brep(&outline)),
-        None => loose_shell(domain, cell),
+    let shells = match &outline {
+        Some(outline) => {
+            let piece = Piece::Brep(outline);
+            [Shell::from(piece), Shell::of_facets(piece, &is_seen)]
+        }
+        None => {
+            let shell = loose_shell(domain, cell);
+            [shell.clone(), shell]
+        }
     };
-    shell.translated(&cell.position.coords)
+    shells.map(|shell| shell.translated(&cell.position.coords))
 }
 
 fn loose_shell(domain: &dyn Domain, cell: &LinfCell<'_>) -> Shell {

@@ -32,7 +32,7 @@ use crate::geometry::label::Label;
 use crate::geometry::polygon::ConvexPolygon;
 use crate::voronoi::linf::cone::exact_displacement;
 use crate::voronoi::planar::grid::PlaneGrid;
-use crate::voronoi::planar::linf::PlaneLinfCell;
+use crate::voronoi::planar::linf::{PlaneLinfCell, box_about, within};
 
 /// How closely the areas of the cells must add up to the domain's, relative to it.
 const AREA_AGREES: f64 = 1e-13;
@@ -230,7 +230,7 @@ fn linf_diagram(domain: &PlaneDomain, sites: &[Point2<f64>], wins_ties: bool) ->
     let grid = PlaneGrid::new(&positions);
     let cell = |index: usize| {
         let site = sites[index];
-        let (bounds, labels) = domain.box_about(&site, index as u32);
+        let (bounds, labels) = box_about(domain, &site, index as u32);
         let mut cell = PlaneLinfCell::new(&bounds, labels);
         for ring in 0..=grid.rings() {
             if grid.distance(ring) > 2.0 * cell.reach() {
@@ -247,7 +247,7 @@ fn linf_diagram(domain: &PlaneDomain, sites: &[Point2<f64>], wins_ties: bool) ->
             }
         }
         let (polygon, parts) = cell.finish();
-        let parts = Some(domain.within(&site, parts));
+        let parts = Some(within(domain, &site, parts));
         PlaneCell {
             site,
             polygon,

@@ -9,7 +9,9 @@
 use nalgebra::{Point2, Vector2};
 
 use crate::domain::facet_kind::FacetKind;
+use crate::domain::planar::PlaneDomain;
 use crate::geometry::bounds::Bounds;
+use crate::geometry::half_plane::HalfPlane;
 use crate::geometry::label::Label;
 use crate::geometry::polygon::{ConvexPolygon, PolygonEdge};
 
@@ -229,6 +231,54 @@ impl Quarter {
         }
         outline.extend(back.into_iter().rev());
     }
+}
+
+/// The box around the domain, relative to a site, or one period about it, with labels bottom, right,
+/// top, left: walls of the domain that lie along them, images of the site.
+pub(crate) fn box_about(
+    domain: &PlaneDomain,
+    site: &Point2<f64>,
+    index: u32,
+) -> (Bounds<2>, [Label; 4]) {
+    let start = domain.start(site, index);
+    let bounds = start.bounds();
+    let labels = std::array::from_fn(|side| {
+        let (axis, end) = (
+            [1, 0][side % 2],
+            [bounds.min, bounds.max][usize::from((1..3).contains(&side))],
+        );
+        let along = |edge: &PolygonEdge| {
+            let is_on = |corner: &Point2<f64>| (corner[axis] - end[axis]).abs() <= 0.0;
+            is_on(&edge.start) && is_on(&edge.end) && edge.start != edge.end
+        };
+        let edge = start.edges().find(along);
+        edge.map_or(FacetKind::Inner.label(), |edge| edge.label)
+    });
+    (bounds, labels)
+}
+
+/// The parts of convex polygons, given relative to `site`, that lie in the domain.
+pub(crate) fn within(
+    domain: &PlaneDomain,
+    site: &Point2<f64>,
+    polygons: Vec<ConvexPolygon>,
+) -> Vec<ConvexPolygon> {
+    if domain.is_periodic() || domain.is_box() {
+        return polygons;
+    }
+    let mut kept = Vec::new();
+    for piece in domain.pieces() {
+        let piece = piece.translated(&-site.coords);
+        let around = piece.bounds();
+        for polygon in polygons.iter().filter(|it| it.bounds().overlaps(&around)) {
+            let mut part = polygon.clone();
+            for edge in piece.edges().filter(|edge| edge.length() > 0.0) {
+                part.clip(&HalfPlane::left_of(&edge.start, &edge.end), edge.label);
+            }
+            kept.extend((!part.is_empty()).then_some(part));
+        }
+    }
+    kept
 }
 
 /// The polygon of edges that follow each other, perhaps with gaps.
