@@ -40,6 +40,9 @@
 //! mesh of the cells of a diagram, for `export` to write; its data, [`mesh`]'s `poly_mesh`, lies low, so that
 //! readers of mesh files can make it too.
 //!
+//! `python/`, a workspace member of its own, is the package for Python: `scene::bindings` and `call` are what
+//! it calls.
+//!
 //! # A site's way through an iteration
 //!
 //! ```text

@@ -21,7 +21,7 @@ from ._commands import (
     mesh,
     octree,
     plot,
-    print,
+    print as print,  # not in __all__: `import *` must leave Python's own
     report,
     schema,
     spin,
@@ -55,7 +55,6 @@ __all__ = [
     "mesh",
     "octree",
     "plot",
-    "print",
     "relax",
     "report",
     "scene",

@@ -221,7 +221,7 @@ fn cells_of_the_plane_fill_it() {
 #[test]
 fn a_raised_flag_stops_every_phase() {
     let cube = Cuboid::unit();
-    let sites = sites(&cube, 80_000);
+    let sites = sites(&cube, 8000);
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(1)
         .build()

@@ -24,8 +24,8 @@ const CELLS_PER_BATCH: usize = 1 << 15;
 /// megabytes for results of the size of a cell.
 const CELLS_PER_CHUNK: usize = 4096;
 
-/// How many results change places between two looks at the flag that stops the work: some milliseconds.
-const SWAPS_PER_LOOK: usize = 1 << 16;
+/// How many results change places between two looks at the flag that stops the work: less than a millisecond.
+const SWAPS_PER_LOOK: usize = 1 << 12;
 
 /// A flag that stops work when it is raised, if there is one.
 pub(crate) type StopFlag = Option<Arc<AtomicBool>>;
