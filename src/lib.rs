@@ -55,6 +55,7 @@
 //!         domain::shape, density                        … clipped to a solid, weighted
 //!         energy::preparation → evaluation → surface    the energy and its derivatives
 //!         energy::center → minimize::newton             its minimizer: the site's target
+//!     relax::ranks     … distributed: bricks, halos, exact sums (`chebloyd-mpi`)
 //!     relax::linf      … with L∞ cells: voronoi::linf → energy::faceted → energy::center
 //!     relax::record  energy and movement
 //! export::run        log, checkpoint, sites (the command)
@@ -72,6 +73,9 @@
 //! | … with a density | | `energy::sums_polynomial` |
 //! | \[BL\] section 3.2 | densities that stand, least variance | `balance::stand`, `balance::solve` |
 //! | … its clamped ramp | moments above planes, in layers | [`integrals::half_space`], [`mass::profile`] |
+//! | … bodies that spin | | `balance::spin`, `balance::elements`, `balance::conditions` |
+//! | \[BL\] eq. 5 | moments of the sine | `integrals::radial`, `integrals::sine_jet` |
+//! | … fitted to an axis | | `balance::sine_fit` |
 //! | \[BL\] section 3.4 | moments of a print's beads | `gcode::bead`, `gcode::weigh` |
 //! | … infill of varying density | | `gcode::flow`, `gcode::modulate` |
 //! | \[BL\] section 3.5 | Lloyd's move | `relax::lloyd` |

@@ -97,7 +97,9 @@ pub(crate) fn mesh_cells(
     let not_balls = mesh.check_closed().map_err(Failure::run)?;
     if let Some(first) = not_balls.first() {
         let count = not_balls.len();
-        print_note(format!("{count} cells are no balls, the first: {first}; more sites mend that"));
+        print_note(format!(
+            "{count} cells are no balls, the first: {first}; more sites mend that"
+        ));
     }
     let share = meshing.collapse.unwrap_or(0.0);
     if share > 0.0 {

@@ -49,8 +49,8 @@ fn the_dual_of_a_lattice_is_a_lattice_of_hexahedra_that_reaches_the_walls() {
     let thirds = [1.0 / 6.0, 0.5, 5.0 / 6.0];
     let sites = thirds.iter().flat_map(|&x| {
         thirds
-            .iter()
-            .flat_map(move |&y| thirds.iter().map(move |&z| Point3::new(x, y, z)))
+            .into_iter()
+            .flat_map(move |y| thirds.into_iter().map(move |z| Point3::new(x, y, z)))
     });
     let (dual, mesh) = elements(&sites.collect::<Vec<_>>(), 0.0);
     assert_eq!(mesh.elements.len(), 64);
