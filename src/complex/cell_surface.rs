@@ -83,6 +83,11 @@ impl CellSurface {
 
     fn assign_convex(&mut self, polyhedron: &Polyhedron, here: &Vector3<f64>) {
         let labels = |planes: [u32; 3]| planes.map(|plane| polyhedron.labels[plane as usize]);
+        // Three facets meet in every vertex: 3 V corners, and V / 2 + 2 facets by Euler.
+        let count = polyhedron.vertex_count();
+        self.vertices.reserve_exact(count);
+        self.corners.reserve_exact(3 * count);
+        self.facets.reserve_exact(count / 2 + 2);
         let vertices = polyhedron.vertices().zip(&polyhedron.facets);
         self.vertices
             .extend(vertices.map(|(position, &planes)| SurfaceVertex {
