@@ -218,9 +218,7 @@ fn run_part(
     diagram: &Diagram<'_>,
 ) -> Result<(), BenchError> {
     match stage {
-        BenchStage::Index => {
-            diagram.sort_sites();
-        }
+        BenchStage::Index => diagram.sort_sites(),
         BenchStage::Cells => {
             diagram.map(|(): &mut (), cell| cell.half_spaces().len())?;
         }

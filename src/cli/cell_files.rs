@@ -205,7 +205,8 @@ impl Space {
     ) -> Result<bool, Box<dyn Error>> {
         if sites.len() > MOST_SHARED {
             print_note(format!(
-                "in cells.vtu each of more than {MOST_SHARED} cells has its own points"
+                "in cells.vtu each of more than {MOST_SHARED} cells has its own points; facets narrower than \
+                 1e-10 of a cell are left out"
             ));
             return Ok(false);
         }

@@ -177,8 +177,9 @@ impl<'a> Scale<'a> {
         let named = |names: &[String]| -> Result<Vec<bool>, String> {
             let places = names.iter().map(|name| find(types, name));
             let places = places.collect::<Result<Vec<_>, _>>()?;
-            let is_named = |place| places.contains(&place);
-            Ok((0..types.len()).map(is_named).collect())
+            Ok((0..types.len())
+                .map(|place| places.contains(&place))
+                .collect())
         };
         let chosen = if options.only.is_empty() {
             let without = named(&options.without)?;

@@ -37,9 +37,8 @@ pub(crate) fn run(options: &MeasureOptions) -> Result<(), Failure> {
             let space = space(&scene)?;
             if options.tables.is_wanted() {
                 let sites = space.place(&scene).map_err(Failure::input)?;
-                let cells = space
-                    .metrics(&sites, energy_spec(&scene))
-                    .map_err(Failure::input)?;
+                let cells = space.metrics(&sites, energy_spec(&scene));
+                let cells = cells.map_err(Failure::input)?;
                 options.tables.write((&space, &scene), &sites, &cells)?;
             }
             print_figures(&space, &scene, options.per_cell)

@@ -240,8 +240,7 @@ impl FirstRank {
         let placed = space.placed(&scene).map_err(Failure::input)?;
         print_notes(&placed.notes);
         let description = describe(&space, scene, &placed)?;
-        let run = &description.identity;
-        let directory = RunDirectory::create(&options.out, run, &description);
+        let directory = RunDirectory::create(&options.out, &description.identity, &description);
         Ok(Self {
             directory: directory.map_err(Failure::input)?,
             description,
@@ -325,7 +324,8 @@ impl RankedJob<'_> {
         let mut observe = |record: &Record, run: &RankedRun<'_>| {
             let is_stopped = run.any(self.signals.interrupt.exit_code().is_some());
             let is_asked = run.any(self.signals.keep.swap(false, Ordering::SeqCst));
-            let is_due = is_stopped || is_asked || record.iteration % self.options.checkpoint == 0;
+            let is_due =
+                is_stopped || is_asked || record.iteration.is_multiple_of(self.options.checkpoint);
             let sites = is_due.then(|| run.gathered()).flatten();
             if let Some(first) = &mut first {
                 self.show(record);

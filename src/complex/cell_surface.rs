@@ -83,6 +83,11 @@ impl CellSurface {
 
     fn assign_convex(&mut self, polyhedron: &Polyhedron, here: &Vector3<f64>) {
         let labels = |planes: [u32; 3]| planes.map(|plane| polyhedron.labels[plane as usize]);
+        // Three facets meet in every vertex: 3 V corners, and V / 2 + 2 facets by Euler.
+        let count = polyhedron.vertex_count();
+        self.vertices.reserve_exact(count);
+        self.corners.reserve_exact(3 * count);
+        self.facets.reserve_exact(count / 2 + 2);
         let vertices = polyhedron.vertices().zip(&polyhedron.facets);
         self.vertices
             .extend(vertices.map(|(position, &planes)| SurfaceVertex {
@@ -107,13 +112,11 @@ impl CellSurface {
             if sides[0] == sides[1] {
                 continue;
             }
-            for vertex in [edge.from, edge.to] {
+            let ends = [edge.from, edge.to];
+            for vertex in ends {
                 around[vertex as usize].extend(sides);
             }
-            for (facet, ends) in [
-                (edge.left, [edge.from, edge.to]),
-                (edge.right, [edge.to, edge.from]),
-            ] {
+            for (facet, ends) in [(edge.left, ends), (edge.right, [edge.to, edge.from])] {
                 let normal = brep.facets[facet as usize].0.normal;
                 let group = groups.entry(label(facet));
                 group.or_insert((normal, Vec::new())).1.push(ends);

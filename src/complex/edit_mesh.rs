@@ -4,6 +4,8 @@
 //! pass. In a periodic mesh a vertex on a period has copies, one at each image; whoever changes one changes
 //! all ([`EditMesh::move_point`], [`EditMesh::collapse_edge`]).
 
+use std::mem;
+
 use std::collections::BTreeSet;
 
 use nalgebra::{Point3, Vector3};
@@ -345,9 +347,8 @@ impl EditMesh {
         // Images of `gone` where none of `kept` was are images of `kept` now.
         for copy in self.copies.of_point(kept) {
             let there = place + self.copies.way(kept, copy);
-            let before = self.points[copy as usize];
+            let before = mem::replace(&mut self.points[copy as usize], there);
             self.journal.push(Undo::Move(copy, before));
-            self.points[copy as usize] = there;
             self.forget_point(copy);
         }
     }

@@ -54,6 +54,10 @@ mod tests {
         let cut = cut_polygon(5, value);
         assert_eq!(cut.len(), 3);
         let found = cut.into_iter().map(value).fold(f64::INFINITY, f64::min);
-        assert!(found == wanted, "{found} {wanted}");
+        assert_eq!(
+            found.total_cmp(&wanted),
+            std::cmp::Ordering::Equal,
+            "{found} {wanted}"
+        );
     }
 }

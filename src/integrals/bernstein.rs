@@ -33,10 +33,8 @@ impl Bernstein {
         for (powers, value) in shifted.terms() {
             let place = powers.iter().zip(&counts);
             let place = place.fold(0, |place, (&power, count)| place * count + power as usize);
-            let scale = (0..3).fold(1.0, |scale, axis| {
-                scale * extent[axis].powi(powers[axis] as i32)
-            });
-            coefficients[place] = value * scale;
+            let [x, y, z] = [0, 1, 2].map(|axis| extent[axis].powi(powers[axis] as i32));
+            coefficients[place] = value * (x * y * z);
         }
         let mut bernstein = Self {
             bounds: *bounds,

@@ -99,9 +99,8 @@ impl TriangleTree {
             Content::Halves(halves) => {
                 let [low, high] = &**halves;
                 let within = |half: &Self| half.pairs(slack, test);
-                let (mut in_low, in_high) = both(self.count, || within(low), || within(high));
-                found.append(&mut in_low);
-                found.extend(in_high);
+                let (in_low, in_high) = both(self.count, || within(low), || within(high));
+                found.extend(in_low.into_iter().chain(in_high));
                 found.extend(low.pairs_with(high, slack, test));
             }
         }

@@ -114,8 +114,7 @@ fn advance<const D: usize>(
     lower: &SVector<f64, D>,
     upper: &SVector<f64, D>,
 ) -> Option<usize> {
-    let mut fraction = 1.0;
-    let mut blocking = None;
+    let (mut fraction, mut blocking) = (1.0, None);
     for axis in 0..D {
         let bound = if rest[axis] < 0.0 { lower } else { upper }[axis];
         if (step[axis] + rest[axis] - bound) * rest[axis] > 0.0 {

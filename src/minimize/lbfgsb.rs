@@ -277,9 +277,7 @@ impl BoxProblem<'_> {
         let step = difference(&point, &state.point);
         let change = difference(&gradient, &state.gradient);
         state.history.push(step, change, self.options.memory);
-        state.point = point;
-        state.value = trial.value;
-        state.gradient = gradient;
+        (state.point, state.value, state.gradient) = (point, trial.value, gradient);
         state.iterations += 1;
         Ok(trial.fraction * displacement)
     }
@@ -382,9 +380,8 @@ impl<'a, F: FnMut(&[f64], &mut [f64]) -> f64> LineToTarget<'a, F> {
         if !(slope < 0.0 && slope.is_finite()) {
             return Err(Termination::NoDescent);
         }
-        let longest = self
-            .longest_in_box()
-            .min(self.bounded.options.largest_step / displacement);
+        let largest = self.bounded.options.largest_step / displacement;
+        let longest = self.longest_in_box().min(largest);
         let root = (self.direction.len() as f64).sqrt();
         Ok(LineSearch {
             start: Trial {

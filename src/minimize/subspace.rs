@@ -59,11 +59,8 @@ fn free_step(
     let mut residual: Vec<f64> = (0..free.len())
         .map(|i| place.gradient[i] + theta * (cauchy.point[i] - place.point[i]))
         .collect();
-    model.add_times(
-        &mut residual,
-        -1.0,
-        &model.middle_times(&cauchy.compressed)?,
-    );
+    let compressed = model.middle_times(&cauchy.compressed)?;
+    model.add_times(&mut residual, -1.0, &compressed);
     restrict(&mut residual, free);
     let matrix = &model.inverse_middle - free_products(model, free) / theta;
     let solved = model.solve_like_middle(&matrix, &model.transposed_times(&residual))?;

@@ -174,11 +174,8 @@ fn push_descent(descent: &LbfgsbState, numbers: &mut Vec<f64>) {
 fn descent_of(numbers: &[f64]) -> Option<LbfgsbState> {
     let (head, vectors) = numbers.split_at_checked(5)?;
     let (variables, pairs) = (head[0] as usize, head[1] as usize);
-    let length = pairs
-        .checked_mul(2)
-        .and_then(|of_pairs| of_pairs.checked_add(2));
-    let length = length.and_then(|vectors| vectors.checked_mul(variables));
-    if variables == 0 || length != Some(vectors.len()) {
+    let count = pairs.checked_mul(2)?.checked_add(2)?;
+    if variables == 0 || count.checked_mul(variables)? != vectors.len() {
         return None;
     }
     let mut vectors = vectors.chunks_exact(variables).map(<[f64]>::to_vec);

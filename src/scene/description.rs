@@ -230,13 +230,11 @@ impl Scene {
         }
         let is_per_site = self.frames.as_ref().is_some_and(FrameChoice::is_per_site);
         let is_turned = self.frames.is_some() && !self.domain.is_plain();
+        let has_both = self.frames.is_some() && self.density.is_some();
         let refused = [
             (is_per_site, "frames of single sites"),
             (is_turned, "frames in a domain that is periodic or a mesh"),
-            (
-                self.frames.is_some() && self.density.is_some(),
-                "frames and a density",
-            ),
+            (has_both, "frames and a density"),
             (self.norm == Norm::L2, "\"norm\": \"l2\""),
         ];
         match refused.into_iter().find(|(is_given, _)| *is_given) {

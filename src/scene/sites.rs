@@ -115,7 +115,7 @@ impl Sites {
 impl Random {
     fn validate(&self, dimension: usize) -> Result<(), Error> {
         let refused =
-            |key: &str, message: &str| Err(Error::value(&format!("sites.random.{key}"), message));
+            |key: &str, message: &str| Err(Error::value(format!("sites.random.{key}"), message));
         match (self.count, self.edge) {
             (Some(0), _) => refused("count", "0 sites have no cells"),
             (Some(_), Some(_)) => {
