@@ -4,9 +4,8 @@
 //! pass. In a periodic mesh a vertex on a period has copies, one at each image; whoever changes one changes
 //! all ([`EditMesh::move_point`], [`EditMesh::collapse_edge`]).
 
-use std::mem;
-
 use std::collections::BTreeSet;
+use std::mem;
 
 use nalgebra::{Point3, Vector3};
 
