@@ -20,6 +20,9 @@ use crate::work::{Flag, Teller, detached};
 /// A record as JSON, and its sites where a callback wants them.
 type Step = (String, Option<(Vec<f64>, usize)>);
 
+/// The sites, the log as JSON lines, why it ended, and notes.
+type Run<'py> = (Bound<'py, PyAny>, Vec<String>, &'static str, Vec<String>);
+
 /// Runs a scene; without `sites` with those that it names. `callback` is given every record as JSON and its
 /// sites; its `False` ends the run. Returns the sites, the log as JSON lines, why it ended, and notes.
 #[pyfunction]
@@ -30,7 +33,7 @@ pub(crate) fn relax<'py>(
     sites: Option<PyReadonlyArray2<'py, f64>>,
     threads: Option<usize>,
     callback: Option<Py<PyAny>>,
-) -> PyResult<(Bound<'py, PyAny>, Vec<String>, &'static str, Vec<String>)> {
+) -> PyResult<Run<'py>> {
     let scene = of(scene, sites)?;
     let wants_sites = callback.is_some();
     let mut log = Vec::new();
