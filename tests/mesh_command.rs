@@ -440,19 +440,9 @@ fn six_volume(a: [f64; 3], b: [f64; 3], c: [f64; 3], d: [f64; 3]) -> f64 {
 #[test]
 fn hexahedra_go_to_six_formats_and_fill_the_cube() {
     let dir = with_run();
-    let report = report(&dir.stdout(&[
-        "mesh",
-        "run",
-        "-o",
-        "hexes",
-        "--elements",
-        "hexes",
-        "--collapse",
-        "0.1",
-        "--to",
-        "polymesh,vtu,msh,inp,medit,su2",
-        "--json",
-    ]));
+    let arguments = "mesh run -o hexes --elements hexes --collapse 0.1 --json \
+                     --to polymesh,vtu,msh,inp,medit,su2";
+    let report = report(&dir.stdout(&arguments.split_whitespace().collect::<Vec<_>>()));
     let kinds = ["hexahedron", "prism", "pyramid", "tetrahedron"];
     let counts = kinds.map(|kind| report["kinds"][kind]["count"].as_u64().expect("a count"));
     let all: u64 = counts.iter().sum();

@@ -31,8 +31,11 @@ fn sites(domain: &dyn Domain, count: usize) -> Vec<Point3<f64>> {
     random_sites(domain, count, 7).expect("a box has room")
 }
 
-/// The facets of cell `cell`: label, area, normal, corners.
-fn facets(arrays: &CellArrays, cell: usize) -> Vec<(i64, f64, Vector3<f64>, Vec<Point3<f64>>)> {
+/// Label, area, normal, corners.
+type LabeledFacet = (i64, f64, Vector3<f64>, Vec<Point3<f64>>);
+
+/// The facets of cell `cell`.
+fn facets(arrays: &CellArrays, cell: usize) -> Vec<LabeledFacet> {
     let range = arrays.facet_offsets[cell] as usize..arrays.facet_offsets[cell + 1] as usize;
     let corner = |&number: &i64| Point3::from_slice(&arrays.vertices[3 * number as usize..][..3]);
     range

@@ -471,7 +471,8 @@ fn formulas_of_the_distance_in_a_box_are_off_by_no_more_than_is_told() {
         let [a, b, c] = sides.map(|side| side - 2.0 * t);
         2.0 * (a * b + b * c + c * a)
     };
-    let profiles: [(&str, fn(f64) -> f64); 4] = [
+    type Profile = fn(f64) -> f64;
+    let profiles: [(&str, Profile); 4] = [
         ("distance", |t| t),
         ("exp(-distance^2/0.02)", |t| (-t * t / 0.02).exp()),
         ("0.2 + sin(20*distance)^2", |t| {

@@ -257,8 +257,8 @@ fn by_midpoints(
 fn solids_and_densities_have_l_infinity_cells() {
     let ones = |_: &Point3<f64>| 1.0;
     let graded = |at: &Point3<f64>| 1.0 + 2.0 * at.x + at.z * at.z;
-    let all: [(Space, &dyn Fn(&Point3<f64>) -> f64); 2] =
-        [(linf(l_shaped()), &ones), (linf(weighted()), &graded)];
+    type Density<'a> = &'a dyn Fn(&Point3<f64>) -> f64;
+    let all: [(Space, Density<'_>); 2] = [(linf(l_shaped()), &ones), (linf(weighted()), &graded)];
     for (space, density) in all {
         let sites: Vec<_> = random_sites(12, 7)
             .into_iter()
@@ -340,6 +340,23 @@ fn one_frame_turns_l_infinity_cells() {
     assert!(space.energy(&moved, spec(1)).expect("cells") < value.energy);
 }
 
+/// Distinct random sites in the unit square, on a lattice of so many steps if there is one.
+fn planar_sites(count: usize, seed: u64, steps: Option<f64>) -> Vec<Point2<f64>> {
+    let mut random = Random::new(seed);
+    let mut coordinate = || {
+        let x = random.uniform();
+        steps.map_or(x, |steps| ((x * steps).floor() + 0.5) / steps)
+    };
+    let mut sites: Vec<Point2<f64>> = Vec::new();
+    while sites.len() < count {
+        let site = Point2::new(coordinate(), coordinate());
+        if !sites.contains(&site) {
+            sites.push(site);
+        }
+    }
+    sites
+}
+
 /// In the plane too: areas fill the domain, F is never above that of L2 cells, its gradient is that of
 /// differences, Lloyd lowers it, and a grid is its own minimum.
 #[test]
@@ -363,27 +380,12 @@ fn planar_domains_have_l_infinity_cells() {
             [0.0, 1.0],
         ]),
     ];
-    let draw = |count: usize, seed: u64, steps: Option<f64>| {
-        let mut random = Random::new(seed);
-        let mut coordinate = || {
-            let x = random.uniform();
-            steps.map_or(x, |steps| ((x * steps).floor() + 0.5) / steps)
-        };
-        let mut sites: Vec<Point2<f64>> = Vec::new();
-        while sites.len() < count {
-            let site = Point2::new(coordinate(), coordinate());
-            if !sites.contains(&site) {
-                sites.push(site);
-            }
-        }
-        sites
-    };
     for domain in domains {
         let plane = Plane {
             domain: domain.with_linf_cells(true),
         };
         for (count, steps) in [(1, None), (40, None), (30, Some(8.0))] {
-            let sites = draw(count, 5, steps).into_iter();
+            let sites = planar_sites(count, 5, steps).into_iter();
             let sites: Vec<_> = sites.filter(|site| plane.contains(site)).collect();
             if sites.is_empty() {
                 continue;

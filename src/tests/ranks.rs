@@ -218,7 +218,8 @@ fn ranks_leave_the_sites_and_records_of_one_process_to_the_bit() {
         Box::new(ConvexPolyhedron::new(&walls).expect("a tetrahedron"))
     };
     let unit = || -> Box<dyn Domain> { Box::new(Cuboid::unit()) };
-    let cases: Vec<(&str, Box<dyn Domain>, Vec<Point3<f64>>)> = vec![
+    type Case = (&'static str, Box<dyn Domain>, Vec<Point3<f64>>);
+    let cases: Vec<Case> = vec![
         ("random", unit(), random(300)),
         ("graded", unit(), graded(200)),
         ("lattice", unit(), lattice(5, 0.0)),
