@@ -405,8 +405,7 @@ impl<'a> QuarterSweep<'a> {
 
     /// Ends the part below if the next one differs; says whether there is a next one.
     fn turn(&mut self) -> bool {
-        let is_open = !self.is_covered && self.left[0] < self.left[1]
-            || self.height <= 0.0 && !self.is_covered;
+        let is_open = !self.is_covered && (self.left[0] < self.left[1] || self.height <= 0.0);
         if !is_open || self.next != self.ends {
             self.finish(self.height);
             self.ends = self.next;
