@@ -140,8 +140,10 @@ impl DrawCells<3> for Space {
         let shown: Vec<bool> = sites.iter().map(|site| cutaway.shows(site)).collect();
         let mut add = |site: usize, [shell, seen]: [Shell; 2]| {
             let value = Colors::value(&cells[site]);
-            patches.extend(cut.patch(&shell, value));
-            cutaway.push(&seen, &sites[site], value);
+            if wanted.pictures {
+                patches.extend(cut.patch(&shell, value));
+                cutaway.push(&seen, &sites[site], value);
+            }
             if let Some(file) = &mut file {
                 file.push(&geometry(site, shell, &cells[site]))?;
             }
