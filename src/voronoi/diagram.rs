@@ -297,16 +297,21 @@ impl<'a> Diagram<'a> {
         }
         let tree = self.tree()?;
         let places = tree.places_of_sites();
-        let mut order: Vec<usize> = (0..chosen.len()).collect();
-        order.par_sort_by_key(|&number| places[chosen[number]]);
-        let of_block = |builder: &mut CellBuilder, numbers: &[usize]| {
+        let numbered = chosen.par_iter().enumerate();
+        let mut order: Vec<(u32, usize)> = numbered
+            .map(|(number, &site)| (places[site], number))
+            .collect();
+        // Pairs, not numbers by their places: those are scattered in memory.
+        order.par_sort_unstable();
+        let of_block = |builder: &mut CellBuilder, entries: &[(u32, usize)]| {
             let mut block = Block::default();
-            for &number in numbers {
-                let place = places[chosen[number]] as usize;
+            for &(place, _) in entries {
+                let place = place as usize;
                 let cell = self.unless_stopped(|| builder.build(self.domain, tree, place))?;
                 push(&mut block, cell);
             }
-            Ok((numbers.to_vec(), block))
+            let numbers: Vec<usize> = entries.iter().map(|&(_, number)| number).collect();
+            Ok((numbers, block))
         };
         let blocks = order
             .par_chunks(size)
