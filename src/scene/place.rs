@@ -388,6 +388,7 @@ mod tests {
             },
             periodic: [false; 2],
             contains: Box::new(triangle),
+            volume: None,
             closer: Box::new(|| None),
         };
         let sites = random_sites(500, 1, &region).expect("half of the square is room");
