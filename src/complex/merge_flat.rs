@@ -13,18 +13,21 @@ use crate::mesh::poly_mesh::PolyMesh;
 
 /// Joins cells to neighbors as long as fewer are left, and all are closed balls.
 pub(crate) fn merge_flat(dual: &mut DualMesh) {
-    let mut flat = unseen(&dual.mesh);
+    // Closed cells that are no balls; none where a cell is open.
+    let others = |mesh: &PolyMesh| mesh.check_closed().ok().map(|others| others.len());
+    let (mut flat, first) = (unseen(&dual.mesh), others(&dual.mesh));
+    let is_sound = |dual: &DualMesh| others(&dual.mesh).is_some_and(|count| Some(count) <= first);
     while !flat.is_empty() {
-        let merged = merged(dual, &flat);
-        let left = unseen(&merged.mesh);
-        let is_sound = merged
-            .mesh
-            .check_closed()
-            .is_ok_and(|others| others.is_empty());
-        if left.len() >= flat.len() || !is_sound {
+        let mut next = merged(dual, &flat);
+        if !is_sound(&next) {
+            flat.retain(|&cell| is_sound(&merged(dual, &[cell])));
+            next = merged(dual, &flat);
+        }
+        let left = unseen(&next.mesh);
+        if left.len() >= unseen(&dual.mesh).len() || !is_sound(&next) {
             return;
         }
-        (*dual, flat) = (merged, left);
+        (*dual, flat) = (next, left);
     }
 }
 
