@@ -74,7 +74,6 @@ fn the_dual_of_a_lattice_is_a_lattice_of_hexahedra_that_reaches_the_walls() {
 fn elements_of_any_sites_conform_fill_the_cube_and_are_positive_everywhere() {
     for (seed, reach) in [(1, 0.0), (2, 0.05), (3, 0.1)] {
         let sites = random_sites(&Cuboid::unit(), 60, seed).expect("sites");
-        let sites: Vec<Point3<f64>> = sites.into_iter().map(Into::into).collect();
         let (dual, mesh) = elements(&sites, reach);
         // Its cells are closed balls, and every face is of two elements or on a wall.
         let faces = mesh.by_faces();

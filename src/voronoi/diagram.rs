@@ -297,10 +297,8 @@ impl<'a> Diagram<'a> {
         }
         let tree = self.tree()?;
         let places = tree.places_of_sites();
-        let numbered = chosen.par_iter().enumerate();
-        let mut order: Vec<(u32, usize)> = numbered
-            .map(|(number, &site)| (places[site], number))
-            .collect();
+        let chosen = chosen.par_iter().map(|&site| places[site]);
+        let mut order: Vec<(u32, usize)> = chosen.zip(0..usize::MAX).collect();
         // Pairs, not numbers by their places: those are scattered in memory.
         order.par_sort_unstable();
         let of_block = |builder: &mut CellBuilder, entries: &[(u32, usize)]| {
@@ -313,9 +311,8 @@ impl<'a> Diagram<'a> {
             let numbers: Vec<usize> = entries.iter().map(|&(_, number)| number).collect();
             Ok((numbers, block))
         };
-        let blocks = order
-            .par_chunks(size)
-            .map_init(CellBuilder::default, of_block);
+        let blocks = order.par_chunks(size);
+        let blocks = blocks.map_init(CellBuilder::default, of_block);
         self.first_error(blocks.collect())
     }
 
