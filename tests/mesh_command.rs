@@ -515,7 +515,8 @@ fn tables_of_cells_and_faces_balance() {
     let dir = with_run();
     let arguments = [
         "measure",
-        "run",
+        "--sites",
+        "run/sites.csv",
         "--cells-table",
         "c.csv",
         "--faces-table",

@@ -17,6 +17,7 @@ use crate::geometry::clip::{Clip, ClipScratch, clip};
 use crate::geometry::half_space::HalfSpace;
 use crate::geometry::label::Label;
 use crate::geometry::polyhedron::Polyhedron;
+use crate::integrals::exact_sum::exact_sums;
 use crate::relax::cell_check::CellsError;
 use crate::relax::optimum::EnergyOptimum;
 
@@ -134,8 +135,10 @@ impl Metrics {
         cells: &[CellMetrics<D>],
     ) -> Self {
         let count = cells.len() as f64;
-        let mean =
-            |figure: &dyn Fn(&CellMetrics<D>) -> f64| cells.iter().map(figure).sum::<f64>() / count;
+        let mean = |figure: &(dyn Fn(&CellMetrics<D>) -> f64 + Sync)| {
+            let [sum] = exact_sums(cells, |cell| [figure(cell)]);
+            sum.value() / count
+        };
         let volume_mean = mean(&|cell| cell.volume);
         let variance = mean(&|cell| (cell.volume - volume_mean).powi(2));
         let mut facet_histogram = BTreeMap::new();
