@@ -71,7 +71,8 @@ def _environment(**variables: str) -> Iterator[None]:
 def _add(wheel: Path, fast: Path) -> None:
     """Puts the native half of the wheel `fast` beside that of `wheel`, and both into its RECORD."""
     with zipfile.ZipFile(fast) as source:
-        (module,) = (name for name in source.namelist() if name.startswith(BASELINE))
+        names = [name for name in source.namelist() if name.startswith(BASELINE)]
+        (module,) = (name for name in names if name.endswith((".so", ".pyd")))
         content = source.read(module)
     added = module.replace(BASELINE, V3)
     digest = base64.urlsafe_b64encode(hashlib.sha256(content).digest()).rstrip(b"=").decode()
