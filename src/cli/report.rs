@@ -8,7 +8,7 @@ use clap::Args;
 use nalgebra::Point;
 use serde_json::{Value, json};
 
-use crate::cli::failure::{Failure, print, write_file};
+use crate::cli::failure::{Failure, print, print_note, write_file};
 use crate::cli::options::{Common, finite, space};
 use crate::cli::output::OutputRule;
 use crate::cli::report_cells::{AxisPlane, CellChoice, ShowCells, shown_cells};
@@ -106,7 +106,7 @@ fn tell(options: &ReportOptions, common: Common, runs: &[ReportedRun]) -> Result
     }
     for run in runs {
         for note in &run.notes {
-            eprintln!("note: {}: {note}", run.name);
+            print_note(format!("{}: {note}", run.name));
         }
     }
     if common.quiet {

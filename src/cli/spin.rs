@@ -14,7 +14,7 @@ use crate::cli::mass_report::{AxisMoment, axis, positive};
 use crate::cli::modifiers::{
     ModifiersReport, modifier_count, modifier_files, weigh_bodies, write_modifiers,
 };
-use crate::cli::options::{Common, length};
+use crate::cli::options::{Common, length, print_notes};
 use crate::cli::output::OutputRule;
 use crate::cli::spin_bores::find_bores;
 use crate::cli::spin_files::{SpinFiles, spin_files};
@@ -152,9 +152,7 @@ pub(crate) fn run(options: &SpinOptions, common: Common) -> Result<(), Failure> 
     if options.json {
         print(report.json()?)?;
     } else if !common.quiet {
-        for note in &solid.notes {
-            eprintln!("note: {note}");
-        }
+        print_notes(&solid.notes);
         print(report.table())?;
     }
     outcome

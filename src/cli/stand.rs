@@ -15,7 +15,7 @@ use crate::cli::failure::{Failure, print};
 use crate::cli::mass_notes::notes_of_parts;
 use crate::cli::mass_report::positive;
 use crate::cli::modifiers::{ModifiersReport, modifier_count, modifier_files, write_modifiers};
-use crate::cli::options::{Common, length};
+use crate::cli::options::{Common, length, print_notes};
 use crate::cli::output::OutputRule;
 use crate::cli::spin::density_range;
 use crate::cli::stand_files::{StandFiles, stand_files};
@@ -148,9 +148,7 @@ pub(crate) fn run(options: &StandOptions, common: Common) -> Result<(), Failure>
     if options.json {
         print(report.json()?)?;
     } else if !common.quiet {
-        for note in notes_of_parts(&options.files, &solids) {
-            eprintln!("note: {note}");
-        }
+        print_notes(&notes_of_parts(&options.files, &solids));
         print(report.table())?;
     }
     report

@@ -38,18 +38,8 @@ type PlaneKey = (Label, u8, i64);
 /// Where signed edges begin and end on the lines of a plane, and how many.
 type Coverage = BTreeMap<LineKey, BTreeMap<i64, i32>>;
 
-/// The normals of planes, up to their sign.
-const NORMALS: [[i64; 3]; 9] = [
-    [1, 0, 0],
-    [0, 1, 0],
-    [0, 0, 1],
-    [1, 1, 0],
-    [1, -1, 0],
-    [1, 0, 1],
-    [1, 0, -1],
-    [0, 1, 1],
-    [0, 1, -1],
-];
+/// The normals of planes, up to their sign: the directions with a component that is zero.
+const NORMALS: &[Place] = DIRECTIONS.split_at(9).0;
 
 /// A facet: what is beyond, its outward normal, and its directed edges.
 #[derive(Clone, Debug)]
@@ -302,7 +292,7 @@ fn add_polygon(
     places: &[Place],
 ) -> Option<()> {
     let offset = |normal: &Place, at: &Place| -> i64 { (0..3).map(|k| normal[k] * at[k]).sum() };
-    let mut through = (0..).zip(&NORMALS).filter(|(_, normal)| {
+    let mut through = (0..).zip(NORMALS).filter(|(_, normal)| {
         places
             .iter()
             .all(|at| offset(normal, at) == offset(normal, &places[0]))
