@@ -188,6 +188,9 @@ fn the_files_of_a_density_are_written_once_and_never_replace_the_field() {
         &String::from_utf8_lossy(&vtu),
         &["PointData", "\"density\""],
     );
+    // Cut where it bends, at x = 1/4, into two closed bodies.
+    let slabs = dir.stdout(&["mass", "out/density.vtu", "--density", "@field.json"]);
+    assert_all_in(&slabs, &["2.125000000", "8.000000000"]);
     assert_all_in(&dir.refusal(&weigh), &["out/density.vtu", "--force"]);
     dir.stdout(&[&weigh[..], &["--force", "--cut", "y"]].concat());
     let schema = dir.stdout(&["schema", "--field"]);

@@ -168,6 +168,11 @@ fn points_are_counted_and_their_formula_is_told() {
     assert!(off > 1e-12 && off < 1e-2, "{off:e}");
     let field = dir.json("run/field.json");
     assert!((number(&field["density"]["clamp"]["high"]) - 5.0).abs() < 1e-15);
+    let picture = String::from_utf8(dir.read("run/section.svg")).expect("text");
+    assert_all_in(
+        &picture,
+        &["nearest principal axis after", "center of mass"],
+    );
 }
 
 #[test]
@@ -442,6 +447,15 @@ fn a_sine_is_found_and_read_back_by_mass() {
     let mass = json(&dir.stdout(&["mass", "l.off", "--density", "@sine/field.json", "--json"]));
     let error = number(&mass["mass"]) / number(&report["mass"]) - 1.0;
     assert!(error.abs() < 1e-9, "{error:e}");
+    let center = vector(&mass["center_of_mass"]) - vector(&report["center_of_mass"]);
+    assert!(center.amax() < 1e-10, "{center}");
+    let (distance, angle) = spins(&mass, AXIS);
+    assert!(distance < 1e-8 && angle < 1e-5, "{distance:e} {angle:e}");
+    let picture = String::from_utf8(dir.read("sine/section.svg")).expect("text");
+    assert_all_in(
+        &picture,
+        &["nearest principal axis after", "center of mass"],
+    );
 }
 
 /// The corners of every triangle apart by 1e-7, as exports of single precision have them.

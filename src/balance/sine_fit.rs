@@ -326,6 +326,7 @@ fn descend(
 mod tests {
     use super::*;
     use crate::balance::conditions::SpinAxis;
+    use crate::balance::spin::SpinState;
     use crate::mass::body::Body;
     use crate::mesh::shapes::bracket;
     use nalgebra::Vector3;
@@ -422,13 +423,15 @@ mod tests {
             conditions: &conditions,
         };
         let sizes = DVector::from_vec(vec![0.01, 0.01, 0.002, 0.002]);
-        for (start, k, wanted, wanted_k, mass) in [
+        let volume = surface.volume();
+        for (start, k, wanted, wanted_k, mass, center) in [
             (
                 [-0.51, 0.069, -0.08],
                 8.2,
                 [-0.497_130_37, 0.067_910_98, -0.078_121_14],
                 8.388_242_481_667_419,
                 0.008_158_539_489_577_96,
+                Some([-0.023_023_88, 0.067_346_8, 0.084_889_26]),
             ),
             (
                 [-0.67, 0.077, -0.102],
@@ -436,6 +439,7 @@ mod tests {
                 [-0.670_634_12, 0.077_159_27, -0.102_318_97],
                 15.285_668_399_471_652,
                 0.020_311_201_086_132_6,
+                None,
             ),
         ] {
             let start = SineField {
@@ -453,6 +457,14 @@ mod tests {
                 "{}",
                 jet.volume.mass
             );
+            let moments = jet.volume.translated(&(Point3::from(wanted) - through));
+            let state = SpinState::of(&moments, volume, 1.0, &axis);
+            assert!(state.distance < 1e-7, "{:e}", state.distance);
+            assert!(state.angle_degrees < 1e-4, "{:e}", state.angle_degrees);
+            if let Some(center) = center {
+                let off = state.body.center_of_mass() - Point3::from(center);
+                assert!(off.amax() < 1e-8, "{off}");
+            }
         }
     }
 }

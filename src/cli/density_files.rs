@@ -16,8 +16,10 @@ use crate::export::field_vtu::write_simplices;
 use crate::export::mesh_vtu::{CellColumn, write_mesh};
 use crate::geometry::bounds::Bounds;
 use crate::geometry::half_space::HalfSpace;
+use crate::mass::density::SolidDensity;
 use crate::mass::evaluate::DensityFunction;
 use crate::mass::linear_pieces::{LinearPieces, WeighError, linear_pieces};
+use crate::mesh::slabs::slabs;
 use crate::mesh::surface::SurfaceMesh;
 use crate::mesh::tets::TetMesh;
 use crate::mesh::validate::Solid;
@@ -144,7 +146,7 @@ impl DensityBody<'_> {
     }
 }
 
-/// Cells as polyhedra with one density each, tetrahedra or else the surface with values at the points.
+/// Cells as polyhedra with one density each, tetrahedra or else surfaces, with values at the points.
 fn write_vtu(path: &Path, body: DensityBody<'_>) -> Result<(), Failure> {
     let failed = |error| Failure::run(format!("cannot write {}: {error}", path.display()));
     match (body.solids, body.fields) {
@@ -168,7 +170,7 @@ fn write_vtu(path: &Path, body: DensityBody<'_>) -> Result<(), Failure> {
             let (mut surface, mut values) = (SurfaceMesh::default(), Vec::new());
             for (solid, field) in body.solids.iter().zip(body.fields) {
                 let density = field.function(solid, body.extent).map_err(Failure::input)?;
-                let part = boundary(solid);
+                let part = bent(solid, field);
                 values.par_extend(part.vertices.par_iter().map(&density));
                 append(&mut surface, part);
             }
@@ -184,6 +186,21 @@ fn boundary(solid: &Solid) -> SurfaceMesh {
         Solid::Surface(closed, _) => closed.mesh().clone(),
         Solid::Tets(sound, _) => sound.mesh().boundary(),
     }
+}
+
+/// The boundary of a solid; where its density bends at planes, that of the slabs between them, in each of
+/// which it is linear.
+fn bent(solid: &Solid, field: &Field) -> SurfaceMesh {
+    let surface = boundary(solid);
+    let Field::Solid(SolidDensity::Profile(profile)) = field else {
+        return surface;
+    };
+    let offsets: Vec<f64> = profile.breaks().iter().map(|[place, _]| *place).collect();
+    let mut all = SurfaceMesh::default();
+    for slab in slabs(&surface, profile.direction(), &offsets) {
+        append(&mut all, slab);
+    }
+    all
 }
 
 /// Adds a surface's triangles to others.

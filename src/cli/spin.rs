@@ -98,8 +98,8 @@ pub(crate) struct SpinOptions {
     /// Merge vertices of an open mesh up to L apart, in the file's unit [default: 1e-12 of its box]
     #[arg(long, value_name = "L", value_parser = length)]
     weld: Option<f64>,
-    /// Write the field (field.json), report.json, log.jsonl and, of cells and vertices, density.vtu and
-    /// the picture of a cut along the axis there
+    /// Write the field (field.json), report.json, log.jsonl, density.vtu and the picture of a cut along
+    /// the axis there
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
     /// Replace files that DIR holds

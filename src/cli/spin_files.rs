@@ -4,6 +4,7 @@ use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use crate::balance::conditions::SpinAxis;
 use crate::balance::spin::SpinState;
 use crate::cli::density_files::{DensityBody, Section, center_mark, density_files, write_density};
 use crate::cli::failure::{Failure, write_file};
@@ -61,7 +62,8 @@ impl SpinFiles<'_> {
             let field = field(self.solid, self.elements, outcome, self.domain()?);
             let json = serde_json::to_string_pretty(&field).map_err(Failure::run)?;
             self.write_text("field.json", &(json + "\n"))?;
-            self.draw(outcome, native)?;
+            let states = [native, &outcome.state];
+            draw(self.directory, self.solid, field, &outcome.axis, states)?;
         }
         self.write_text("report.json", &report.json()?)
     }
@@ -83,32 +85,30 @@ impl SpinFiles<'_> {
             weld: None,
         }))
     }
+}
 
-    /// Writes `density.vtu` and the picture of a cut along the axis.
-    fn draw(&self, outcome: &Outcome, native: &SpinState) -> Result<(), Failure> {
-        let values = outcome.solution.densities.clone();
-        let field = match self.elements {
-            SpinElements::Cells(sites, _) => Field::Cells {
-                sites: sites.clone(),
-                values,
-            },
-            SpinElements::Vertices(_) => Field::Vertices(values),
-            SpinElements::Points(..) => return Ok(()),
-        };
-        let extent = self.solid.domain.bounds();
-        let body = DensityBody {
-            solids: std::slice::from_ref(&self.solid.solid),
-            fields: &[&field],
-            extent: &extent,
-        };
-        write_density(self.directory, body, &section(outcome, native))
-    }
+/// Writes `density.vtu` and the picture of a cut along the axis; how the solid spins before and after.
+pub(crate) fn draw(
+    directory: &Path,
+    solid: &SpinSolid,
+    field: FieldFile,
+    axis: &SpinAxis,
+    states: [&SpinState; 2],
+) -> Result<(), Failure> {
+    let field = Field::of_file(field.density).map_err(Failure::run)?;
+    let extent = solid.domain.bounds();
+    let body = DensityBody {
+        solids: std::slice::from_ref(&solid.solid),
+        fields: &[&field],
+        extent: &extent,
+    };
+    write_density(directory, body, &section(axis, states))
 }
 
 /// The cut along the axis and the principal axis nearest to it before.
-fn section(outcome: &Outcome, native: &SpinState) -> Section {
-    let axis = &outcome.axis;
-    let [before, after] = [native, &outcome.state].map(|state| state.body.center_of_mass());
+fn section(axis: &SpinAxis, states: [&SpinState; 2]) -> Section {
+    let [native, state] = states;
+    let [before, after] = states.map(|state| state.body.center_of_mass());
     let tilt = axis.along.cross(&native.nearest_axis);
     let lift = axis.along.cross(&(before - axis.through));
     let normal = if native.angle_degrees > LEAST_TILT {
@@ -131,7 +131,7 @@ fn section(outcome: &Outcome, native: &SpinState) -> Section {
         native.angle_degrees
     );
     let wanted = *axis.along.as_ref();
-    let obtained = outcome.state.nearest_axis;
+    let obtained = state.nearest_axis;
     Section {
         cut: PlaneCut::new(HalfSpace {
             normal,

@@ -12,6 +12,7 @@ use crate::balance::spin::{SpinState, SpinWish};
 use crate::cli::failure::{Failure, print, write_file};
 use crate::cli::mass_report::{figure, rows};
 use crate::cli::options::Common;
+use crate::cli::spin_files::draw;
 use crate::cli::spin_solid::{SpinElements, SpinSolid};
 use crate::domain::shape::DomainShape;
 use crate::geometry::moments::Moments;
@@ -96,6 +97,15 @@ pub(crate) fn run(
     let text = serde_json::to_string_pretty(&report).map_err(Failure::run)? + "\n";
     if let Some(directory) = options.out {
         write(directory, solid, &fit, &text)?;
+        if let (Some(field), Some(state)) = (&fit.field, &state) {
+            draw(
+                directory,
+                solid,
+                field_file(field, solid),
+                &axis,
+                [native, state],
+            )?;
+        }
     }
     if options.json {
         print(text)?;
@@ -136,7 +146,7 @@ fn weigh(surface: &SurfaceMesh, field: &SineField, origin: &Point3<f64>) -> Mome
     jet.volume.translated(&(field.point - origin))
 }
 
-/// Writes the report and, where there is one, the field.
+/// Writes the report and, where there is one, the field's file.
 fn write(directory: &Path, solid: &SpinSolid, fit: &SineFit, report: &str) -> Result<(), Failure> {
     fs::create_dir_all(directory)
         .map_err(|error| Failure::run(format!("cannot make {}: {error}", directory.display())))?;

@@ -218,28 +218,36 @@ impl Raster {
         })
     }
 
-    /// Every run of one color reaches to the frame's right side, every row a little downward: so no
-    /// seam shows.
+    /// Every run of one color reaches a square into the next, every row a little downward: so no seam shows.
     fn draw(&self, figure: &mut Figure, panel: &Panel, scale: &ColorScale) {
         let [min, max] = panel.frame;
         let width = (max.x - min.x) / self.columns as f64;
         let height = (max.y - min.y) / (self.values.len() / self.columns) as f64;
-        let step = |value: f64| ((value - scale.min) / (scale.max - scale.min) * COLORS).round();
-        for (row, values) in self.values.chunks(self.columns).enumerate() {
+        for row in 0..self.values.len() / self.columns {
             let top = min.y + row as f64 * height;
-            let end = Point2::new(max.x, (top + 1.5 * height).min(max.y));
-            let mut last = f64::INFINITY;
-            for (column, &value) in values.iter().enumerate() {
-                let color = step(value).clamp(0.0, COLORS);
-                if color.total_cmp(&last).is_eq() || !self.is_near(row, column) {
-                    continue;
-                }
-                last = color;
-                let start = Point2::new(min.x + column as f64 * width, top);
+            let runs = self.runs(row, scale);
+            let ends = runs.iter().skip(1).map(|(column, _)| column + 1);
+            let ends = ends.chain([self.columns]);
+            for ((column, color), end) in runs.iter().zip(ends) {
+                let start = Point2::new(min.x + *column as f64 * width, top);
+                let right = (min.x + end as f64 * width).min(max.x);
+                let end = Point2::new(right, (top + 1.5 * height).min(max.y));
                 let value = scale.min + color / COLORS * (scale.max - scale.min);
                 figure.rectangle([start, end], Some(scale.color(value)), None);
             }
         }
+    }
+
+    /// Where a row's colors begin, and which they are (0 to `COLORS`).
+    fn runs(&self, row: usize, scale: &ColorScale) -> Vec<(usize, f64)> {
+        let values = &self.values[row * self.columns..][..self.columns];
+        let step = |value: f64| ((value - scale.min) / (scale.max - scale.min) * COLORS).round();
+        let near = (0..self.columns).filter(|&column| self.is_near(row, column));
+        let mut runs: Vec<_> = near
+            .map(|column| (column, step(values[column]).clamp(0.0, COLORS)))
+            .collect();
+        runs.dedup_by(|one, last| one.1.total_cmp(&last.1).is_eq());
+        runs
     }
 }
 

@@ -240,7 +240,7 @@ impl Field {
     }
 
     /// The density that a field file holds.
-    fn of_file(density: FieldDensity) -> Result<Self, FieldTextError> {
+    pub(crate) fn of_file(density: FieldDensity) -> Result<Self, FieldTextError> {
         Ok(match density {
             FieldDensity::Text(text) => Self::of_text(&text)?,
             FieldDensity::Cells { sites, values, .. } => Self::Cells {
