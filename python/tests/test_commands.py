@@ -21,12 +21,8 @@ def printed(*arguments):
 def test_solids_are_weighed_integrated_stood_and_spun():
     bracket = SCENES / "bracket.off"
     assert chebloyd.mass(bracket, density="1 + x") == printed("mass", bracket, "--density=1 + x")
-    field = {"kind": "linear", "axis": "z", "from": 1, "to": 2}
-    text = chebloyd.mass(bracket, density="linear:axis=z,from=1,to=2")
-    try:
-        assert chebloyd.mass(bracket, density=field).mass == pytest.approx(text.mass)
-    except ValueError as error:
-        assert "field.json" in str(error)
+    with pytest.raises(ValueError, match="no-such.json"):
+        chebloyd.mass(bracket, density="@no-such.json")
     assert chebloyd.integrate(bracket, monomials=1)["volume"]["0,0,0"] == pytest.approx(chebloyd.mass(bracket).volume)
     standing = chebloyd.stand(bracket, range=(0.5, 2))
     theirs = printed("stand", bracket, "--range=0.5,2")
@@ -53,7 +49,20 @@ def test_runs_become_meshes_pages_curves_and_pictures(tmp_path):
         assert (tmp_path / file).stat().st_size > 1000
     with pytest.raises(ValueError, match="--force"):
         chebloyd.plot(log, output=tmp_path / "curves.svg")
-    assert chebloyd.plot(log, output=tmp_path / "curves.svg", force=True, linear=True) == {"text": ""} or True
+    before = (tmp_path / "curves.svg").read_bytes()
+    chebloyd.plot(log, output=tmp_path / "curves.svg", force=True)
+    assert (tmp_path / "curves.svg").read_bytes() != before  # one log, not two
+
+
+def test_prints_are_weighed_and_rewritten(tmp_path):
+    bar = CASES / "gcode/bar-prusaslicer.gcode"
+    assert chebloyd.mass(bar) == printed("mass", bar)
+    out = tmp_path / "out.gcode"
+    written = chebloyd.print(bar, out, density="0.5 + 0.01*(x - 50)")
+    assert written.written and written.infill["obtained"]["volume"] == pytest.approx(3777.4, abs=1e-3)
+    assert chebloyd.mass(out).center_of_mass[0] > chebloyd.mass(bar).center_of_mass[0]
+    with pytest.raises(ValueError, match="--force"):
+        chebloyd.print(bar, out, density=1)
 
 
 def test_schemas_and_other_commands():

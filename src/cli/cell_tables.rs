@@ -10,16 +10,21 @@ use crate::cli::failure::{Failure, write_file};
 use crate::cli::mesh_cells::patches_of;
 use crate::cli::output::OutputRule;
 use crate::complex::assemble::paired;
-use crate::complex::face_geometry::MeshGeometry;
 use crate::complex::identify::RESOLUTION;
-use crate::mesh::poly_mesh::PolyMesh;
+use crate::complex::linf_mesh::linf_mesh;
+use crate::mesh::poly_mesh::{CellFaces, PolyMesh};
+use crate::relax::frames::Frames;
 use crate::relax::metrics::CellMetrics;
+use crate::relax::relaxation_space::Norm;
 use crate::relax::space::Space;
 use crate::scene::description::Scene;
 use crate::voronoi::diagram::Diagram;
 
 /// The angle of a feature between patches (degrees), as in `mesh`.
 const FEATURE: f64 = 40.0;
+
+const NO_LINF_TABLES: &str = "tables of L∞ cells need faces that neighbors share, which there are in a box, along \
+     the axes and where no region is tied; leave out --cells-table and --faces-table, or say --cells l2";
 
 /// Options for tables.
 #[derive(Debug, Args)]
@@ -35,10 +40,14 @@ pub(crate) struct TableOptions {
     force: bool,
 }
 
-/// A mesh and its measures.
-struct MeasuredCells {
+/// Cells, and how their faces lie.
+struct TableCells<'a> {
     mesh: PolyMesh,
-    geometry: MeshGeometry,
+    faces: CellFaces,
+    /// Per face its area times its normal (L²), outward of the owner, and its centroid.
+    flat: Vec<(Vector3<f64>, Point3<f64>)>,
+    sites: &'a [Point3<f64>],
+    metrics: &'a [CellMetrics<3>],
 }
 
 impl TableOptions {
@@ -77,21 +86,48 @@ impl TableOptions {
         &self,
         (space, scene): (&Space, &Scene),
         sites: &[Point3<f64>],
-        cells: &[CellMetrics<3>],
+        metrics: &[CellMetrics<3>],
     ) -> Result<(), Failure> {
-        let patches = patches_of(space, scene, FEATURE);
-        let diagram = Diagram::new(space.domain(), sites).map_err(Failure::input)?;
-        let paired = paired(&diagram, RESOLUTION).map_err(Failure::run)?;
-        let mesh = paired.builder().build(&patches);
-        let geometry = MeshGeometry::of(&mesh, &mesh.cell_faces());
-        let measured = MeasuredCells { mesh, geometry };
-        write_table(self.cells_table.as_deref(), |file| {
-            measured.write_cells(file, sites, cells)
-        })?;
-        write_table(self.faces_table.as_deref(), |file| {
-            measured.write_faces(file)
-        })
+        let mesh = match space.cells() {
+            Norm::L2 => l2_mesh(space, scene, sites)?,
+            Norm::Linf => {
+                let mesh = linf_mesh(space.domain().shape(), sites);
+                let mesh = mesh.filter(|_| matches!(space.frames(), Frames::Axes));
+                mesh.ok_or_else(|| Failure::input(NO_LINF_TABLES))?
+            }
+        };
+        let table = TableCells {
+            faces: mesh.cell_faces(),
+            flat: (0..mesh.face_count())
+                .map(|face| flat_face(&mesh, face))
+                .collect(),
+            mesh,
+            sites,
+            metrics,
+        };
+        write_table(self.cells_table.as_deref(), |file| table.write_cells(file))?;
+        write_table(self.faces_table.as_deref(), |file| table.write_faces(file))
     }
+}
+
+fn l2_mesh(space: &Space, scene: &Scene, sites: &[Point3<f64>]) -> Result<PolyMesh, Failure> {
+    let diagram = Diagram::new(space.domain(), sites).map_err(Failure::input)?;
+    let paired = paired(&diagram, RESOLUTION).map_err(Failure::run)?;
+    Ok(paired.builder().build(&patches_of(space, scene, FEATURE)))
+}
+
+/// A planar face's area times its normal, and its centroid; it need not be convex.
+fn flat_face(mesh: &PolyMesh, face: usize) -> (Vector3<f64>, Point3<f64>) {
+    let places: Vec<_> = mesh.face_places(face).collect();
+    let arms: Vec<_> = places.iter().map(|place| place - places[0]).collect();
+    let twice = |pair: &[Vector3<f64>]| pair[0].cross(&pair[1]);
+    let area = arms.windows(2).map(twice).sum::<Vector3<f64>>() / 2.0;
+    let moment = arms
+        .windows(2)
+        .map(|pair| twice(pair).dot(&area) * (pair[0] + pair[1]))
+        .sum::<Vector3<f64>>();
+    let shift = moment / (6.0 * area.norm_squared());
+    (area, places[0] + shift)
 }
 
 fn write_table(
@@ -104,35 +140,28 @@ fn write_table(
     }
 }
 
-impl MeasuredCells {
-    fn write_cells(
-        &self,
-        file: &mut dyn Write,
-        sites: &[Point3<f64>],
-        cells: &[CellMetrics<3>],
-    ) -> io::Result<()> {
+impl TableCells<'_> {
+    fn write_cells(&self, file: &mut dyn Write) -> io::Result<()> {
         writeln!(
             file,
             "site,x,y,z,volume,centroid_x,centroid_y,centroid_z,area,faces,energy,cubeness"
         )?;
-        let faces = self.mesh.cell_faces();
-        for (cell, (site, metrics)) in sites.iter().zip(cells).enumerate() {
-            let center = self.geometry.cell_centers[cell];
-            let areas = faces
-                .of(cell)
-                .map(|(face, _)| self.geometry.face_areas[face].norm());
+        for (cell, (site, metrics)) in self.sites.iter().zip(self.metrics).enumerate() {
+            let center = metrics.centroid;
+            let faces = self.faces.of(cell);
+            let areas = faces.clone().map(|(face, _)| self.flat[face].0.norm());
             writeln!(
                 file,
                 "{cell},{:?},{:?},{:?},{:?},{:?},{:?},{:?},{:?},{},{:?},{:?}",
                 site.x,
                 site.y,
                 site.z,
-                self.geometry.cell_volumes[cell],
+                metrics.volume,
                 center.x,
                 center.y,
                 center.z,
                 areas.sum::<f64>(),
-                faces.of(cell).len(),
+                faces.len(),
                 metrics.energy,
                 metrics.cubeness
             )?;
@@ -146,13 +175,11 @@ impl MeasuredCells {
             file,
             "site,neighbor,patch,area,normal_x,normal_y,normal_z,centroid_x,centroid_y,centroid_z"
         )?;
-        let faces = self.mesh.cell_faces();
         for cell in 0..self.mesh.cell_count {
-            for (face, is_owner) in faces.of(cell) {
-                let area = self.geometry.face_areas[face];
+            for (face, is_owner) in self.faces.of(cell) {
+                let (area, center) = self.flat[face];
                 let outward = if is_owner { area } else { -area };
                 let normal: Vector3<f64> = outward.try_normalize(0.0).unwrap_or_default();
-                let center = self.geometry.face_centers[face];
                 let (neighbor, patch) = self.behind(face, is_owner);
                 writeln!(
                     file,

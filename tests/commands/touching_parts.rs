@@ -1,13 +1,10 @@
 //! Solids whose parts touch, overlap or cross, thin solids, and parts given twice.
 
-#[path = "common/test_dir.rs"]
-mod test_dir;
-
 use std::path::Path;
 
 use serde_json::Value;
 
-use test_dir::{TestDir, assert_all_in};
+use crate::test_dir::{TestDir, assert_all_in};
 
 fn case(name: &str) -> String {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/cases");

@@ -1,15 +1,10 @@
 //! Solids on the command line: accepted files and error messages.
 
-#[path = "common/models.rs"]
-mod models;
-#[path = "common/test_dir.rs"]
-mod test_dir;
-
 use std::path::Path;
 
-use models::shared_model;
+use crate::models::shared_model;
+use crate::test_dir::{TestDir, assert_all_in};
 use serde_json::Value;
-use test_dir::{TestDir, assert_all_in};
 
 const CORNERS: [[f64; 3]; 8] = [
     [0.0, 0.0, 0.0],

@@ -1,13 +1,10 @@
 //! Sites as other programs write them, given to the command: tables, arrays, packed, through pipes.
 
-#[path = "common/test_dir.rs"]
-mod test_dir;
-
 use std::io::Write as _;
 use std::process::Stdio;
 
+use crate::test_dir::{TestDir, assert_all_in};
 use serde_json::Value;
-use test_dir::{TestDir, assert_all_in};
 
 /// The JSON object and the notes of a command that goes well.
 fn noted(dir: &TestDir, arguments: &[&str]) -> (Value, String) {

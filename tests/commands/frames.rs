@@ -1,10 +1,7 @@
 //! Frames of cells from files, from one rotation and from the boundary, by the command.
 
-#[path = "common/test_dir.rs"]
-mod test_dir;
-
+use crate::test_dir::{TestDir, assert_all_in};
 use nalgebra::Vector3;
-use test_dir::{TestDir, assert_all_in};
 
 #[test]
 fn scenes_take_frames_from_files_and_from_the_boundary() {

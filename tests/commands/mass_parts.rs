@@ -1,11 +1,8 @@
 //! `chebloyd mass`: named groups, cell data, placements, masses left to densities, SI.
 
-#[path = "common/test_dir.rs"]
-mod test_dir;
-
 use serde_json::Value;
 
-use test_dir::{TestDir, assert_all_in};
+use crate::test_dir::{TestDir, assert_all_in};
 
 /// The quads of a unit cube, counter-clockwise seen from outside, and its corners from `x` on.
 const QUADS: [[usize; 4]; 6] = [

@@ -1,13 +1,10 @@
 //! `chebloyd fragments`: what its files hold is what `measure` and `mass` say.
 
-#[path = "common/test_dir.rs"]
-mod test_dir;
-
 use std::collections::BTreeMap;
 
 use serde_json::Value;
 
-use test_dir::{TestDir, assert_all_in};
+use crate::test_dir::{TestDir, assert_all_in};
 
 /// Domains of every kind, with the scene's name.
 fn domains() -> [(&'static str, String); 5] {

@@ -1,11 +1,8 @@
 //! The command `chebloyd mass`: output and error messages.
 
-#[path = "common/test_dir.rs"]
-mod test_dir;
-
 use serde_json::Value;
 
-use test_dir::{TestDir, assert_all_in};
+use crate::test_dir::{TestDir, assert_all_in};
 
 /// The unit cube with its least corner at (`x`, 0, 0), as OFF quads.
 fn cube(x: f64) -> String {

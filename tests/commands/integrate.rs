@@ -1,13 +1,10 @@
 //! The command `chebloyd integrate`: monomials over surfaces, solids and polygons with holes.
 
-#[path = "common/test_dir.rs"]
-mod test_dir;
-
 use std::path::Path;
 
 use serde_json::{Value, json};
 
-use test_dir::{TestDir, assert_all_in};
+use crate::test_dir::{TestDir, assert_all_in};
 
 /// [0,4]² × [0,2] without [1,2]² × [0,2], its floor and ceiling squares with a hole.
 fn block_with_tunnel() -> String {

@@ -1,11 +1,8 @@
 //! L∞ cells in the program: runs, figures, resumption, files, refusals.
 
-#[path = "common/test_dir.rs"]
-mod test_dir;
-
 use serde_json::Value;
 
-use test_dir::{TestDir, assert_all_in};
+use crate::test_dir::{TestDir, assert_all_in};
 
 fn measured(dir: &TestDir, arguments: &[&str]) -> Value {
     serde_json::from_str(&dir.stdout(arguments)).expect("one JSON object")

@@ -1,9 +1,6 @@
 //! Bad input: exit code 2, one message, no file changed.
 
-#[path = "common/test_dir.rs"]
-mod test_dir;
-
-use test_dir::{SMALL, TestDir, assert_all_in};
+use crate::test_dir::{SMALL, TestDir, assert_all_in};
 
 /// A scene, and words that its refusal must hold.
 const BAD_SCENES: &[(&str, &[&str])] = &[

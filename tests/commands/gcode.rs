@@ -1,16 +1,13 @@
 //! The command `chebloyd mass` on G-code: figures of sliced samples, options, refusals.
 
-#[path = "common/test_dir.rs"]
-mod test_dir;
-
 use std::fs::{self, File};
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::Instant;
 
+use crate::test_dir::{TestDir, assert_all_in};
 use serde_json::Value;
-use test_dir::{TestDir, assert_all_in};
 
 /// What a sample weighs (mm³, mm), and its infill; figures of the samples' README, counted by another
 /// program and by the slicer's own length of filament.
@@ -283,7 +280,7 @@ fn bad_files_and_options_are_refused_with_nothing_printed() {
 
 /// Prints the times of weighing 100 MB beside `wc -l` and `gzip -d` of the same file.
 #[test]
-#[ignore = "writes 100 MB and measures; `cargo test --release --test gcode_command -- --ignored --nocapture hundred`"]
+#[ignore = "writes 100 MB and measures; `cargo test --release --test commands -- --ignored --nocapture hundred`"]
 fn a_hundred_megabytes_beside_wc_and_gzip() {
     let dir = TestDir::new();
     let sample = fs::read(kept("bar-prusaslicer.gcode")).expect("a sample");

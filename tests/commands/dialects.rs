@@ -1,12 +1,9 @@
 //! Files of other programs given to the command: meshes, sites, and solids that are thin.
 
-#[path = "common/test_dir.rs"]
-mod test_dir;
-
 use std::path::Path;
 
+use crate::test_dir::{TestDir, assert_all_in};
 use serde_json::Value;
-use test_dir::{TestDir, assert_all_in};
 
 fn case(name: &str) -> String {
     let cases = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/cases");

@@ -1,11 +1,8 @@
 //! Outputs: no file that is there is replaced unless told to, and an input never.
 
-#[path = "common/test_dir.rs"]
-mod test_dir;
-
 use std::fs;
 
-use test_dir::{TestDir, assert_all_in};
+use crate::test_dir::{TestDir, assert_all_in};
 
 const SITES: &str = "x,y,z\n0.25,0.5,0.5\n0.7,0.5,0.5\n0.3,0.2,0.1\n";
 

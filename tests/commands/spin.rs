@@ -1,11 +1,8 @@
 //! `chebloyd spin` on the command line: fields that `mass` reads back, proofs, bores, modifiers.
 
-#[path = "common/test_dir.rs"]
-mod test_dir;
-
+use crate::test_dir::{TestDir, assert_all_in};
 use nalgebra::{Matrix3, Point3, SymmetricEigen, Vector3};
 use serde_json::Value;
-use test_dir::{TestDir, assert_all_in};
 
 use chebloyd::mesh::shapes::{icosphere, unit_cube_tets};
 use chebloyd::mesh::surface::SurfaceMesh;

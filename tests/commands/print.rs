@@ -1,13 +1,10 @@
 //! The command `chebloyd print`: fields, balance, limits, files that are never replaced, reports.
 
-#[path = "common/test_dir.rs"]
-mod test_dir;
-
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use crate::test_dir::{TestDir, assert_all_in};
 use serde_json::Value;
-use test_dir::{TestDir, assert_all_in};
 
 const KEPT: [&str; 3] = [
     "bar-prusaslicer.gcode",

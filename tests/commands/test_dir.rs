@@ -1,7 +1,5 @@
 //! A temporary directory with the program run in it.
 
-#![allow(dead_code, reason = "every test file uses a part of it")]
-
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};

@@ -1,14 +1,11 @@
 //! The command line: output, files, exit codes.
 
-#[path = "common/test_dir.rs"]
-mod test_dir;
-
 use std::fs;
 use std::process::Stdio;
 
 use serde_json::Value;
 
-use test_dir::{SMALL, TestDir, assert_all_in};
+use crate::test_dir::{SMALL, TestDir, assert_all_in};
 
 #[test]
 fn relax_leaves_what_the_interface_promises() {

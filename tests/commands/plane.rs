@@ -1,11 +1,8 @@
 //! The plane by the command line: squares, polygons, densities, resumption, fragments, curves.
 
-#[path = "common/test_dir.rs"]
-mod test_dir;
-
 use serde_json::Value;
 
-use test_dir::TestDir;
+use crate::test_dir::TestDir;
 
 const HOLE: &str = r#"{ "dimension": 2, "domain": { "polygon": [
     [[0, 0], [4, 0], [4, 1], [2.5, 1.2], [4, 3], [0, 3]], [[0.8, 0.8], [2, 1], [1.2, 2.2]]] },

@@ -1,14 +1,11 @@
 //! Comfort of the command: runs and meshes as scenes, fewer or smaller files, what is said on the way.
 
-#[path = "common/test_dir.rs"]
-mod test_dir;
-
 use std::path::Path;
 
+use crate::test_dir::{SMALL, TestDir, assert_all_in};
 use chebloyd::mesh::formats::off;
 use chebloyd::mesh::shapes;
 use serde_json::Value;
-use test_dir::{SMALL, TestDir, assert_all_in};
 
 fn noted(dir: &TestDir, arguments: &[&str]) -> (String, String) {
     let output = dir.run(arguments);

@@ -1,14 +1,11 @@
 //! Resumed runs: the same bytes as without the interruption.
 
-#[path = "common/test_dir.rs"]
-mod test_dir;
-
 use std::fs;
 use std::process::{Child, Command};
 
 use serde_json::Value;
 
-use test_dir::{LONG, SMALL, TestDir, assert_all_in};
+use crate::test_dir::{LONG, SMALL, TestDir, assert_all_in};
 
 #[test]
 fn a_run_goes_on_where_it_ended() {

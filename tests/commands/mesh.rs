@@ -1,13 +1,10 @@
 //! `chebloyd mesh`: files, reports, limits, refusals.
 
-#[path = "common/test_dir.rs"]
-mod test_dir;
-
 use std::io::Write;
 
 use serde_json::Value;
 
-use test_dir::{TestDir, assert_all_in};
+use crate::test_dir::{TestDir, assert_all_in};
 
 const KEYS: [&str; 20] = [
     "points",
@@ -513,17 +510,36 @@ fn polyhedra_are_refused_where_a_format_has_none() {
 #[test]
 fn tables_of_cells_and_faces_balance() {
     let dir = with_run();
+    for cells in ["l2", "linf"] {
+        let arguments = [
+            "measure",
+            "--sites",
+            "run/sites.csv",
+            "--cells",
+            cells,
+            "--cells-table",
+            "c.csv",
+            "--faces-table",
+            "f.csv",
+        ];
+        dir.stdout(&[&arguments[..], &["--force"]].concat());
+        assert_refused(&dir, &arguments, &["c.csv", "--force"]);
+        assert_balanced(&dir);
+    }
+    dir.write("s.json", r#"{ "domain": { "half_spaces": [[1,1,1,1],[-1,0,0,0],[0,-1,0,0],[0,0,-1,0]] }, "sites": { "random": { "count": 9 } } }"#);
     let arguments = [
         "measure",
-        "--sites",
-        "run/sites.csv",
+        "s.json",
+        "--cells",
+        "linf",
         "--cells-table",
-        "c.csv",
-        "--faces-table",
-        "f.csv",
+        "d.csv",
     ];
-    dir.stdout(&arguments);
-    assert_refused(&dir, &arguments, &["c.csv", "--force"]);
+    assert_refused(&dir, &arguments, &["tables of L∞ cells", "--cells l2"]);
+}
+
+/// The tables of thirty cells in the unit cube.
+fn assert_balanced(dir: &TestDir) {
     let rows = |name: &str| -> Vec<Vec<String>> {
         let text = String::from_utf8(dir.read(name)).expect("text");
         let lines = text.lines().skip(1);

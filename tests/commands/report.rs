@@ -1,10 +1,5 @@
 //! `chebloyd report`: what the page holds, refusals, and the page in a real browser.
 
-#[path = "common/browser.rs"]
-mod browser;
-#[path = "common/test_dir.rs"]
-mod test_dir;
-
 use std::collections::HashSet;
 use std::fs;
 use std::io::Read;
@@ -12,8 +7,8 @@ use std::io::Read;
 use flate2::read::DeflateDecoder;
 use serde_json::Value;
 
-use browser::{Browser, find, from_base64};
-use test_dir::{TestDir, assert_all_in};
+use crate::browser::{Browser, find, from_base64};
+use crate::test_dir::{TestDir, assert_all_in};
 
 const QUIET: &str = r#""output": { "cells": false, "plot": false }"#;
 
