@@ -211,7 +211,11 @@ const LEFT: f64 = 0.5;
 /// So many pieces there are at least: what is small against a piece may escape both of its rules.
 const LEAST: usize = 512;
 
-/// The sum over `pieces`, halved until the goal is reached or there are too many.
+/// Relative errors below this may be rounding, which halving does not lower: where twice as many pieces leave
+/// more than half of them, they are.
+const MAY_BE_ROUNDING: f64 = 1e-11;
+
+/// The sum over `pieces`, halved until the goal is reached, nothing but rounding is left, or there are too many.
 pub(crate) fn integrate<P: AdaptivePiece>(
     mut pieces: Vec<P>,
     goal: Goal,
@@ -221,12 +225,19 @@ pub(crate) fn integrate<P: AdaptivePiece>(
         pieces = pieces.iter().flat_map(P::halves).collect();
     }
     let mut estimates: Vec<Estimate> = pieces.par_iter().map(estimate).collect();
+    let mut before = (pieces.len(), f64::INFINITY);
     loop {
         let sum = total(&estimates, goal.signs);
         let scales = Scales::of(&sum.moments, goal.extent);
         let relative = scales.relative(&sum.errors);
         let is_number = sum.moments.ten().iter().all(|value| value.is_finite());
-        if relative <= goal.tolerance || pieces.len() >= goal.most || !is_number {
+        let mut is_rounding = false;
+        if relative < MAY_BE_ROUNDING && pieces.len() >= 2 * before.0 {
+            is_rounding = relative > 0.5 * before.1;
+            before = (pieces.len(), relative);
+        }
+        let is_done = relative <= goal.tolerance || pieces.len() >= goal.most || !is_number;
+        if is_done || is_rounding {
             return AdaptiveIntegral {
                 estimate: sum,
                 relative,

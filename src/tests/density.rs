@@ -199,8 +199,8 @@ fn domains_figures(
 #[test]
 fn cells_follow_the_wanted_size() {
     let size = |y: &Point3<f64>| 0.1 + 0.2 * y.x;
-    let space = Space::new(tets(4, |y| size(y).powi(-4)));
-    let mut sites = random_sites(200, 2);
+    let space = Space::new(tets(3, |y| size(y).powi(-4)));
+    let mut sites = random_sites(150, 2);
     let spread = |sites: &[Point3<f64>]| {
         let cells = space.metrics(sites, LINF).expect("a diagram");
         let ratios: Vec<f64> = cells

@@ -4,12 +4,14 @@ use crate::domain::convex::ConvexPolyhedron;
 use crate::domain::cuboid::Cuboid;
 use crate::domain::domain::{Domain, WeightedDomain};
 use crate::domain::planar::PlaneDomain;
+use crate::domain::tet_mesh::TetSolid;
 use crate::domain::tri_surface::solid::SurfaceSolid;
 use crate::geometry::bounds::Bounds;
 use crate::geometry::half_space::HalfSpace;
 use crate::geometry::polygon::ConvexPolygon;
 use crate::geometry::random::Random;
 use crate::integrals::polynomial::Polynomial;
+use crate::mesh::shapes::unit_cube_tets;
 use crate::relax::frames::Frames;
 use crate::relax::method::Method;
 use crate::relax::planar::Plane;
@@ -289,6 +291,26 @@ fn solids_and_densities_have_l_infinity_cells() {
         assert!(space.energy(&moved, spec(1)).expect("cells") < value.energy);
         let both = space.both(&sites).expect("cells").expect("figures");
         assert!(both.energy_percent_linf < both.energy_percent_l2 && both.tied_volume < 1e-12);
+    }
+}
+
+/// Cells, energies and moves in tetrahedra that fill the cube are those in the cube.
+#[test]
+fn tetrahedra_have_the_l_infinity_cells_of_what_they_fill() {
+    let tets = unit_cube_tets(2);
+    let tets = TetSolid::from_arrays(&tets.vertices, &tets.tets).expect("a solid");
+    let (tets, cube) = (linf(tets), linf(Cuboid::unit()));
+    let sites = random_sites(14, 7);
+    let cells = [&tets, &cube].map(|space| space.metrics(&sites, spec(2)).expect("cells"));
+    for (one, other) in cells[0].iter().zip(&cells[1]) {
+        assert!((one.volume - other.volume).abs() < 1e-14, "{one:?}");
+        assert!((one.energy - other.energy).abs() < 1e-14, "{one:?}");
+        assert!((one.center - other.center).amax() < 1e-9, "{one:?}");
+    }
+    let values = [&tets, &cube].map(|space| space.objective(&sites, 1).expect("cells"));
+    assert!((values[0].energy - values[1].energy).abs() < 1e-14);
+    for (one, other) in values[0].gradient.iter().zip(&values[1].gradient) {
+        assert!((one - other).amax() < 1e-12, "{one} {other}");
     }
 }
 

@@ -270,16 +270,16 @@ fn the_gradient_is_that_of_central_differences_in_surfaces() {
 
 #[test]
 fn the_gradient_is_that_of_central_differences_with_a_density() {
-    check_gradient(&Space::new(weighted(Box::new(Cuboid::unit()))), 25, 15);
-    check_gradient(&Space::new(tets(true)), 15, 16);
-    check_gradient(&Space::new(weighted(solid(&bracket(2)))), 15, 17);
+    check_gradient(&Space::new(weighted(Box::new(Cuboid::unit()))), 12, 15);
+    check_gradient(&Space::new(tets(true)), 8, 16);
+    check_gradient(&Space::new(weighted(solid(&bracket(2)))), 8, 17);
 }
 
 #[test]
 fn the_gradient_is_that_of_central_differences_with_a_density_and_frames() {
     let (_, frame) = turned(30.0);
     for domain in [weighted(Box::new(Cuboid::unit())), tets(true)] {
-        check_gradient(&Space::with_frames(domain, Frames::One(frame)), 12, 18);
+        check_gradient(&Space::with_frames(domain, Frames::One(frame)), 8, 18);
     }
 }
 

@@ -306,7 +306,7 @@ fn the_unit_cube_is_the_same_in_every_form() {
     let reference = Space::new(Box::new(Cuboid::unit()));
     let start = random_sites(reference.domain(), 60, 8);
     let expected = reference.metrics(&start, LINF).expect("a diagram");
-    let relaxed = relax(&reference, &start, Norm::Linf, 50).1;
+    let relaxed = relax(&reference, &start, Norm::Linf, 20).1;
     for (name, domain) in forms {
         let space = Space::new(domain);
         let figures = space.metrics(&start, LINF).expect("a diagram");
@@ -326,7 +326,7 @@ fn the_unit_cube_is_the_same_in_every_form() {
             assert!(worst < 1e-11, "{name}: {differences:?}");
             assert_eq!(cell.facets, expected.facets, "{name}");
         }
-        let sites = relax(&space, &start, Norm::Linf, 50).1;
+        let sites = relax(&space, &start, Norm::Linf, 20).1;
         let pairs = sites.iter().zip(&relaxed);
         let worst = pairs.fold(0.0, |far: f64, (a, b)| far.max((a - b).amax()));
         assert!(worst < 1e-8, "{name}: {worst:e}");
