@@ -13,50 +13,68 @@ use mpi::traits::{Communicator, CommunicatorCollectives};
 /// What `MPI_Abort` hands to the launcher where a rank panics.
 const PANICKED: i32 = 101;
 
-/// The ranks of a job.
-struct World(SimpleCommunicator);
+/// The ranks of a job. Asked by the thread that initialized MPI alone.
+struct World;
 
-// Ranks are asked by the thread that made them alone.
+/// The communicator of all ranks.
+fn world() -> SimpleCommunicator {
+    SimpleCommunicator::world()
+}
+
 impl Ranks for World {
     fn rank(&self) -> usize {
-        self.0.rank() as usize
+        world().rank() as usize
     }
 
     fn size(&self) -> usize {
-        self.0.size() as usize
+        world().size() as usize
     }
 
     fn exchange(&self, parts: Vec<Vec<u64>>) -> Vec<Vec<u64>> {
         let counts: Vec<i32> = parts.iter().map(|part| count(part.len())).collect();
         let mut incoming = vec![0_i32; counts.len()];
-        self.0.all_to_all_into(&counts[..], &mut incoming[..]);
+        world().all_to_all_into(&counts[..], &mut incoming[..]);
         let (from, to) = (starts(&counts), starts(&incoming));
         let sent = parts.concat();
         let total: usize = incoming.iter().map(|&count| count as usize).sum();
         let mut came = vec![0_u64; total];
         let sent = Partition::new(&sent[..], &counts[..], &from[..]);
         let mut place = PartitionMut::new(&mut came[..], &incoming[..], &to[..]);
-        self.0.all_to_all_varcount_into(&sent, &mut place);
-        let mut rest = &came[..];
-        let take = |&count: &i32| {
-            let (part, others) = rest.split_at(count as usize);
-            rest = others;
-            part.to_vec()
-        };
-        incoming.iter().map(take).collect()
+        world().all_to_all_varcount_into(&sent, &mut place);
+        split(&came, &incoming)
+    }
+
+    fn share(&self, words: Vec<u64>) -> Vec<Vec<u64>> {
+        let mut counts = vec![0_i32; self.size()];
+        world().all_gather_into(&count(words.len()), &mut counts[..]);
+        let to = starts(&counts);
+        let total: usize = counts.iter().map(|&count| count as usize).sum();
+        let mut came = vec![0_u64; total];
+        let mut place = PartitionMut::new(&mut came[..], &counts[..], &to[..]);
+        world().all_gather_varcount_into(&words[..], &mut place);
+        split(&came, &counts)
     }
 
     fn add(&self, numbers: &mut [i64]) {
         let own = numbers.to_vec();
-        self.0
-            .all_reduce_into(&own[..], numbers, SystemOperation::sum());
+        world().all_reduce_into(&own[..], numbers, SystemOperation::sum());
     }
 
     fn largest(&self, numbers: &mut [f64]) {
         let own = numbers.to_vec();
-        self.0
-            .all_reduce_into(&own[..], numbers, SystemOperation::max());
+        world().all_reduce_into(&own[..], numbers, SystemOperation::max());
     }
+}
+
+/// Parts of so many words each.
+fn split(words: &[u64], counts: &[i32]) -> Vec<Vec<u64>> {
+    let mut rest = words;
+    let take = |&count: &i32| {
+        let (part, others) = rest.split_at(count as usize);
+        rest = others;
+        part.to_vec()
+    };
+    counts.iter().map(take).collect()
 }
 
 /// A count as MPI takes it: at most 2³¹ − 1 numbers of 8 bytes to a rank.
@@ -84,9 +102,8 @@ fn main() -> ExitCode {
     let world = universe.world();
     let machine = world.split_shared(world.rank());
     let neighbors = machine.size() as usize;
-    let ranks = World(world);
     let ran = panic::catch_unwind(panic::AssertUnwindSafe(|| {
-        chebloyd::command_line_over(std::env::args_os(), &ranks, neighbors)
+        chebloyd::command_line_over(std::env::args_os(), &World, neighbors)
     }));
     match ran {
         Ok(code) => ExitCode::from(code),

@@ -31,9 +31,10 @@ pub(crate) fn of_scene(scene: &Scene) -> Result<String, Failure> {
             keys.retain(|key, _| !CHANGEABLE.contains(&key.as_str()));
         }
     }
-    // How pictures are colored makes no other run.
+    // How pictures are colored, and how often a run is kept, makes no other run.
     if let Some(output) = value.get_mut("output").and_then(Value::as_object_mut) {
         output.remove("range");
+        output.remove("checkpoint");
     }
     let mut checksum = Checksum::default();
     checksum.add_bytes(value.to_string().as_bytes());

@@ -57,6 +57,7 @@ impl<'a, const D: usize, S: DrawCells<D>> FiledRun<'a, D, S> {
     ) -> Result<Self, Failure> {
         let placed = space.placed(&scene).map_err(Failure::input)?;
         print_notes(&placed.notes);
+        check_memory(&scene, placed.sites.len()).map_err(Failure::input)?;
         let description = describe(space, scene, &placed)?;
         interrupt.finish_first();
         let directory = RunDirectory::create(out, &description.identity, &description)
@@ -141,7 +142,7 @@ impl<'a, const D: usize, S: DrawCells<D>> FiledRun<'a, D, S> {
     /// Moves the sites, keeping the log; returns why it ended.
     fn relax(&mut self, common: Common) -> Result<&'static str, Failure> {
         let scene = &self.description.scene;
-        let iterations = scene.method.iterations();
+        let (iterations, every) = (scene.method.iterations(), scene.output.checkpoint);
         let last = self.checkpoint.record.as_ref();
         let bar = Bar::new(
             iterations,
@@ -152,7 +153,8 @@ impl<'a, const D: usize, S: DrawCells<D>> FiledRun<'a, D, S> {
         let mut failure: Option<RunError> = None;
         let mut observe = |record: &Record, sites: &[Point<f64, D>], state: &RunState<D>| {
             bar.show(record);
-            failure = directory.record(record, sites, || state.to_numbers()).err();
+            let kept = directory.record(record, sites, || state.to_numbers(), every);
+            failure = kept.err();
             let is_unfinished = record.iteration < iterations;
             if failure.is_some() || (is_unfinished && interrupt.exit_code().is_some()) {
                 return ControlFlow::Break(());
@@ -238,7 +240,6 @@ pub(crate) fn describe<const D: usize, S: RunSpace<D>>(
     space
         .check_scale(sites.len(), energy_spec(&scene))
         .map_err(Failure::input)?;
-    check_memory(&scene, sites.len()).map_err(Failure::input)?;
     Ok(RunDescription {
         program: env!("CARGO_PKG_NAME").to_owned(),
         version: env!("CARGO_PKG_VERSION").to_owned(),
@@ -301,7 +302,7 @@ fn already_further(wanted: u64, done: u64) -> Failure {
 }
 
 /// Refuses a `run.json` whose scene is not the one that the run began with.
-fn check_scene(description: &RunDescription, directory: &Path) -> Result<(), Failure> {
+pub(crate) fn check_scene(description: &RunDescription, directory: &Path) -> Result<(), Failure> {
     if description.identity.is_empty() {
         let path = directory.display();
         return Err(Failure::input(format!(

@@ -1,0 +1,312 @@
+//! A run over ranks from its input to its files, as one rank sees it.
+//!
+//! Lloyd's iteration holds no more than each rank's own sites (`relax::ranked_lloyd`). All other methods are driven
+//! by every rank alike, which share the cells (`relax::ranked_space`).
+
+use std::io::Write;
+use std::ops::ControlFlow;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use nalgebra::Point3;
+
+use crate::cli::failure::Failure;
+use crate::cli::first_rank::{FirstRank, IfFirst, keep_lloyd, leave_sites};
+use crate::cli::interrupt::Interrupt;
+use crate::cli::over_ranks::{RanksOptions, together};
+use crate::cli::ranked_cells::{ranks_with_sites, write_list, write_piece};
+use crate::export::run::error::RunError;
+use crate::relax::driver::RunEnd;
+use crate::relax::plan::Plan;
+use crate::relax::ranked_lloyd::{RankedRun, is_plain};
+use crate::relax::ranked_sites::RankedSites;
+use crate::relax::ranked_space::RankedSpace;
+use crate::relax::ranks::{Ranks, SomeSites, any, from_first};
+use crate::relax::record::Record;
+use crate::relax::relaxation::{Checkpoint, continue_run};
+use crate::relax::space::Space;
+use crate::relax::state::RunState;
+use crate::scene::description::Scene;
+use crate::scene::run::{check_memory_over_ranks, energy_spec, plan};
+
+/// Moves between two checkpoints, where nobody says how many.
+const MOVES_PER_CHECKPOINT: u64 = 10;
+
+/// The exit code of SIGTERM, where another rank received the signal.
+const TERMINATED: u8 = 143;
+
+/// What has been asked of this rank from outside.
+pub(crate) struct Signals {
+    pub(crate) interrupt: Interrupt,
+    /// Whether a checkpoint is wanted.
+    pub(crate) keep: Arc<AtomicBool>,
+}
+
+/// A run whose input has been read.
+pub(crate) struct RankedJob<'a> {
+    pub(crate) options: &'a RanksOptions,
+    pub(crate) ranks: &'a dyn Ranks,
+    /// How many of them share this machine's memory.
+    pub(crate) neighbors: usize,
+    pub(crate) space: Space,
+    pub(crate) scene: Scene,
+    /// Where the run goes on; nothing at its start.
+    pub(crate) last: Option<Record>,
+    pub(crate) signals: Signals,
+}
+
+impl RankedJob<'_> {
+    /// Runs to the end and leaves all files; the first rank has the files and the sites, of which others have their part.
+    pub(crate) fn run(
+        &self,
+        mut first: Option<FirstRank>,
+        checkpoint: Option<Checkpoint>,
+    ) -> Result<(), Failure> {
+        let own = checkpoint
+            .as_ref()
+            .map_or(0, |checkpoint| checkpoint.sites.len());
+        let mut count = [own as i64];
+        self.ranks.add(&mut count);
+        let count = count[0] as usize;
+        let plan = plan(&self.scene, count);
+        let shared = [self.ranks.size(), self.neighbors];
+        let fits = check_memory_over_ranks(&self.scene, count, is_plain(&plan), shared);
+        together(self.ranks, fits.map_err(Failure::input))?;
+        let ended = match is_plain(&plan) {
+            true => self.lloyd(&plan, first.as_mut(), checkpoint),
+            false => self.driven(&plan, first.as_mut(), checkpoint),
+        }?;
+        match ended {
+            RunEnd::Interrupted => {
+                let code = self.signals.interrupt.exit_code();
+                Err(Failure::Interrupted(code.unwrap_or(TERMINATED)))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn lloyd(
+        &self,
+        plan: &Plan,
+        mut first: IfFirst<'_>,
+        checkpoint: Option<Checkpoint>,
+    ) -> Result<RunEnd, Failure> {
+        let sites = checkpoint.map_or(Vec::new(), |checkpoint| checkpoint.sites);
+        let some = SomeSites::following(0, sites);
+        let mut sites = RankedSites::new(self.ranks, &self.space, some);
+        self.measure_first(first.as_deref_mut(), &mut sites)?;
+        let mut run = RankedRun::new(sites, plan, self.last.as_ref());
+        let mut failure = None;
+        let ended = run.run(self.last.as_ref(), &mut |record, sites| {
+            let keep = |first: IfFirst<'_>| keep_lloyd(first, record, sites);
+            self.after(record, (first.as_deref_mut(), &mut failure), keep)
+        });
+        let ended = ended.map_err(Failure::run)?;
+        together(
+            self.ranks,
+            failure.map_or(Ok(()), Err).map_err(Failure::run),
+        )?;
+        let record = first.as_deref().and_then(|first| first.last.clone());
+        let record = self.broadcast_record(record)?;
+        let kept = keep_lloyd(first.as_deref_mut(), &record, &run.sites);
+        together(self.ranks, kept.map_err(Failure::run))?;
+        self.leave(first, &mut run.sites, ended)?;
+        Ok(ended)
+    }
+
+    fn driven(
+        &self,
+        plan: &Plan,
+        mut first: IfFirst<'_>,
+        checkpoint: Option<Checkpoint>,
+    ) -> Result<RunEnd, Failure> {
+        let mut checkpoint = self.shared(checkpoint)?;
+        let space = RankedSpace::new(self.ranks, &self.space);
+        let mut sites = RankedSites::of_all(self.ranks, &self.space, &checkpoint.sites);
+        self.measure_first(first.as_deref_mut(), &mut sites)?;
+        let mut failure = None;
+        let mut observe = |record: &Record, sites: &[Point3<f64>], state: &RunState<3>| {
+            let keep = |first: IfFirst<'_>| match first {
+                Some(first) => first.directory.keep(record, sites, &state.to_numbers()),
+                None => Ok(()),
+            };
+            self.after(record, (first.as_deref_mut(), &mut failure), keep)
+        };
+        let ended = continue_run(&space, plan, &mut checkpoint, &mut observe);
+        let ended = ended.map_err(Failure::run)?;
+        together(
+            self.ranks,
+            failure.map_or(Ok(()), Err).map_err(Failure::run),
+        )?;
+        let kept = match (first.as_deref_mut(), &checkpoint.record) {
+            (Some(first), Some(record)) => {
+                let numbers = checkpoint.state_numbers();
+                first.directory.keep(record, &checkpoint.sites, &numbers)
+            }
+            _ => Ok(()),
+        };
+        together(self.ranks, kept.map_err(Failure::run))?;
+        let all = checkpoint.finest_sites(&space).map_err(Failure::run)?;
+        let mut sites = RankedSites::of_all(self.ranks, &self.space, &all);
+        self.leave(first, &mut sites, ended)?;
+        Ok(ended)
+    }
+
+    /// What the first rank has, on all.
+    fn shared(&self, checkpoint: Option<Checkpoint>) -> Result<Checkpoint, Failure> {
+        let words = checkpoint.map_or(Vec::new(), |checkpoint| {
+            let coordinates = checkpoint.sites.iter().flat_map(|site| site.iter());
+            let numbers = checkpoint.state_numbers();
+            let mut words = vec![checkpoint.sites.len() as u64];
+            words.extend(coordinates.chain(&numbers).map(|number| number.to_bits()));
+            words
+        });
+        let words = from_first(self.ranks, words);
+        let (count, words) = words
+            .split_first()
+            .ok_or_else(|| Failure::run("no sites came"))?;
+        let numbers: Vec<f64> = words.iter().map(|&word| f64::from_bits(word)).collect();
+        let (sites, state) = numbers.split_at(3 * *count as usize);
+        let sites = sites
+            .as_chunks::<3>()
+            .0
+            .iter()
+            .map(|&site| site.into())
+            .collect();
+        match &self.last {
+            None => Ok(Checkpoint::at_start(sites)),
+            Some(record) => {
+                Checkpoint::from_parts(sites, record.clone(), state).map_err(Failure::run)
+            }
+        }
+    }
+
+    /// The figures of the first sites, where `run.json` has none.
+    fn measure_first(
+        &self,
+        first: IfFirst<'_>,
+        sites: &mut RankedSites<'_>,
+    ) -> Result<(), Failure> {
+        let is_measured = first
+            .as_deref()
+            .is_some_and(|first| first.description.initial.is_some());
+        if any(self.ranks, is_measured) {
+            return Ok(());
+        }
+        let cells = sites
+            .own_metrics(energy_spec(&self.scene))
+            .map_err(Failure::run)?;
+        let figures = sites.metrics(&cells);
+        let iteration = self.last.as_ref().map_or(0, |record| record.iteration);
+        let figures = figures.checked(iteration).map_err(Failure::run)?;
+        let described = first.map_or(Ok(()), |first| {
+            first.description.initial = Some(figures);
+            first.directory.describe(&first.description)
+        });
+        together(self.ranks, described.map_err(Failure::run))
+    }
+
+    /// What follows a record, decided by all ranks together.
+    fn after(
+        &self,
+        record: &Record,
+        (mut first, failure): (IfFirst<'_>, &mut Option<RunError>),
+        keep: impl FnOnce(IfFirst<'_>) -> Result<(), RunError>,
+    ) -> ControlFlow<()> {
+        let is_stopped = any(self.ranks, self.signals.interrupt.exit_code().is_some());
+        let is_asked = any(self.ranks, self.signals.keep.swap(false, Ordering::SeqCst));
+        let is_due = record.iteration.is_multiple_of(self.interval());
+        let appended = first.as_deref_mut().map_or(Ok(()), |first| {
+            self.show(record);
+            first.append(record)
+        });
+        let kept = match is_due || is_asked || is_stopped {
+            true => keep(first),
+            false => Ok(()),
+        };
+        *failure = appended.and(kept).err();
+        match is_stopped | any(self.ranks, failure.is_some()) {
+            true => ControlFlow::Break(()),
+            false => ControlFlow::Continue(()),
+        }
+    }
+
+    /// Moves between two checkpoints.
+    fn interval(&self) -> u64 {
+        let of_scene = self.scene.output.checkpoint;
+        let given = self.options.checkpoint.or(of_scene);
+        given.unwrap_or(MOVES_PER_CHECKPOINT)
+    }
+
+    fn show(&self, record: &Record) {
+        if !self.options.quiet {
+            let Record {
+                iteration,
+                energy_percent,
+                movement_percent,
+                seconds,
+                ..
+            } = record;
+            let line = format!(
+                "{iteration}: energy {energy_percent:.4} %, movement {movement_percent:.4} %, {seconds:.1} s"
+            );
+            // Where stderr is closed nothing is told.
+            let _ = writeln!(std::io::stderr(), "{line}");
+        }
+    }
+
+    /// The last record in the log, on all ranks.
+    fn broadcast_record(&self, record: Option<Record>) -> Result<Record, Failure> {
+        let bytes = record.map_or(Ok(Vec::new()), |record| serde_json::to_vec(&record));
+        let bytes = together(self.ranks, bytes.map_err(Failure::run))?;
+        let all = crate::relax::ranks::share_bytes(self.ranks, &bytes);
+        serde_json::from_slice(&all[0]).map_err(Failure::run)
+    }
+
+    /// Sites, cells and the description of what the run has left.
+    fn leave(
+        &self,
+        mut first: IfFirst<'_>,
+        sites: &mut RankedSites<'_>,
+        ended: RunEnd,
+    ) -> Result<(), Failure> {
+        let cells = sites
+            .own_metrics(energy_spec(&self.scene))
+            .map_err(Failure::run)?;
+        let figures = sites.metrics(&cells);
+        let written = leave_sites(first.as_deref_mut(), sites);
+        together(self.ranks, written)?;
+        let output = &self.scene.output;
+        if output.cells && output.cells_file {
+            let written = write_piece(&self.options.out, sites, &cells);
+            together(self.ranks, written)?;
+            let pieces = ranks_with_sites(self.ranks, cells.len());
+            let listed = first
+                .as_deref()
+                .map_or(Ok(()), |first| write_list(&first.directory, &pieces));
+            together(self.ranks, listed)?;
+        }
+        let described = first.map_or(Ok(()), |first| {
+            let last = first.last.as_ref();
+            let figures = figures
+                .checked(last.map_or(0, |last| last.iteration))
+                .map_err(Failure::run)?;
+            first.description.last = Some(figures);
+            first.description.ended = Some(named(ended).to_owned());
+            first.description.seconds = last.map_or(0.0, |last| last.seconds);
+            first
+                .directory
+                .describe(&first.description)
+                .map_err(Failure::run)
+        });
+        together(self.ranks, described)
+    }
+}
+
+fn named(ended: RunEnd) -> &'static str {
+    match ended {
+        RunEnd::Iterations => "iterations",
+        RunEnd::Tolerance => "tolerance",
+        RunEnd::Interrupted => "interrupted",
+    }
+}
