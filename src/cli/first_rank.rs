@@ -1,4 +1,4 @@
-//! What the first rank alone holds of a run over ranks: its directory, its description, its files.
+//! The files of a run over ranks, which the first rank writes: log, checkpoints, sites, description.
 
 use nalgebra::Point3;
 

@@ -1,5 +1,6 @@
 //! The command line: one file per subcommand, and what several of them share.
 
+pub(crate) mod agreement;
 pub(crate) mod bench;
 pub(crate) mod bench_sites;
 pub(crate) mod cell_files;

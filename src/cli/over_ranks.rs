@@ -13,6 +13,7 @@ use std::sync::atomic::AtomicBool;
 use clap::{Args, Parser, Subcommand};
 use serde_json::json;
 
+use crate::cli::agreement::together;
 use crate::cli::failure::Failure;
 use crate::cli::first_rank::FirstRank;
 use crate::cli::interrupt::Interrupt;
@@ -23,7 +24,7 @@ use crate::cli::relax::{METHODS, check_outputs};
 use crate::cli::run::{RunDescription, check_scene, describe, last_checkpoint};
 use crate::export::run::directory::{PIECES, RunDirectory};
 use crate::relax::frames::Frames;
-use crate::relax::ranks::{Ranks, agreed, share_bytes};
+use crate::relax::ranks::{Ranks, share_bytes};
 use crate::relax::record::Record;
 use crate::relax::relaxation::Checkpoint;
 use crate::relax::relaxation_space::Norm;
@@ -52,13 +53,13 @@ enum RanksCommand {
 /// ranks and threads. Lloyd's iteration holds on each rank the rank's own sites and those near to them, every other
 /// method all sites. SIGTERM, SIGUSR1 or Ctrl-C to any rank finishes the move under way and leaves a checkpoint.
 #[derive(Debug, Args)]
-pub(crate) struct RanksOptions {
+struct RanksOptions {
     /// The scene; with --resume that of the run
     #[arg(value_name = "SCENE.json", required_unless_present = "resume")]
     scene: Option<PathBuf>,
     /// The directory of the run, which all ranks must see
     #[arg(long, value_name = "DIR", default_value = "relaxed")]
-    pub(crate) out: PathBuf,
+    out: PathBuf,
     /// Replace the run that DIR holds
     #[arg(long)]
     force: bool,
@@ -79,13 +80,13 @@ pub(crate) struct RanksOptions {
     no_cells_file: bool,
     /// A checkpoint every K moves [default: the scene's output.checkpoint, else 10]
     #[arg(long, value_name = "K", value_parser = clap::value_parser!(u64).range(1..))]
-    pub(crate) checkpoint: Option<u64>,
+    checkpoint: Option<u64>,
     /// Threads of each rank [default: the cores allowed to it, shared by the ranks of its machine]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     threads: Option<u32>,
     /// Tell no progress
     #[arg(long)]
-    pub(crate) quiet: bool,
+    quiet: bool,
 }
 
 /// Runs the command of these arguments, the program's name first, on one rank of several, `neighbors` of which
@@ -118,23 +119,13 @@ fn relax(options: &RanksOptions, ranks: &dyn Ranks, neighbors: usize) -> Result<
     set_threads(options.threads, neighbors)?;
     let first = (ranks.rank() == 0).then(|| read_run(options, ranks.size()));
     let (first, checkpoint) = together(ranks, first.transpose())?.unzip();
-    let last = checkpoint
-        .as_ref()
-        .and_then(|checkpoint: &Checkpoint| checkpoint.record.clone());
-    let told = first.as_ref().map_or(Ok(Vec::new()), |first: &FirstRank| {
-        serde_json::to_vec(&(&first.description.scene, &last))
-    });
-    let told = together(ranks, told.map_err(Failure::run))?;
-    let told = share_bytes(ranks, &told)
-        .into_iter()
-        .next()
-        .unwrap_or_default();
-    let (scene, last): (Scene, Option<Record>) =
-        serde_json::from_slice(&told).map_err(Failure::run)?;
+    let (scene, last) = told(ranks, first.as_ref(), checkpoint.as_ref())?;
     let space = together(ranks, space_of(&scene))?;
     signals.interrupt.finish_first();
     let job = RankedJob {
-        options,
+        out: &options.out,
+        interval: options.checkpoint.or(scene.output.checkpoint),
+        is_quiet: options.quiet,
         ranks,
         neighbors,
         space,
@@ -145,24 +136,27 @@ fn relax(options: &RanksOptions, ranks: &dyn Ranks, neighbors: usize) -> Result<
     job.run(first, checkpoint)
 }
 
+/// What the first rank has read, on all: the scene, and the record after which the run goes on.
+fn told(
+    ranks: &dyn Ranks,
+    first: Option<&FirstRank>,
+    checkpoint: Option<&Checkpoint>,
+) -> Result<(Scene, Option<Record>), Failure> {
+    let last = checkpoint.and_then(|checkpoint| checkpoint.record.clone());
+    let told = first.map_or(Ok(Vec::new()), |first| {
+        serde_json::to_vec(&(&first.description.scene, &last))
+    });
+    let told = together(ranks, told.map_err(Failure::run))?;
+    let told = share_bytes(ranks, &told).into_iter().next();
+    serde_json::from_slice(&told.unwrap_or_default()).map_err(Failure::run)
+}
+
 /// In a pool of its own: the thread that calls exchanges messages, those of the pool compute.
 fn set_threads(given: Option<u32>, neighbors: usize) -> Result<(), Failure> {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let threads = given.map_or(cores / neighbors.max(1), |count| count as usize);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.max(1));
     pool.build_global().map_err(Failure::run)
-}
-
-/// What every rank has, or on all the failure of the first that has none.
-pub(crate) fn together<T>(ranks: &dyn Ranks, own: Result<T, Failure>) -> Result<T, Failure> {
-    let code = own.as_ref().map_or_else(Failure::code, |_| 0);
-    let mut code = [f64::from(code)];
-    ranks.largest(&mut code);
-    let agreed = agreed(ranks, own.map_err(|failure| failure.to_string()));
-    agreed.map_err(|message| match code[0] >= BAD_INPUT {
-        true => Failure::input(message),
-        false => Failure::run(message),
-    })
 }
 
 /// The space of a scene that runs over ranks.
@@ -260,9 +254,6 @@ fn resume(options: &RanksOptions) -> Result<(FirstRank, Checkpoint), Failure> {
     };
     Ok((first, checkpoint))
 }
-
-/// The exit code of bad input.
-const BAD_INPUT: f64 = 2.0;
 
 impl RanksOptions {
     fn overrides(&self) -> Overrides {

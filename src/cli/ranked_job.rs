@@ -5,23 +5,25 @@
 
 use std::io::Write;
 use std::ops::ControlFlow;
+use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use nalgebra::Point3;
 
+use crate::cli::agreement::together;
 use crate::cli::failure::Failure;
 use crate::cli::first_rank::{FirstRank, IfFirst, keep_lloyd, leave_sites};
 use crate::cli::interrupt::Interrupt;
-use crate::cli::over_ranks::{RanksOptions, together};
 use crate::cli::ranked_cells::{ranks_with_sites, write_list, write_piece};
 use crate::export::run::error::RunError;
 use crate::relax::driver::RunEnd;
+use crate::relax::metrics::CellMetrics;
 use crate::relax::plan::Plan;
 use crate::relax::ranked_lloyd::{RankedRun, is_plain};
 use crate::relax::ranked_sites::RankedSites;
 use crate::relax::ranked_space::RankedSpace;
-use crate::relax::ranks::{Ranks, SomeSites, any, from_first};
+use crate::relax::ranks::{Ranks, SomeSites, any, from_first, share_bytes};
 use crate::relax::record::Record;
 use crate::relax::relaxation::{Checkpoint, continue_run};
 use crate::relax::space::Space;
@@ -44,7 +46,12 @@ pub(crate) struct Signals {
 
 /// A run whose input has been read.
 pub(crate) struct RankedJob<'a> {
-    pub(crate) options: &'a RanksOptions,
+    /// The directory of the run.
+    pub(crate) out: &'a Path,
+    /// Moves between two checkpoints, where somebody says how many.
+    pub(crate) interval: Option<u64>,
+    /// Whether no progress is told.
+    pub(crate) is_quiet: bool,
     pub(crate) ranks: &'a dyn Ranks,
     /// How many of them share this machine's memory.
     pub(crate) neighbors: usize,
@@ -62,10 +69,8 @@ impl RankedJob<'_> {
         mut first: Option<FirstRank>,
         checkpoint: Option<Checkpoint>,
     ) -> Result<(), Failure> {
-        let own = checkpoint
-            .as_ref()
-            .map_or(0, |checkpoint| checkpoint.sites.len());
-        let mut count = [own as i64];
+        let sites = checkpoint.iter().map(|checkpoint| checkpoint.sites.len());
+        let mut count = [sites.sum::<usize>() as i64];
         self.ranks.add(&mut count);
         let count = count[0] as usize;
         let plan = plan(&self.scene, count);
@@ -102,10 +107,7 @@ impl RankedJob<'_> {
             self.after(record, (first.as_deref_mut(), &mut failure), keep)
         });
         let ended = ended.map_err(Failure::run)?;
-        together(
-            self.ranks,
-            failure.map_or(Ok(()), Err).map_err(Failure::run),
-        )?;
+        self.told(failure)?;
         let record = first.as_deref().and_then(|first| first.last.clone());
         let record = self.broadcast_record(record)?;
         let kept = keep_lloyd(first.as_deref_mut(), &record, &run.sites);
@@ -134,22 +136,30 @@ impl RankedJob<'_> {
         };
         let ended = continue_run(&space, plan, &mut checkpoint, &mut observe);
         let ended = ended.map_err(Failure::run)?;
-        together(
-            self.ranks,
-            failure.map_or(Ok(()), Err).map_err(Failure::run),
-        )?;
-        let kept = match (first.as_deref_mut(), &checkpoint.record) {
-            (Some(first), Some(record)) => {
-                let numbers = checkpoint.state_numbers();
-                first.directory.keep(record, &checkpoint.sites, &numbers)
-            }
-            _ => Ok(()),
-        };
-        together(self.ranks, kept.map_err(Failure::run))?;
+        self.told(failure)?;
+        self.keep_last(first.as_deref_mut(), &checkpoint)?;
         let all = checkpoint.finest_sites(&space).map_err(Failure::run)?;
         let mut sites = RankedSites::of_all(self.ranks, &self.space, &all);
         self.leave(first, &mut sites, ended)?;
         Ok(ended)
+    }
+
+    /// The checkpoint with which a run ends.
+    fn keep_last(&self, first: IfFirst<'_>, checkpoint: &Checkpoint) -> Result<(), Failure> {
+        let kept = first
+            .zip(checkpoint.record.as_ref())
+            .map(|(first, record)| {
+                let numbers = checkpoint.state_numbers();
+                let directory = &mut first.directory;
+                directory.keep(record, &checkpoint.sites, &numbers)
+            });
+        together(self.ranks, kept.unwrap_or(Ok(())).map_err(Failure::run))
+    }
+
+    /// The failure of a file, if there was one.
+    fn told(&self, failure: Option<RunError>) -> Result<(), Failure> {
+        let told = failure.map_or(Ok(()), Err);
+        together(self.ranks, told.map_err(Failure::run))
     }
 
     /// What the first rank has, on all.
@@ -215,7 +225,9 @@ impl RankedJob<'_> {
     ) -> ControlFlow<()> {
         let is_stopped = any(self.ranks, self.signals.interrupt.exit_code().is_some());
         let is_asked = any(self.ranks, self.signals.keep.swap(false, Ordering::SeqCst));
-        let is_due = record.iteration.is_multiple_of(self.interval());
+        let is_due = record
+            .iteration
+            .is_multiple_of(self.interval.unwrap_or(MOVES_PER_CHECKPOINT));
         let appended = first.as_deref_mut().map_or(Ok(()), |first| {
             self.show(record);
             first.append(record)
@@ -231,24 +243,11 @@ impl RankedJob<'_> {
         }
     }
 
-    /// Moves between two checkpoints.
-    fn interval(&self) -> u64 {
-        let of_scene = self.scene.output.checkpoint;
-        let given = self.options.checkpoint.or(of_scene);
-        given.unwrap_or(MOVES_PER_CHECKPOINT)
-    }
-
     fn show(&self, record: &Record) {
-        if !self.options.quiet {
-            let Record {
-                iteration,
-                energy_percent,
-                movement_percent,
-                seconds,
-                ..
-            } = record;
+        if !self.is_quiet {
             let line = format!(
-                "{iteration}: energy {energy_percent:.4} %, movement {movement_percent:.4} %, {seconds:.1} s"
+                "{}: energy {:.4} %, movement {:.4} %, {:.1} s",
+                record.iteration, record.energy_percent, record.movement_percent, record.seconds
             );
             // Where stderr is closed nothing is told.
             let _ = writeln!(std::io::stderr(), "{line}");
@@ -259,8 +258,25 @@ impl RankedJob<'_> {
     fn broadcast_record(&self, record: Option<Record>) -> Result<Record, Failure> {
         let bytes = record.map_or(Ok(Vec::new()), |record| serde_json::to_vec(&record));
         let bytes = together(self.ranks, bytes.map_err(Failure::run))?;
-        let all = crate::relax::ranks::share_bytes(self.ranks, &bytes);
+        let all = share_bytes(self.ranks, &bytes);
         serde_json::from_slice(&all[0]).map_err(Failure::run)
+    }
+
+    /// The cells of each rank and their list, where they are wanted.
+    fn leave_cells(
+        &self,
+        first: Option<&FirstRank>,
+        sites: &RankedSites<'_>,
+        cells: &[CellMetrics<3>],
+    ) -> Result<(), Failure> {
+        let output = &self.scene.output;
+        if !(output.cells && output.cells_file) {
+            return Ok(());
+        }
+        together(self.ranks, write_piece(self.out, sites, cells))?;
+        let pieces = ranks_with_sites(self.ranks, cells.len());
+        let listed = first.map_or(Ok(()), |first| write_list(&first.directory, &pieces));
+        together(self.ranks, listed)
     }
 
     /// Sites, cells and the description of what the run has left.
@@ -276,23 +292,14 @@ impl RankedJob<'_> {
         let figures = sites.metrics(&cells);
         let written = leave_sites(first.as_deref_mut(), sites);
         together(self.ranks, written)?;
-        let output = &self.scene.output;
-        if output.cells && output.cells_file {
-            let written = write_piece(&self.options.out, sites, &cells);
-            together(self.ranks, written)?;
-            let pieces = ranks_with_sites(self.ranks, cells.len());
-            let listed = first
-                .as_deref()
-                .map_or(Ok(()), |first| write_list(&first.directory, &pieces));
-            together(self.ranks, listed)?;
-        }
+        self.leave_cells(first.as_deref(), sites, &cells)?;
         let described = first.map_or(Ok(()), |first| {
             let last = first.last.as_ref();
             let figures = figures
                 .checked(last.map_or(0, |last| last.iteration))
                 .map_err(Failure::run)?;
             first.description.last = Some(figures);
-            first.description.ended = Some(named(ended).to_owned());
+            first.description.ended = Some(named_end(ended).to_owned());
             first.description.seconds = last.map_or(0.0, |last| last.seconds);
             first
                 .directory
@@ -303,7 +310,7 @@ impl RankedJob<'_> {
     }
 }
 
-fn named(ended: RunEnd) -> &'static str {
+fn named_end(ended: RunEnd) -> &'static str {
     match ended {
         RunEnd::Iterations => "iterations",
         RunEnd::Tolerance => "tolerance",

@@ -284,21 +284,24 @@ impl RelaxationSpace<3> for RankedSpace<'_> {
         let (domain, frames) = (self.space.domain(), self.space.frames());
         let words = self.map(sites, |memory: &mut CellMemory, cell| {
             memory.load_in_frame(domain, cell, frames.of(cell.site));
-            let crowding = memory.crowding(domain, cell);
-            let [x, y, z] = crowding.vertex.coords.data.0[0];
-            [crowding.energy, x, y, z, crowding.distance].map(f64::to_bits)
+            words_of_crowding(&memory.crowding(domain, cell))
         });
         let words = words.map_err(RelaxationError::Space)?;
-        let crowding = words.into_iter().map(|words| {
-            let [energy, x, y, z, distance] = words.map(f64::from_bits);
-            let vertex = Point3::new(x, y, z);
-            CellCrowding {
-                energy,
-                vertex,
-                distance,
-            }
-        });
-        Ok(crowding.collect())
+        Ok(words.into_iter().map(crowding_of_words).collect())
+    }
+}
+
+fn words_of_crowding(crowding: &CellCrowding<3>) -> [u64; 5] {
+    let [x, y, z] = crowding.vertex.coords.data.0[0];
+    [crowding.energy, x, y, z, crowding.distance].map(f64::to_bits)
+}
+
+fn crowding_of_words(words: [u64; 5]) -> CellCrowding<3> {
+    let [energy, x, y, z, distance] = words.map(f64::from_bits);
+    CellCrowding {
+        energy,
+        vertex: Point3::new(x, y, z),
+        distance,
     }
 }
 
