@@ -54,6 +54,7 @@ pub(crate) mod print_weights;
 pub(crate) mod print_wish;
 pub(crate) mod ranked_cells;
 pub(crate) mod ranked_job;
+pub(crate) mod ranked_place;
 pub(crate) mod relax;
 pub(crate) mod report;
 pub(crate) mod report_cells;

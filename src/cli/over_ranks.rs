@@ -16,10 +16,12 @@ use serde_json::json;
 use crate::cli::agreement::together;
 use crate::cli::failure::Failure;
 use crate::cli::first_rank::FirstRank;
+use crate::cli::identity::of_scene;
 use crate::cli::interrupt::Interrupt;
 use crate::cli::options::{change, finite, given, given_values, named, print_notes};
 use crate::cli::output::OutputRule;
 use crate::cli::ranked_job::{RankedJob, Signals};
+use crate::cli::ranked_place::{Counted, PlacedPart, place};
 use crate::cli::relax::{METHODS, check_outputs};
 use crate::cli::run::{RunDescription, check_scene, describe, last_checkpoint};
 use crate::export::run::directory::{PIECES, RunDirectory};
@@ -32,7 +34,7 @@ use crate::relax::space::Space;
 use crate::scene::description::Scene;
 use crate::scene::overrides::Overrides;
 use crate::scene::read;
-use crate::scene::run::{self, RunSpace};
+use crate::scene::run;
 
 /// Relax sites over the ranks of an MPI job
 #[derive(Debug, Parser)]
@@ -117,10 +119,18 @@ fn relax(options: &RanksOptions, ranks: &dyn Ranks, neighbors: usize) -> Result<
         interrupt,
     };
     set_threads(options.threads, neighbors)?;
-    let first = (ranks.rank() == 0).then(|| read_run(options, ranks.size()));
-    let (first, checkpoint) = together(ranks, first.transpose())?.unzip();
-    let (scene, last) = told(ranks, first.as_ref(), checkpoint.as_ref())?;
+    let found = (ranks.rank() == 0).then(|| Found::read(options, ranks.size()));
+    let mut found = together(ranks, found.transpose())?;
+    let (scene, last) = told(ranks, found.as_ref())?;
     let space = together(ranks, space_of(&scene))?;
+    let placed = match &mut found {
+        Some(found) if options.resume => PlacedPart::resumed(found),
+        _ if options.resume => PlacedPart::default(),
+        _ => place(ranks, &space, &scene)?,
+    };
+    let (sites, counted) = placed.distributed(ranks, &space)?;
+    let begun = found.map(|found| found.begin(options, &space, counted));
+    let (first, state) = together(ranks, begun.transpose())?.unzip();
     signals.interrupt.finish_first();
     let job = RankedJob {
         out: &options.out,
@@ -128,23 +138,20 @@ fn relax(options: &RanksOptions, ranks: &dyn Ranks, neighbors: usize) -> Result<
         is_quiet: options.quiet,
         ranks,
         neighbors,
-        space,
+        space: &space,
         scene,
         last,
         signals,
     };
-    job.run(first, checkpoint)
+    job.run(first, sites, state.unwrap_or_default())
 }
 
 /// What the first rank has read, on all: the scene, and the record after which the run goes on.
-fn told(
-    ranks: &dyn Ranks,
-    first: Option<&FirstRank>,
-    checkpoint: Option<&Checkpoint>,
-) -> Result<(Scene, Option<Record>), Failure> {
-    let last = checkpoint.and_then(|checkpoint| checkpoint.record.clone());
-    let told = first.map_or(Ok(Vec::new()), |first| {
-        serde_json::to_vec(&(&first.description.scene, &last))
+fn told(ranks: &dyn Ranks, found: Option<&Found>) -> Result<(Scene, Option<Record>), Failure> {
+    let told = found.map_or(Ok(Vec::new()), |found| {
+        let checkpoint = found.resumed.as_ref().map(|(_, checkpoint)| checkpoint);
+        let last = checkpoint.and_then(|checkpoint| checkpoint.record.as_ref());
+        serde_json::to_vec(&(&found.scene, last))
     });
     let told = together(ranks, told.map_err(Failure::run))?;
     let told = share_bytes(ranks, &told).into_iter().next();
@@ -188,40 +195,77 @@ fn keep_flag() -> Result<Arc<AtomicBool>, Failure> {
     Ok(Arc::default())
 }
 
-/// The run that begins or goes on, its files and its sites; asked of the first rank of `size`.
-fn read_run(options: &RanksOptions, size: usize) -> Result<(FirstRank, Checkpoint), Failure> {
-    match &options.scene {
-        Some(scene) => start(options, scene, size),
-        None => resume(options),
-    }
+/// What the first rank has found: a scene, or a run that goes on.
+struct Found {
+    scene: Scene,
+    resumed: Option<(FirstRank, Checkpoint)>,
 }
 
-fn start(
-    options: &RanksOptions,
-    path: &Path,
-    size: usize,
-) -> Result<(FirstRank, Checkpoint), Failure> {
-    if !options.force {
-        RunDirectory::check_vacant(&options.out).map_err(Failure::input)?;
+impl Found {
+    fn read(options: &RanksOptions, size: usize) -> Result<Self, Failure> {
+        match &options.scene {
+            Some(scene) => Self::scene(options, scene, size),
+            None => Self::run(options),
+        }
     }
-    let (mut scene, notes) = read::noted(path).map_err(Failure::input)?;
-    print_notes(&notes);
-    change(&mut scene, &options.overrides())?;
-    let mut inputs = scene.files();
-    inputs.push(path.to_owned());
-    check_outputs(&options.out, &inputs, options.force)?;
-    check_pieces(options, &inputs, size)?;
-    let space = space_of(&scene)?;
-    let placed = space.placed(&scene).map_err(Failure::input)?;
-    print_notes(&placed.notes);
-    let description = describe(&space, scene, &placed)?;
-    let directory = RunDirectory::create(&options.out, &description.identity, &description);
-    let first = FirstRank {
-        directory: directory.map_err(Failure::input)?,
-        description,
-        last: None,
-    };
-    Ok((first, Checkpoint::at_start(placed.sites)))
+
+    fn scene(options: &RanksOptions, path: &Path, size: usize) -> Result<Self, Failure> {
+        if !options.force {
+            RunDirectory::check_vacant(&options.out).map_err(Failure::input)?;
+        }
+        let (mut scene, notes) = read::noted(path).map_err(Failure::input)?;
+        print_notes(&notes);
+        change(&mut scene, &options.overrides())?;
+        let mut inputs = scene.files();
+        inputs.push(path.to_owned());
+        check_outputs(&options.out, &inputs, options.force)?;
+        check_pieces(options, &inputs, size)?;
+        let resumed = None;
+        Ok(Self { scene, resumed })
+    }
+
+    fn run(options: &RanksOptions) -> Result<Self, Failure> {
+        let found = RunDirectory::reopen::<RunDescription>(&options.out);
+        let found = found.map_err(Failure::input)?;
+        let (mut directory, mut description) = (found.directory, found.description);
+        change(&mut description.scene, &options.overrides())?;
+        check_scene(&description, directory.path())?;
+        let space = space_of(&description.scene)?;
+        let checkpoint = last_checkpoint(&space, &mut directory, &description)?;
+        (description.ended, description.last) = (None, None);
+        directory.describe(&description).map_err(Failure::input)?;
+        let scene = description.scene.clone();
+        let last = checkpoint.record.clone();
+        let first = FirstRank {
+            directory,
+            description,
+            last,
+        };
+        let resumed = Some((first, checkpoint));
+        Ok(Self { scene, resumed })
+    }
+
+    /// The files of the run, and what its method remembers.
+    fn begin(
+        self,
+        options: &RanksOptions,
+        space: &Space,
+        counted: Counted,
+    ) -> Result<(FirstRank, Vec<f64>), Failure> {
+        if let Some((first, checkpoint)) = self.resumed {
+            return Ok((first, checkpoint.state_numbers()));
+        }
+        let identity = format!("{}-{}", of_scene(&self.scene)?, counted.sum);
+        let counts = [counted.sites, counted.dropped];
+        let description = describe(space, self.scene, counts, identity)?;
+        let directory = RunDirectory::create(&options.out, &description.identity, &description);
+        let first = FirstRank {
+            directory: directory.map_err(Failure::input)?,
+            description,
+            last: None,
+        };
+        Ok((first, Vec::new()))
+    }
 }
 
 /// Refuses pieces that would replace files that they may not.
@@ -238,21 +282,13 @@ fn check_pieces(options: &RanksOptions, inputs: &[PathBuf], size: usize) -> Resu
     rule.check(&files)
 }
 
-fn resume(options: &RanksOptions) -> Result<(FirstRank, Checkpoint), Failure> {
-    let found = RunDirectory::reopen::<RunDescription>(&options.out).map_err(Failure::input)?;
-    let (mut directory, mut description) = (found.directory, found.description);
-    change(&mut description.scene, &options.overrides())?;
-    check_scene(&description, directory.path())?;
-    let space = space_of(&description.scene)?;
-    let checkpoint = last_checkpoint(&space, &mut directory, &description)?;
-    (description.ended, description.last) = (None, None);
-    directory.describe(&description).map_err(Failure::input)?;
-    let first = FirstRank {
-        directory,
-        description,
-        last: checkpoint.record.clone(),
-    };
-    Ok((first, checkpoint))
+impl PlacedPart {
+    /// The sites of a run that goes on, which the first rank has.
+    fn resumed(found: &mut Found) -> Self {
+        let checkpoint = found.resumed.as_mut().map(|(_, checkpoint)| checkpoint);
+        let sites = checkpoint.map(|checkpoint| std::mem::take(&mut checkpoint.sites));
+        Self::of_first(sites.unwrap_or_default())
+    }
 }
 
 impl RanksOptions {

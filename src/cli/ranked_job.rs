@@ -23,7 +23,7 @@ use crate::relax::plan::Plan;
 use crate::relax::ranked_lloyd::{RankedRun, is_plain};
 use crate::relax::ranked_sites::RankedSites;
 use crate::relax::ranked_space::RankedSpace;
-use crate::relax::ranks::{Ranks, SomeSites, any, from_first, share_bytes};
+use crate::relax::ranks::{Ranks, any, from_first, share_bytes};
 use crate::relax::record::Record;
 use crate::relax::relaxation::{Checkpoint, continue_run};
 use crate::relax::space::Space;
@@ -55,7 +55,7 @@ pub(crate) struct RankedJob<'a> {
     pub(crate) ranks: &'a dyn Ranks,
     /// How many of them share this machine's memory.
     pub(crate) neighbors: usize,
-    pub(crate) space: Space,
+    pub(crate) space: &'a Space,
     pub(crate) scene: Scene,
     /// Where the run goes on; nothing at its start.
     pub(crate) last: Option<Record>,
@@ -63,23 +63,21 @@ pub(crate) struct RankedJob<'a> {
 }
 
 impl RankedJob<'_> {
-    /// Runs to the end and leaves all files; the first rank has the files and the sites, of which others have their part.
+    /// Runs to the end and leaves all files. The first rank has the files, and what the method remembers.
     pub(crate) fn run(
         &self,
         mut first: Option<FirstRank>,
-        checkpoint: Option<Checkpoint>,
+        sites: RankedSites<'_>,
+        state: Vec<f64>,
     ) -> Result<(), Failure> {
-        let sites = checkpoint.iter().map(|checkpoint| checkpoint.sites.len());
-        let mut count = [sites.sum::<usize>() as i64];
-        self.ranks.add(&mut count);
-        let count = count[0] as usize;
+        let count = sites.count;
         let plan = plan(&self.scene, count);
         let shared = [self.ranks.size(), self.neighbors];
         let fits = check_memory_over_ranks(&self.scene, count, is_plain(&plan), shared);
         together(self.ranks, fits.map_err(Failure::input))?;
         let ended = match is_plain(&plan) {
-            true => self.lloyd(&plan, first.as_mut(), checkpoint),
-            false => self.driven(&plan, first.as_mut(), checkpoint),
+            true => self.lloyd(&plan, first.as_mut(), sites),
+            false => self.driven(&plan, first.as_mut(), (sites, state)),
         }?;
         match ended {
             RunEnd::Interrupted => {
@@ -94,11 +92,8 @@ impl RankedJob<'_> {
         &self,
         plan: &Plan,
         mut first: IfFirst<'_>,
-        checkpoint: Option<Checkpoint>,
+        mut sites: RankedSites<'_>,
     ) -> Result<RunEnd, Failure> {
-        let sites = checkpoint.map_or(Vec::new(), |checkpoint| checkpoint.sites);
-        let some = SomeSites::following(0, sites);
-        let mut sites = RankedSites::new(self.ranks, &self.space, some);
         self.measure_first(first.as_deref_mut(), &mut sites)?;
         let mut run = RankedRun::new(sites, plan, self.last.as_ref());
         let mut failure = None;
@@ -120,12 +115,12 @@ impl RankedJob<'_> {
         &self,
         plan: &Plan,
         mut first: IfFirst<'_>,
-        checkpoint: Option<Checkpoint>,
+        (mut sites, state): (RankedSites<'_>, Vec<f64>),
     ) -> Result<RunEnd, Failure> {
-        let mut checkpoint = self.shared(checkpoint)?;
-        let space = RankedSpace::new(self.ranks, &self.space);
-        let mut sites = RankedSites::of_all(self.ranks, &self.space, &checkpoint.sites);
+        let space = RankedSpace::new(self.ranks, self.space);
+        let mut checkpoint = self.shared(sites.everywhere(), &state)?;
         self.measure_first(first.as_deref_mut(), &mut sites)?;
+        drop(sites);
         let mut failure = None;
         let mut observe = |record: &Record, sites: &[Point3<f64>], state: &RunState<3>| {
             let keep = |first: IfFirst<'_>| match first {
@@ -139,7 +134,7 @@ impl RankedJob<'_> {
         self.told(failure)?;
         self.keep_last(first.as_deref_mut(), &checkpoint)?;
         let all = checkpoint.finest_sites(&space).map_err(Failure::run)?;
-        let mut sites = RankedSites::of_all(self.ranks, &self.space, &all);
+        let mut sites = RankedSites::of_all(self.ranks, self.space, &all);
         self.leave(first, &mut sites, ended)?;
         Ok(ended)
     }
@@ -162,32 +157,14 @@ impl RankedJob<'_> {
         together(self.ranks, told.map_err(Failure::run))
     }
 
-    /// What the first rank has, on all.
-    fn shared(&self, checkpoint: Option<Checkpoint>) -> Result<Checkpoint, Failure> {
-        let words = checkpoint.map_or(Vec::new(), |checkpoint| {
-            let coordinates = checkpoint.sites.iter().flat_map(|site| site.iter());
-            let numbers = checkpoint.state_numbers();
-            let mut words = vec![checkpoint.sites.len() as u64];
-            words.extend(coordinates.chain(&numbers).map(|number| number.to_bits()));
-            words
-        });
+    /// Where the run begins or goes on, on all ranks; the first one has what the method remembers.
+    fn shared(&self, sites: Vec<Point3<f64>>, state: &[f64]) -> Result<Checkpoint, Failure> {
+        let words = state.iter().map(|number| number.to_bits()).collect();
         let words = from_first(self.ranks, words);
-        let (count, words) = words
-            .split_first()
-            .ok_or_else(|| Failure::run("no sites came"))?;
-        let numbers: Vec<f64> = words.iter().map(|&word| f64::from_bits(word)).collect();
-        let (sites, state) = numbers.split_at(3 * *count as usize);
-        let sites = sites
-            .as_chunks::<3>()
-            .0
-            .iter()
-            .map(|&site| site.into())
-            .collect();
-        match &self.last {
+        let state: Vec<f64> = words.into_iter().map(f64::from_bits).collect();
+        match self.last.clone() {
             None => Ok(Checkpoint::at_start(sites)),
-            Some(record) => {
-                Checkpoint::from_parts(sites, record.clone(), state).map_err(Failure::run)
-            }
+            Some(last) => Checkpoint::from_parts(sites, last, &state).map_err(Failure::run),
         }
     }
 

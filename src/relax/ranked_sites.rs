@@ -9,6 +9,8 @@
 //! Local indices are in the order of the sites' numbers, and cells are cut in an order that depends on distances and
 //! indices alone (`voronoi::search`): what a cell becomes does not depend on who holds its neighbors.
 
+use std::cmp::Ordering;
+
 use nalgebra::Point3;
 use rayon::prelude::*;
 
@@ -110,6 +112,29 @@ impl<'a> RankedSites<'a> {
             .flat_map(|place| self.own.words(place))
             .collect();
         SomeSites::of_words(&self.ranks.exchange(parts)).positions
+    }
+
+    /// All sites in the order of their numbers, on every rank.
+    pub(crate) fn everywhere(&self) -> Vec<Point3<f64>> {
+        let own = (0..self.own.numbers.len()).flat_map(|place| self.own.words(place));
+        SomeSites::of_words(&self.ranks.share(own.collect())).positions
+    }
+
+    /// The first two own sites that lie in one place or in images of it, and where: no such pair has two owners.
+    pub(crate) fn twins(&self) -> Option<([u64; 2], Point3<f64>)> {
+        let (numbers, positions) = (&self.own.numbers, &self.own.positions);
+        let place = |own: usize| self.space.wrap(&positions[own]);
+        let compare = |a: usize, b: usize| {
+            let axes = (0..3).map(|axis| place(a)[axis].partial_cmp(&place(b)[axis]));
+            axes.flatten().fold(Ordering::Equal, Ordering::then)
+        };
+        let mut order: Vec<usize> = (0..numbers.len()).collect();
+        order.par_sort_by(|&a, &b| compare(a, b));
+        let twins = order
+            .windows(2)
+            .filter(|pair| compare(pair[0], pair[1]).is_eq());
+        let least = twins.min_by_key(|pair| pair[1])?;
+        Some(([numbers[least[0]], numbers[least[1]]], positions[least[1]]))
     }
 
     /// New bricks, of as many sites each, by up to [`SAMPLE`] of the sites of every rank.
