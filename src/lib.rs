@@ -55,7 +55,7 @@
 //!         domain::shape, density                        … clipped to a solid, weighted
 //!         energy::preparation → evaluation → surface    the energy and its derivatives
 //!         energy::center → minimize::newton             its minimizer: the site's target
-//!     relax::ranks     … distributed: bricks, halos, exact sums (`chebloyd-mpi`)
+//!     relax::ranked_sites … distributed: bricks, halos, exact sums (`chebloyd-mpi`)
 //!     relax::linf      … with L∞ cells: voronoi::linf → energy::faceted → energy::center
 //!     relax::record  energy and movement
 //! export::run        log, checkpoint, sites (the command)

@@ -1,5 +1,6 @@
 //! The command line: one file per subcommand, and what several of them share.
 
+pub(crate) mod agreement;
 pub(crate) mod bench;
 pub(crate) mod bench_sites;
 pub(crate) mod cell_files;
@@ -10,6 +11,7 @@ pub(crate) mod density_files;
 mod describe;
 pub(crate) mod embedding;
 pub(crate) mod failure;
+pub(crate) mod first_rank;
 mod fragment_part;
 pub(crate) mod fragments;
 mod fragments_linf;
@@ -50,6 +52,9 @@ pub(crate) mod print_report;
 pub(crate) mod print_task;
 pub(crate) mod print_weights;
 pub(crate) mod print_wish;
+pub(crate) mod ranked_cells;
+pub(crate) mod ranked_job;
+pub(crate) mod ranked_place;
 pub(crate) mod relax;
 pub(crate) mod report;
 pub(crate) mod report_cells;

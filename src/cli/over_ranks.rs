@@ -6,34 +6,35 @@
 
 use std::ffi::OsString;
 use std::io::Write;
-use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 
 use clap::{Args, Parser, Subcommand};
-use nalgebra::Point3;
 use serde_json::json;
 
-use crate::cli::failure::{Failure, write_file};
+use crate::cli::agreement::together;
+use crate::cli::failure::Failure;
+use crate::cli::first_rank::FirstRank;
+use crate::cli::identity::of_scene;
 use crate::cli::interrupt::Interrupt;
-use crate::cli::options::{change, finite, given, print_notes};
-use crate::cli::relax::check_outputs;
-use crate::cli::run::{RunDescription, describe, last_checkpoint};
-use crate::export::run::directory::RunDirectory;
-use crate::export::run::error::RunError;
-use crate::export::sites::write_csv;
-use crate::relax::driver::RunEnd;
+use crate::cli::options::{change, finite, given, given_values, named, print_notes};
+use crate::cli::output::OutputRule;
+use crate::cli::ranked_job::{RankedJob, Signals};
+use crate::cli::ranked_place::{Counted, PlacedPart, place};
+use crate::cli::relax::{METHODS, check_outputs};
+use crate::cli::run::{RunDescription, check_scene, describe, last_checkpoint};
+use crate::export::run::directory::{PIECES, RunDirectory};
 use crate::relax::frames::Frames;
-use crate::relax::ranks::{RankedRun, Ranks};
+use crate::relax::ranks::{Ranks, share_bytes};
 use crate::relax::record::Record;
+use crate::relax::relaxation::Checkpoint;
 use crate::relax::relaxation_space::Norm;
 use crate::relax::space::Space;
-use crate::relax::state::RunState;
 use crate::scene::description::Scene;
 use crate::scene::overrides::Overrides;
 use crate::scene::read;
-use crate::scene::run::{self, RunSpace, plan};
+use crate::scene::run;
 
 /// Relax sites over the ranks of an MPI job
 #[derive(Debug, Parser)]
@@ -48,10 +49,11 @@ enum RanksCommand {
     Relax(RanksOptions),
 }
 
-/// Relax the sites of a scene by Lloyd's iteration, distributed over the ranks
+/// Relax the sites of a scene, distributed over the ranks
 ///
 /// Sites, log and checkpoint have the same bytes, times aside, as those of `chebloyd relax`, for any number of
-/// ranks and threads. SIGTERM, SIGUSR1 or Ctrl-C to any rank finishes the move under way and leaves a checkpoint.
+/// ranks and threads. Lloyd's iteration holds on each rank the rank's own sites and those near to them, every other
+/// method all sites. SIGTERM, SIGUSR1 or Ctrl-C to any rank finishes the move under way and leaves a checkpoint.
 #[derive(Debug, Args)]
 struct RanksOptions {
     /// The scene; with --resume that of the run
@@ -72,9 +74,15 @@ struct RanksOptions {
     /// Stop when movement_percent falls below T
     #[arg(long, value_name = "T", value_parser = finite)]
     tolerance: Option<f64>,
-    /// A checkpoint every K moves
-    #[arg(long, value_name = "K", default_value = "10", value_parser = clap::value_parser!(u64).range(1..))]
-    checkpoint: u64,
+    /// How the sites move
+    #[arg(long, value_name = "NAME", conflicts_with = "resume", value_parser = named(&METHODS))]
+    method: Option<String>,
+    /// Write no cells: neither cells_R.vtu, one of each rank, nor cells.pvtu
+    #[arg(long)]
+    no_cells_file: bool,
+    /// A checkpoint every K moves [default: the scene's output.checkpoint, else 10]
+    #[arg(long, value_name = "K", value_parser = clap::value_parser!(u64).range(1..))]
+    checkpoint: Option<u64>,
     /// Threads of each rank [default: the cores allowed to it, shared by the ranks of its machine]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     threads: Option<u32>,
@@ -111,26 +119,43 @@ fn relax(options: &RanksOptions, ranks: &dyn Ranks, neighbors: usize) -> Result<
         interrupt,
     };
     set_threads(options.threads, neighbors)?;
-    let first = (ranks.rank() == 0).then(|| FirstRank::read(options));
-    let first = together(ranks, first.transpose())?;
-    let told = first
-        .as_ref()
-        .map(|first| serde_json::to_vec(&(&first.description.scene, &first.last)));
-    let told = together(ranks, told.transpose().map_err(Failure::run))?;
-    let told = broadcast(ranks, told.unwrap_or_default());
-    let (scene, last): (Scene, Option<Record>) =
-        serde_json::from_slice(&told).map_err(Failure::run)?;
+    let found = (ranks.rank() == 0).then(|| Found::read(options, ranks.size()));
+    let mut found = together(ranks, found.transpose())?;
+    let (scene, last) = told(ranks, found.as_ref())?;
     let space = together(ranks, space_of(&scene))?;
+    let placed = match &mut found {
+        Some(found) if options.resume => PlacedPart::resumed(found),
+        _ if options.resume => PlacedPart::default(),
+        _ => place(ranks, &space, &scene)?,
+    };
+    let (sites, counted) = placed.distributed(ranks, &space)?;
+    let begun = found.map(|found| found.begin(options, &space, counted));
+    let (first, state) = together(ranks, begun.transpose())?.unzip();
     signals.interrupt.finish_first();
     let job = RankedJob {
-        options,
+        out: &options.out,
+        interval: options.checkpoint.or(scene.output.checkpoint),
+        is_quiet: options.quiet,
         ranks,
-        space,
+        neighbors,
+        space: &space,
         scene,
         last,
         signals,
     };
-    job.run(first)
+    job.run(first, sites, state.unwrap_or_default())
+}
+
+/// What the first rank has read, on all: the scene, and the record after which the run goes on.
+fn told(ranks: &dyn Ranks, found: Option<&Found>) -> Result<(Scene, Option<Record>), Failure> {
+    let told = found.map_or(Ok(Vec::new()), |found| {
+        let checkpoint = found.resumed.as_ref().map(|(_, checkpoint)| checkpoint);
+        let last = checkpoint.and_then(|checkpoint| checkpoint.record.as_ref());
+        serde_json::to_vec(&(&found.scene, last))
+    });
+    let told = together(ranks, told.map_err(Failure::run))?;
+    let told = share_bytes(ranks, &told).into_iter().next();
+    serde_json::from_slice(&told.unwrap_or_default()).map_err(Failure::run)
 }
 
 /// In a pool of its own: the thread that calls exchanges messages, those of the pool compute.
@@ -141,40 +166,7 @@ fn set_threads(given: Option<u32>, neighbors: usize) -> Result<(), Failure> {
     pool.build_global().map_err(Failure::run)
 }
 
-/// What every rank has, or a failure on all if there is one on any.
-fn together<T>(ranks: &dyn Ranks, own: Result<T, Failure>) -> Result<T, Failure> {
-    let mut code = [own
-        .as_ref()
-        .map_or_else(|failure| f64::from(failure.code()), |_| 0.0)];
-    ranks.largest(&mut code);
-    match own {
-        Ok(_) if code[0] >= BAD_INPUT => Err(Failure::input("another rank says why")),
-        Ok(_) if code[0] > 0.0 => Err(Failure::run("another rank says why")),
-        own => own,
-    }
-}
-
-/// The bytes that rank 0 has.
-fn broadcast(ranks: &dyn Ranks, bytes: Vec<u8>) -> Vec<u8> {
-    let mut words = vec![bytes.len() as u64];
-    words.extend(bytes.chunks(8).map(|chunk| {
-        let mut word = [0; 8];
-        word[..chunk.len()].copy_from_slice(chunk);
-        u64::from_le_bytes(word)
-    }));
-    let parts = match ranks.rank() {
-        0 => vec![words; ranks.size()],
-        _ => vec![Vec::new(); ranks.size()],
-    };
-    let came = ranks.exchange(parts).into_iter().next().unwrap_or_default();
-    let (length, words) = came
-        .split_first()
-        .map_or((0, &[][..]), |(length, words)| (*length, words));
-    let mut bytes: Vec<u8> = words.iter().flat_map(|word| word.to_le_bytes()).collect();
-    bytes.truncate(length as usize);
-    bytes
-}
-
+/// The space of a scene that runs over ranks.
 fn space_of(scene: &Scene) -> Result<Space, Failure> {
     if scene.dimension != 3 || scene.cells == Norm::Linf {
         return Err(Failure::input(
@@ -190,13 +182,6 @@ fn space_of(scene: &Scene) -> Result<Space, Failure> {
     }
 }
 
-/// What has been asked of this rank from outside.
-struct Signals {
-    interrupt: Interrupt,
-    /// Whether a checkpoint is wanted.
-    keep: Arc<AtomicBool>,
-}
-
 #[cfg(unix)]
 fn keep_flag() -> Result<Arc<AtomicBool>, Failure> {
     let flag = Arc::<AtomicBool>::default();
@@ -210,23 +195,21 @@ fn keep_flag() -> Result<Arc<AtomicBool>, Failure> {
     Ok(Arc::default())
 }
 
-/// The files and all sites, which rank 0 holds.
-struct FirstRank {
-    directory: RunDirectory,
-    description: RunDescription,
-    sites: Vec<Point3<f64>>,
-    last: Option<Record>,
+/// What the first rank has found: a scene, or a run that goes on.
+struct Found {
+    scene: Scene,
+    resumed: Option<(FirstRank, Checkpoint)>,
 }
 
-impl FirstRank {
-    fn read(options: &RanksOptions) -> Result<Self, Failure> {
+impl Found {
+    fn read(options: &RanksOptions, size: usize) -> Result<Self, Failure> {
         match &options.scene {
-            Some(scene) => Self::start(options, scene),
-            None => Self::resume(options),
+            Some(scene) => Self::scene(options, scene, size),
+            None => Self::run(options),
         }
     }
 
-    fn start(options: &RanksOptions, path: &Path) -> Result<Self, Failure> {
+    fn scene(options: &RanksOptions, path: &Path, size: usize) -> Result<Self, Failure> {
         if !options.force {
             RunDirectory::check_vacant(&options.out).map_err(Failure::input)?;
         }
@@ -236,161 +219,86 @@ impl FirstRank {
         let mut inputs = scene.files();
         inputs.push(path.to_owned());
         check_outputs(&options.out, &inputs, options.force)?;
-        let space = space_of(&scene)?;
-        let placed = space.placed(&scene).map_err(Failure::input)?;
-        print_notes(&placed.notes);
-        let description = describe(&space, scene, &placed)?;
-        let directory = RunDirectory::create(&options.out, &description.identity, &description);
-        Ok(Self {
-            directory: directory.map_err(Failure::input)?,
-            description,
-            sites: placed.sites,
-            last: None,
-        })
+        check_pieces(options, &inputs, size)?;
+        let resumed = None;
+        Ok(Self { scene, resumed })
     }
 
-    fn resume(options: &RanksOptions) -> Result<Self, Failure> {
-        let found = RunDirectory::reopen::<RunDescription>(&options.out).map_err(Failure::input)?;
+    fn run(options: &RanksOptions) -> Result<Self, Failure> {
+        let found = RunDirectory::reopen::<RunDescription>(&options.out);
+        let found = found.map_err(Failure::input)?;
         let (mut directory, mut description) = (found.directory, found.description);
         change(&mut description.scene, &options.overrides())?;
+        check_scene(&description, directory.path())?;
         let space = space_of(&description.scene)?;
         let checkpoint = last_checkpoint(&space, &mut directory, &description)?;
-        description.ended = None;
+        (description.ended, description.last) = (None, None);
         directory.describe(&description).map_err(Failure::input)?;
-        Ok(Self {
+        let scene = description.scene.clone();
+        let last = checkpoint.record.clone();
+        let first = FirstRank {
             directory,
             description,
-            sites: checkpoint.sites,
-            last: checkpoint.record,
-        })
-    }
-
-    /// Appends a record to the log; with all sites also writes a checkpoint.
-    fn keep(&mut self, record: &Record, sites: Option<&[Point3<f64>]>) -> Result<(), RunError> {
-        let is_new = self
-            .last
-            .as_ref()
-            .is_none_or(|last| last.iteration < record.iteration);
-        if is_new {
-            self.directory.log().append(record)?;
-            self.last = Some(record.clone());
-        }
-        let Some(sites) = sites else { return Ok(()) };
-        let state = RunState::<3>::of_lloyd(sites.len(), record).to_numbers();
-        self.directory.keep(record, sites, &state)
-    }
-
-    /// The last sites, and why the run ended.
-    fn end(&mut self, sites: &[Point3<f64>], ended: &str) -> Result<(), Failure> {
-        if let Some(last) = self.last.clone() {
-            self.keep(&last, Some(sites)).map_err(Failure::run)?;
-            self.description.seconds = last.seconds;
-        }
-        let file = self.directory.file("sites.csv");
-        write_file(&file, |file| write_csv(sites, file)).map_err(Failure::run)?;
-        self.description.ended = Some(ended.to_owned());
-        self.directory
-            .describe(&self.description)
-            .map_err(Failure::run)
-    }
-}
-
-/// A run whose input has been read, as one rank sees it.
-struct RankedJob<'a> {
-    options: &'a RanksOptions,
-    ranks: &'a dyn Ranks,
-    space: Space,
-    scene: Scene,
-    last: Option<Record>,
-    signals: Signals,
-}
-
-impl RankedJob<'_> {
-    fn run(&self, mut first: Option<FirstRank>) -> Result<(), Failure> {
-        let sites = first.as_mut().map(|first| std::mem::take(&mut first.sites));
-        let count = broadcast(
-            self.ranks,
-            sites
-                .as_ref()
-                .map_or(Vec::new(), |sites| sites.len().to_string().into()),
-        );
-        let count = String::from_utf8_lossy(&count)
-            .parse()
-            .map_err(Failure::run)?;
-        let plan = plan(&self.scene, count);
-        let run = RankedRun::new(self.ranks, &self.space, &plan, sites, self.last.as_ref());
-        let mut run = run.map_err(Failure::input)?;
-        let mut failure = None;
-        let mut observe = |record: &Record, run: &RankedRun<'_>| {
-            let is_stopped = run.any(self.signals.interrupt.exit_code().is_some());
-            let is_asked = run.any(self.signals.keep.swap(false, Ordering::SeqCst));
-            let is_due =
-                is_stopped || is_asked || record.iteration.is_multiple_of(self.options.checkpoint);
-            let sites = is_due.then(|| run.gathered()).flatten();
-            if let Some(first) = &mut first {
-                self.show(record);
-                failure = first.keep(record, sites.as_deref()).err();
-            }
-            match is_stopped | run.any(failure.is_some()) {
-                true => ControlFlow::Break(()),
-                false => ControlFlow::Continue(()),
-            }
+            last,
         };
-        let ended = run
-            .run(self.last.as_ref(), &mut observe)
-            .map_err(Failure::run)?;
-        if let Some(failure) = failure {
-            return Err(Failure::run(failure));
-        }
-        let sites = run.gathered().unwrap_or_default();
-        let last = first.map_or(Ok(()), |mut first| first.end(&sites, named(ended)));
-        together(self.ranks, last)?;
-        match ended {
-            RunEnd::Interrupted => {
-                let code = self.signals.interrupt.exit_code();
-                Err(Failure::Interrupted(code.unwrap_or(TERMINATED)))
-            }
-            _ => Ok(()),
-        }
+        let resumed = Some((first, checkpoint));
+        Ok(Self { scene, resumed })
     }
 
-    fn show(&self, record: &Record) {
-        if !self.options.quiet {
-            let Record {
-                iteration,
-                energy_percent,
-                movement_percent,
-                seconds,
-                ..
-            } = record;
-            let line = format!(
-                "{iteration}: energy {energy_percent:.4} %, movement {movement_percent:.4} %, {seconds:.1} s"
-            );
-            // Where stderr is closed nothing is told.
-            let _ = writeln!(std::io::stderr(), "{line}");
+    /// The files of the run, and what its method remembers.
+    fn begin(
+        self,
+        options: &RanksOptions,
+        space: &Space,
+        counted: Counted,
+    ) -> Result<(FirstRank, Vec<f64>), Failure> {
+        if let Some((first, checkpoint)) = self.resumed {
+            return Ok((first, checkpoint.state_numbers()));
         }
+        let identity = format!("{}-{}", of_scene(&self.scene)?, counted.sum);
+        let counts = [counted.sites, counted.dropped];
+        let description = describe(space, self.scene, counts, identity)?;
+        let directory = RunDirectory::create(&options.out, &description.identity, &description);
+        let first = FirstRank {
+            directory: directory.map_err(Failure::input)?,
+            description,
+            last: None,
+        };
+        Ok((first, Vec::new()))
     }
 }
 
-/// The exit code of bad input.
-const BAD_INPUT: f64 = 2.0;
+/// Refuses pieces that would replace files that they may not.
+fn check_pieces(options: &RanksOptions, inputs: &[PathBuf], size: usize) -> Result<(), Failure> {
+    let names = (0..size)
+        .map(RunDirectory::piece)
+        .chain([PIECES.to_owned()]);
+    let files: Vec<_> = names.map(|name| options.out.join(name)).collect();
+    let rule = OutputRule {
+        inputs,
+        force: options.force,
+        option: "--out",
+    };
+    rule.check(&files)
+}
 
-/// The exit code of SIGTERM, where another rank received the signal.
-const TERMINATED: u8 = 143;
-
-fn named(ended: RunEnd) -> &'static str {
-    match ended {
-        RunEnd::Iterations => "iterations",
-        RunEnd::Tolerance => "tolerance",
-        RunEnd::Interrupted => "interrupted",
+impl PlacedPart {
+    /// The sites of a run that goes on, which the first rank has.
+    fn resumed(found: &mut Found) -> Self {
+        let checkpoint = found.resumed.as_mut().map(|(_, checkpoint)| checkpoint);
+        let sites = checkpoint.map(|checkpoint| std::mem::take(&mut checkpoint.sites));
+        Self::of_first(sites.unwrap_or_default())
     }
 }
 
 impl RanksOptions {
     fn overrides(&self) -> Overrides {
         let ends = json!({ "iterations": self.iterations, "tolerance": self.tolerance });
+        let no_cells = self.no_cells_file.then_some(false);
         Overrides {
+            scene: given(json!({ "method": self.method })),
             method: given(ends),
+            output: given_values(json!({ "cells_file": no_cells })),
             ..Overrides::default()
         }
     }

@@ -17,7 +17,7 @@ use crate::export::run::directory::RunDirectory;
 use crate::scene::overrides::Overrides;
 use crate::scene::run::plane;
 
-const METHODS: [(&str, &str); 3] = [
+pub(crate) const METHODS: [(&str, &str); 3] = [
     ("lloyd", "Every site moves to its cell's center"),
     (
         "quasi-newton",

@@ -27,7 +27,6 @@ use crate::relax::record::Record;
 use crate::relax::relaxation::Checkpoint;
 use crate::relax::state::RunState;
 use crate::scene::description::Scene;
-use crate::scene::place::PlacedSites;
 use crate::scene::run::{RunSpace, all_sites, check_memory, energy_spec, relax};
 
 /// How `run.json` calls the end that Ctrl-C brings.
@@ -57,7 +56,10 @@ impl<'a, const D: usize, S: DrawCells<D>> FiledRun<'a, D, S> {
     ) -> Result<Self, Failure> {
         let placed = space.placed(&scene).map_err(Failure::input)?;
         print_notes(&placed.notes);
-        let description = describe(space, scene, &placed)?;
+        check_memory(&scene, placed.sites.len()).map_err(Failure::input)?;
+        let identity = identity(&scene, &placed.sites)?;
+        let counts = [placed.sites.len(), placed.dropped];
+        let description = describe(space, scene, counts, identity)?;
         interrupt.finish_first();
         let directory = RunDirectory::create(out, &description.identity, &description)
             .map_err(Failure::input)?;
@@ -141,7 +143,7 @@ impl<'a, const D: usize, S: DrawCells<D>> FiledRun<'a, D, S> {
     /// Moves the sites, keeping the log; returns why it ended.
     fn relax(&mut self, common: Common) -> Result<&'static str, Failure> {
         let scene = &self.description.scene;
-        let iterations = scene.method.iterations();
+        let (iterations, every) = (scene.method.iterations(), scene.output.checkpoint);
         let last = self.checkpoint.record.as_ref();
         let bar = Bar::new(
             iterations,
@@ -152,7 +154,8 @@ impl<'a, const D: usize, S: DrawCells<D>> FiledRun<'a, D, S> {
         let mut failure: Option<RunError> = None;
         let mut observe = |record: &Record, sites: &[Point<f64, D>], state: &RunState<D>| {
             bar.show(record);
-            failure = directory.record(record, sites, || state.to_numbers()).err();
+            let kept = directory.record(record, sites, || state.to_numbers(), every);
+            failure = kept.err();
             let is_unfinished = record.iteration < iterations;
             if failure.is_some() || (is_unfinished && interrupt.exit_code().is_some()) {
                 return ControlFlow::Break(());
@@ -228,27 +231,26 @@ impl<'a, const D: usize, S: DrawCells<D>> FiledRun<'a, D, S> {
     }
 }
 
-/// What `run.json` holds of a run of placed sites that is about to begin.
+/// What `run.json` holds of a run that is about to begin, with so many sites and so many left out.
 pub(crate) fn describe<const D: usize, S: RunSpace<D>>(
     space: &S,
     scene: Scene,
-    placed: &PlacedSites<D>,
+    [sites, dropped_outside]: [usize; 2],
+    identity: String,
 ) -> Result<RunDescription, Failure> {
-    let (sites, optimum) = (&placed.sites, space.optimum());
-    space
-        .check_scale(sites.len(), energy_spec(&scene))
-        .map_err(Failure::input)?;
-    check_memory(&scene, sites.len()).map_err(Failure::input)?;
+    let optimum = space.optimum();
+    let fits = space.check_scale(sites, energy_spec(&scene));
+    fits.map_err(Failure::input)?;
     Ok(RunDescription {
         program: env!("CARGO_PKG_NAME").to_owned(),
         version: env!("CARGO_PKG_VERSION").to_owned(),
-        identity: identity(&scene, sites)?,
+        identity,
         scene,
-        sites: sites.len(),
-        dropped_outside: placed.dropped,
+        sites,
+        dropped_outside,
         domain_volume: space.volume(),
-        optimal_energy: optimum.energy::<D>(sites.len()),
-        optimal_energy_error: optimum.energy_error::<D>(sites.len()),
+        optimal_energy: optimum.energy::<D>(sites),
+        optimal_energy_error: optimum.energy_error::<D>(sites),
         energy_reference: optimum.kind,
         initial: None,
         last: None,
@@ -301,7 +303,7 @@ fn already_further(wanted: u64, done: u64) -> Failure {
 }
 
 /// Refuses a `run.json` whose scene is not the one that the run began with.
-fn check_scene(description: &RunDescription, directory: &Path) -> Result<(), Failure> {
+pub(crate) fn check_scene(description: &RunDescription, directory: &Path) -> Result<(), Failure> {
     if description.identity.is_empty() {
         let path = directory.display();
         return Err(Failure::input(format!(

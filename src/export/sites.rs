@@ -12,7 +12,20 @@ const AXES: [&str; 3] = ["x", "y", "z"];
 /// # Errors
 /// What `file` says.
 pub fn write_csv<const D: usize>(sites: &[Point<f64, D>], file: &mut impl Write) -> io::Result<()> {
-    writeln!(file, "{}", AXES[..D].join(","))?;
+    write_csv_header::<D>(file)?;
+    write_csv_rows(sites, file)
+}
+
+/// The first line.
+pub(crate) fn write_csv_header<const D: usize>(file: &mut impl Write) -> io::Result<()> {
+    writeln!(file, "{}", AXES[..D].join(","))
+}
+
+/// The lines of some sites.
+pub(crate) fn write_csv_rows<const D: usize>(
+    sites: &[Point<f64, D>],
+    file: &mut impl Write,
+) -> io::Result<()> {
     for site in sites {
         for (axis, value) in site.iter().enumerate() {
             let comma = if axis == 0 { "" } else { "," };

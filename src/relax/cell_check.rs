@@ -137,6 +137,17 @@ impl EnergyKind {
 /// Volume and energy of a cell.
 pub(crate) type CellFigures = (f64, f64);
 
+/// Cells together.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct CellSums {
+    /// How many there are.
+    pub(crate) count: usize,
+    /// The sum of their volumes (L^D).
+    pub(crate) volume: f64,
+    /// The sum of their energies (L^(D+p)).
+    pub(crate) energy: f64,
+}
+
 impl DomainTotals {
     /// The least mean energy that `count` cells can have.
     pub(crate) fn floor<const D: usize>(&self, count: usize, kind: EnergyKind) -> f64 {
@@ -191,31 +202,47 @@ impl DomainTotals {
         kind: EnergyKind,
         cause: impl FnOnce() -> Option<String>,
     ) -> Result<(), CellsError> {
-        let count = cells.len();
         let sums = cells.clone();
-        let (sum, energy) = sums.fold((0.0, 0.0), |(volumes, energies), (volume, energy)| {
+        let (volume, energy) = sums.fold((0.0, 0.0), |(volumes, energies), (volume, energy)| {
             (volumes + volume, energies + energy)
         });
-        let is_out_of_range = |&(_, (volume, energy)): &(usize, CellFigures)| {
-            volume > 0.0 && !(energy.is_normal() && energy > 0.0)
+        let sums = CellSums {
+            count: cells.len(),
+            volume,
+            energy,
         };
-        let is_filled = (sum - self.volume).abs() <= ROUNDING * self.volume
-            && cells.clone().all(|(volume, _)| self.is_possible(volume));
+        let are_possible = cells.clone().all(|(volume, _)| self.is_possible(volume));
         let mut numbered = cells.clone().enumerate();
-        if is_filled && let Some((site, (volume, energy))) = numbered.find(is_out_of_range) {
-            let order = kind.order();
-            return Err(CellsError::Range {
-                site,
-                volume,
-                energy,
-                order,
-            });
+        let mut out_of_range =
+            || numbered.find_map(|(site, cell)| Self::out_of_range(site, cell, kind));
+        if are_possible
+            && self.is_filled(volume)
+            && let Some(error) = out_of_range()
+        {
+            return Err(error);
         }
-        let cause = || self.fault(cells, cause);
-        if !is_filled {
+        self.check_sums::<D>(&sums, are_possible, kind, || self.fault(cells, cause))
+    }
+
+    /// Checks what cells are together, each of which has a possible volume or not.
+    ///
+    /// # Errors
+    /// [`CellsError::Volumes`] and [`CellsError::BelowFloor`].
+    pub(crate) fn check_sums<const D: usize>(
+        &self,
+        &CellSums {
+            count,
+            volume,
+            energy,
+        }: &CellSums,
+        are_possible: bool,
+        kind: EnergyKind,
+        cause: impl FnOnce() -> String,
+    ) -> Result<(), CellsError> {
+        if !(are_possible && self.is_filled(volume)) {
             return Err(CellsError::Volumes {
                 count,
-                sum,
+                sum: volume,
                 domain: self.volume,
                 cause: cause(),
             });
@@ -233,8 +260,29 @@ impl DomainTotals {
         Ok(())
     }
 
+    /// The refusal of a cell whose energy 64 bits do not hold.
+    pub(crate) fn out_of_range(
+        site: usize,
+        (volume, energy): CellFigures,
+        kind: EnergyKind,
+    ) -> Option<CellsError> {
+        let order = kind.order();
+        let is_lost = volume > 0.0 && !(energy.is_normal() && energy > 0.0);
+        is_lost.then_some(CellsError::Range {
+            site,
+            volume,
+            energy,
+            order,
+        })
+    }
+
+    /// Whether volumes that sum to this fill the domain.
+    pub(crate) fn is_filled(&self, volume: f64) -> bool {
+        (volume - self.volume).abs() <= ROUNDING * self.volume
+    }
+
     /// Whether a cell can have this volume.
-    fn is_possible(&self, volume: f64) -> bool {
+    pub(crate) fn is_possible(&self, volume: f64) -> bool {
         (-ROUNDING * self.volume..=(1.0 + ROUNDING) * self.volume).contains(&volume)
     }
 

@@ -17,7 +17,7 @@ use crate::geometry::clip::{Clip, ClipScratch, clip};
 use crate::geometry::half_space::HalfSpace;
 use crate::geometry::label::Label;
 use crate::geometry::polyhedron::Polyhedron;
-use crate::integrals::exact_sum::exact_sums;
+use crate::integrals::exact_sum::{ExactSum, exact_sums};
 use crate::relax::cell_check::CellsError;
 use crate::relax::optimum::EnergyOptimum;
 
@@ -126,6 +126,45 @@ pub(crate) struct BothTessellations {
     pub(crate) tied_volume: f64,
 }
 
+/// How many cells have so many counted facets.
+pub(crate) type FacetHistogram = BTreeMap<u32, usize>;
+
+/// How the figures of some cells become those of all.
+pub(crate) trait Reduction {
+    /// How many cells there are in all, where these are so many.
+    fn count(&self, own: usize) -> usize;
+
+    /// The sum over all cells.
+    fn total(&self, own: &ExactSum) -> f64;
+
+    /// The largest of all cells.
+    fn largest(&self, own: f64) -> f64;
+
+    /// The histogram of all cells.
+    fn histogram(&self, own: FacetHistogram) -> FacetHistogram;
+}
+
+/// These are all cells.
+struct AllCells;
+
+impl Reduction for AllCells {
+    fn count(&self, own: usize) -> usize {
+        own
+    }
+
+    fn total(&self, own: &ExactSum) -> f64 {
+        own.value()
+    }
+
+    fn largest(&self, own: f64) -> f64 {
+        own
+    }
+
+    fn histogram(&self, own: FacetHistogram) -> FacetHistogram {
+        own
+    }
+}
+
 impl Metrics {
     /// Sums up the figures of all cells of a domain of volume `domain_volume`.
     #[must_use]
@@ -134,10 +173,21 @@ impl Metrics {
         optimum: &EnergyOptimum,
         cells: &[CellMetrics<D>],
     ) -> Self {
-        let count = cells.len() as f64;
+        Self::reduced(domain_volume, optimum, cells, &AllCells)
+    }
+
+    /// Sums up the figures of cells that may be some of all.
+    pub(crate) fn reduced<const D: usize>(
+        domain_volume: f64,
+        optimum: &EnergyOptimum,
+        cells: &[CellMetrics<D>],
+        reduction: &dyn Reduction,
+    ) -> Self {
+        let sites = reduction.count(cells.len());
+        let count = sites as f64;
         let mean = |figure: &(dyn Fn(&CellMetrics<D>) -> f64 + Sync)| {
             let [sum] = exact_sums(cells, |cell| [figure(cell)]);
-            sum.value() / count
+            reduction.total(&sum) / count
         };
         let volume_mean = mean(&|cell| cell.volume);
         let variance = mean(&|cell| (cell.volume - volume_mean).powi(2));
@@ -145,14 +195,16 @@ impl Metrics {
         for cell in cells {
             *facet_histogram.entry(cell.facets).or_insert(0) += 1;
         }
+        let facet_histogram = reduction.histogram(facet_histogram);
         let cubic = facet_histogram.get(&(2 * D as u32)).copied().unwrap_or(0);
+        let largest = cells.iter().map(|cell| cell.energy).fold(0.0, f64::max);
         Self {
-            sites: cells.len(),
+            sites,
             domain_volume,
             volume_sum: volume_mean * count,
             energy_mean: mean(&|cell| cell.energy),
-            energy_max: cells.iter().map(|cell| cell.energy).fold(0.0, f64::max),
-            energy_percent: optimum.percent::<D>(mean(&|cell| cell.chebyshev), cells.len()),
+            energy_max: reduction.largest(largest),
+            energy_percent: optimum.percent::<D>(mean(&|cell| cell.chebyshev), sites),
             cubeness: mean(&|cell| cell.cubeness),
             six_facet_fraction: cubic as f64 / count,
             four_sided_fraction: (D == 2).then_some(cubic as f64 / count),

@@ -9,6 +9,9 @@
 //!
 //! [`evaluate_cell`] computes a cell's energy and minimizer in its own [`frames`]; [`linf_cell`] the same of an L∞
 //! cell, [`linf`] of all; [`planar_cell`] of one in the plane; [`metrics`] are the figures of cells for `measure`.
+//!
+//! Over [`ranks`] sites are distributed by [`bricks`] ([`ranked_sites`]): Lloyd's iteration holds no others
+//! ([`ranked_lloyd`]), all other methods share out the cells alone ([`ranked_space`]).
 
 pub(crate) mod bricks;
 pub(crate) mod cell_check;
@@ -27,6 +30,9 @@ pub(crate) mod optimum;
 pub(crate) mod plan;
 pub(crate) mod planar;
 pub(crate) mod planar_cell;
+pub(crate) mod ranked_lloyd;
+pub(crate) mod ranked_sites;
+pub(crate) mod ranked_space;
 pub(crate) mod ranks;
 pub(crate) mod record;
 pub(crate) mod relaxation;

@@ -212,7 +212,7 @@ impl Space {
     }
 
     /// What bounds the energies of any cells.
-    fn totals(&self) -> DomainTotals {
+    pub(crate) fn totals(&self) -> DomainTotals {
         let (volume, density) = (self.domain.volume(), self.domain.density());
         DomainTotals {
             volume,
@@ -222,7 +222,7 @@ impl Space {
     }
 
     /// Checks the cells of `sites`; where they are none, by their facets too.
-    fn check(
+    pub(crate) fn check(
         &self,
         sites: &[Point3<f64>],
         cells: impl ExactSizeIterator<Item = (f64, f64)> + Clone,
@@ -234,30 +234,23 @@ impl Space {
         })
     }
 
-    /// The results of the cells of chosen sites, in ascending order, and how far each asks for others (L). The
-    /// sites given may be some of `count`.
-    pub(crate) fn assess_of(
+    /// What `of_cell` says of the cells of chosen sites, in ascending order, and how far each asks for others (L).
+    pub(crate) fn of_chosen<Memory: Default, Answer: Send>(
         &self,
         sites: &[Point3<f64>],
-        count: usize,
         chosen: &[usize],
-        spec: EnergySpec,
-    ) -> Result<Vec<(CellResult<3>, f64)>, SpaceError> {
-        self.totals().check_scale::<3>(count, spec.kind())?;
+        of_cell: impl Fn(&mut Memory, &Cell<'_>) -> Answer + Sync,
+    ) -> Result<Vec<(Answer, f64)>, SpaceError> {
         let mut is_chosen = vec![false; sites.len()];
         chosen.iter().for_each(|&site| is_chosen[site] = true);
         let diagram = Diagram::borrowed(self.domain(), sites)?.with_stop(&self.stop);
         let tree = diagram.tree()?;
-        let of_place = |(builder, memory): &mut (CellBuilder, CellMemory), place| {
+        let of_place = |(builder, memory): &mut (CellBuilder, Memory), place| {
             if !is_chosen[tree.site(place) as usize] {
                 return Ok(None);
             }
             let cell = builder.build(self.domain(), tree, place)?;
-            memory.load_in_frame(self.domain(), &cell, self.frames.of(cell.site));
-            Ok(Some((
-                memory.assess(self.domain(), &cell, spec),
-                cell.reach(),
-            )))
+            Ok(Some((of_cell(memory, &cell), cell.reach())))
         };
         let all = diagram.map_places(of_place)?;
         Ok(all.into_iter().flatten().collect())

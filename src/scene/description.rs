@@ -103,6 +103,10 @@ pub struct Output {
     /// Whether `cells.vtu` is compressed by zlib: smaller and slower, the numbers are the same.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub compress: bool,
+    /// A checkpoint every so many moves. Left out, `relax` keeps one at least every second, less often where
+    /// they take long to write, and `chebloyd-mpi` every 10 moves.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub checkpoint: Option<u64>,
 }
 
 impl Default for Output {
@@ -114,6 +118,7 @@ impl Default for Output {
             cells_file: true,
             pictures: true,
             compress: false,
+            checkpoint: None,
         }
     }
 }
@@ -124,6 +129,10 @@ impl Output {
             Some([low, high]) if !(low.is_finite() && high.is_finite() && low < high) => {
                 let message = format!("{low:?} is not below {high:?}");
                 Err(Error::value("output.range", message))
+            }
+            _ if self.checkpoint == Some(0) => {
+                let message = "0 moves are no interval; 1 keeps a checkpoint after every move";
+                Err(Error::value("output.checkpoint", message.to_owned()))
             }
             _ => Ok(()),
         }

@@ -40,6 +40,26 @@ pub(crate) fn check_descent(count: u64, steps: u64) -> Result<(), Error> {
     compare(count, per_site, available())
 }
 
+/// Refuses more sites than there is room for where each of several processes on this machine holds `1 / parts` of
+/// them: `[processes, parts]`. A descent without steps to remember is none.
+///
+/// # Errors
+/// [`Error::TooManySites`].
+pub(crate) fn check_share(
+    count: u64,
+    steps: u64,
+    [processes, parts]: [u64; 2],
+) -> Result<(), Error> {
+    let of_steps = if steps == 0 {
+        0
+    } else {
+        steps.saturating_mul(4).saturating_add(OF_DESCENT)
+    };
+    let per_site = of_steps.saturating_mul(VECTOR).saturating_add(TESSELLATION);
+    let per_site = per_site.saturating_mul(processes).div_ceil(parts.max(1));
+    compare(count, per_site, available())
+}
+
 /// Refuses a file that is larger than the memory that is left.
 ///
 /// # Errors

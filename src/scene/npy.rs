@@ -4,6 +4,8 @@
 //! little-endian (two bytes in version 1, four later), the header, the numbers. The header is a
 //! Python literal such as `{'descr': '<f8', 'fortran_order': False, 'shape': (2, 3), }`.
 
+use std::fs::File;
+use std::io::{Read, Seek, SeekFrom};
 use std::path::Path;
 
 use nalgebra::Point;
@@ -50,14 +52,82 @@ fn rows<const D: usize>(bytes: &[u8]) -> Result<Vec<Point<f64, D>>, String> {
             false => values[row * D + axis],
             true => values[axis * count + row],
         });
-        match coordinates.iter().all(|value| value.is_finite()) {
-            true => Ok(Point::from(coordinates)),
-            false => Err(format!(
-                "row {row} (counted from 0) is {coordinates:?}; sites need finite coordinates"
-            )),
-        }
+        finite_row(row, coordinates)
     };
     (0..count).map(point).collect()
+}
+
+/// Some rows of an array.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct NpyPart {
+    /// The number of the first of them.
+    pub(crate) first: u64,
+    /// They themselves.
+    pub(crate) rows: Vec<Point<f64, 3>>,
+}
+
+/// The longest beginning of a file in which the header is looked for.
+const LONGEST_HEADER: u64 = 1 << 16;
+
+/// Reads one part of several, `[part, parts]`, of the rows of a file; nothing where it cannot be read in parts: where
+/// it is packed, in Fortran's order or damaged.
+///
+/// # Errors
+/// [`Error::File`] for rows that are no sites, [`Error::Read`].
+pub(crate) fn read_part(path: &Path, [part, parts]: [u64; 2]) -> Result<Option<NpyPart>, Error> {
+    let failed = |source| Error::Read {
+        path: path.to_owned(),
+        source,
+    };
+    let mut file = File::open(path).map_err(failed)?;
+    let length = file.metadata().map_err(failed)?.len();
+    let mut start = Vec::new();
+    let head = Read::by_ref(&mut file).take(LONGEST_HEADER);
+    { head }.read_to_end(&mut start).map_err(failed)?;
+    let header = split(&start)
+        .and_then(|(header, data)| Some((NpyHeader::parse(header)?, start.len() - data.len())));
+    let Some((header, rows_at, width)) = header.and_then(|(header, at)| {
+        let width = 3 * header.kind().ok()?.0.width() as u64;
+        Some((header, at as u64, width))
+    }) else {
+        return Ok(None);
+    };
+    let Ok(count) = header.row_count::<3>().map(|count| count as u64) else {
+        return Ok(None);
+    };
+    if header.is_fortran || count.checked_mul(width) != Some(length - rows_at) {
+        return Ok(None);
+    }
+    let [first, end] = [part, part + 1]
+        .map(|part| (u128::from(count) * u128::from(part) / u128::from(parts)) as u64);
+    file.seek(SeekFrom::Start(rows_at + first * width))
+        .map_err(failed)?;
+    let mut bytes = vec![0; ((end - first) * width) as usize];
+    file.read_exact(&mut bytes).map_err(failed)?;
+    let rows = header
+        .numbers(&bytes)
+        .and_then(|(values, _)| finite_rows(&values, first));
+    let rows = rows.map_err(|message| Error::File {
+        path: path.to_owned(),
+        message,
+    })?;
+    Ok(Some(NpyPart { first, rows }))
+}
+
+/// Rows of three numbers, the first of which has the number `first`.
+fn finite_rows(values: &[f64], first: u64) -> Result<Vec<Point<f64, 3>>, String> {
+    let rows = (first..).zip(values.as_chunks::<3>().0);
+    let rows = rows.map(|(row, numbers)| finite_row(row as usize, *numbers));
+    rows.collect()
+}
+
+fn finite_row<const D: usize>(row: usize, coordinates: [f64; D]) -> Result<Point<f64, D>, String> {
+    match coordinates.iter().all(|value| value.is_finite()) {
+        true => Ok(Point::from(coordinates)),
+        false => Err(format!(
+            "row {row} (counted from 0) is {coordinates:?}; sites need finite coordinates"
+        )),
+    }
 }
 
 /// The header's text and the bytes of the numbers.
@@ -106,8 +176,8 @@ impl<'a> NpyHeader<'a> {
         (keys == ["descr", "fortran_order", "shape"]).then_some(header)
     }
 
-    /// The numbers in storage order, as many as there are, and the bytes after them.
-    fn numbers<'b>(&self, data: &'b [u8]) -> Result<(Vec<f64>, &'b [u8]), String> {
+    /// The type of the numbers, and the sign of their bytes' order.
+    fn kind(&self) -> Result<(Scalar, char), String> {
         let descr = self.descr.trim_matches(['\'', '"']);
         let kind = descr.get(1..).and_then(scalar);
         let order = descr.chars().next().filter(|order| "<>=|".contains(*order));
@@ -117,6 +187,12 @@ impl<'a> NpyHeader<'a> {
                 self.descr
             ));
         };
+        Ok((kind, order))
+    }
+
+    /// The numbers in storage order, as many as there are, and the bytes after them.
+    fn numbers<'b>(&self, data: &'b [u8]) -> Result<(Vec<f64>, &'b [u8]), String> {
+        let (kind, order) = self.kind()?;
         let chunks = data.chunks_exact(kind.width());
         let rest = chunks.remainder();
         let decode = |bytes: &[u8]| kind.decode(bytes, order == '>');
@@ -233,6 +309,43 @@ mod tests {
             parsed(&file(single, &singles)).expect("big-endian f4"),
             expected
         );
+    }
+
+    #[test]
+    fn parts_of_a_file_are_its_rows_and_what_has_none_is_told() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("p.npy");
+        let write = |bytes: &[u8]| std::fs::write(&path, bytes).expect("room");
+        let header = |order: &str| {
+            format!("{{'descr': '<f8', 'fortran_order': {order}, 'shape': (7, 3), }}")
+        };
+        let mut numbers: Vec<f64> = (0..21).map(f64::from).collect();
+        let whole = file(&header("False"), &doubles(&numbers));
+        write(&whole);
+        for parts in [1, 2, 3, 8] {
+            let mut rows = Vec::new();
+            for part in 0..parts {
+                let part = read_part(&path, [part, parts])
+                    .expect("rows")
+                    .expect("in parts");
+                assert_eq!(part.first, rows.len() as u64);
+                rows.extend(part.rows);
+            }
+            assert_eq!(rows, parsed(&whole).expect("an array"), "{parts} parts");
+        }
+        numbers[20] = f64::NAN;
+        write(&file(&header("False"), &doubles(&numbers)));
+        assert!(read_part(&path, [0, 2]).is_ok());
+        let strange = read_part(&path, [1, 2]).expect_err("no number").to_string();
+        assert!(strange.contains("row 6"), "{strange}");
+        for other in [
+            &file(&header("True"), &doubles(&numbers)),
+            &whole[..whole.len() - 1],
+            b"x,y,z",
+        ] {
+            write(other);
+            assert_eq!(read_part(&path, [0, 2]).expect("a file"), None);
+        }
     }
 
     #[test]

@@ -289,6 +289,39 @@ pub fn check<const D: usize>(
     distinct(sites, region)
 }
 
+/// Refuses a part of some sites, which begins with number `first`, if one is not in the region.
+///
+/// # Errors
+/// [`Error::Outside`], which counts those of the part.
+pub(crate) fn check_part<const D: usize>(
+    sites: &[Point<f64, D>],
+    first: usize,
+    region: &SiteRegion<'_, D>,
+) -> Result<(), Error> {
+    inside(sites, region).map_err(|error| match error {
+        Error::Outside {
+            index,
+            point,
+            others,
+        } => Error::Outside {
+            index: first + index,
+            point,
+            others,
+        },
+        other => other,
+    })
+}
+
+/// The refusal of two sites in one place.
+pub(crate) fn twins<const D: usize>(first: usize, second: usize, point: &Point<f64, D>) -> Error {
+    Error::Duplicate {
+        first,
+        second,
+        point: shown(point),
+        others: 0,
+    }
+}
+
 /// A point as messages show it: `(0.5, 0.25, 1.0)`.
 fn shown<const D: usize>(point: &Point<f64, D>) -> String {
     let numbers: Vec<String> = point.iter().map(|value| format!("{value:?}")).collect();

@@ -242,6 +242,26 @@ pub fn check_memory(scene: &Scene, count: usize) -> Result<(), Error> {
     }
 }
 
+/// Refuses more sites than there is memory for in a run over `size` ranks, `neighbors` of which share a machine:
+/// each holds its part of them, or, where the method is not Lloyd's iteration alone, all.
+///
+/// # Errors
+/// [`Error::TooManySites`].
+pub(crate) fn check_memory_over_ranks(
+    scene: &Scene,
+    count: usize,
+    is_lloyd: bool,
+    [size, neighbors]: [usize; 2],
+) -> Result<(), Error> {
+    let share = if is_lloyd {
+        [neighbors, size]
+    } else {
+        [neighbors, 1]
+    };
+    let steps = scene.method.remembered().unwrap_or(0);
+    memory::check_share(count as u64, steps, share.map(|part| part as u64))
+}
+
 /// Moves the sites of `checkpoint` by the scene's method, from the start or from where it was left.
 ///
 /// # Errors

@@ -74,7 +74,7 @@ fn relax(space: &Space, sites: &mut Vec<Point3<f64>>, options: &Plan, folder: &P
     directory.describe(&metrics(space, sites)).unwrap();
     let mut keep = |record: &Record, sites: &[Point3<f64>], state: &RunState<3>| {
         directory
-            .record(record, sites, || state.to_numbers())
+            .record(record, sites, || state.to_numbers(), None)
             .unwrap();
         directory.keep(record, sites, &state.to_numbers()).unwrap();
         ControlFlow::Continue(())

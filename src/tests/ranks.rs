@@ -10,12 +10,16 @@ use crate::domain::cuboid::Cuboid;
 use crate::domain::domain::Domain;
 use crate::geometry::bounds::Bounds;
 use crate::geometry::half_space::HalfSpace;
-use crate::relax::driver::{RunEnd, drive};
-use crate::relax::plan::Plan;
-use crate::relax::ranks::{RankedRun, Ranks};
+use crate::relax::driver::drive;
+use crate::relax::metrics::Metrics;
+use crate::relax::plan::{Perturbation, PerturbationKind, Plan};
+use crate::relax::ranked_lloyd::{RankedRun, is_plain};
+use crate::relax::ranked_sites::RankedSites;
+use crate::relax::ranked_space::RankedSpace;
+use crate::relax::ranks::{Ranks, SomeSites};
 use crate::relax::record::Record;
-use crate::relax::relaxation::random_sites;
-use crate::relax::relaxation_space::{EnergySpec, Minimizer, Norm};
+use crate::relax::relaxation::{Checkpoint, continue_run, random_sites};
+use crate::relax::relaxation_space::{EnergySpec, Minimizer, Norm, RelaxationSpace};
 use crate::relax::space::Space;
 use crate::relax::state::RunState;
 
@@ -146,62 +150,92 @@ fn by_one_process(space: &Space, plan: &Plan, mut sites: Vec<Point3<f64>>) -> Le
     (sites, bits(&records))
 }
 
-/// The run by `size` ranks, interrupted after a move and taken up by as many as `then` says.
-fn by_ranks(space: &Space, plan: &Plan, sites: &[Point3<f64>], [size, then]: [usize; 2]) -> Left {
-    let part = |size: usize, sites: &[Point3<f64>], last: Option<&Record>, end: u64| {
-        let all = over_threads(size, |ranks| {
-            let given = (ranks.rank == 0).then(|| sites.to_vec());
-            let mut run = RankedRun::new(ranks, space, plan, given, last).expect("Lloyd's");
-            let mut records = Vec::new();
-            let ended = run.run(last, &mut |record, _| {
-                records.push(record.clone());
-                match record.iteration == end {
-                    true => ControlFlow::Break(()),
-                    false => ControlFlow::Continue(()),
-                }
-            });
-            let expected = if end < plan.iterations {
-                RunEnd::Interrupted
-            } else {
-                RunEnd::Iterations
+/// The part of a run by `size` ranks from `last` on, up to record `end`.
+fn part(
+    (space, plan): (&Space, &Plan),
+    size: usize,
+    start: &Checkpoint,
+    end: u64,
+) -> (Checkpoint, Vec<Record>) {
+    let all = over_threads(size, |ranks| {
+        let mut records = Vec::new();
+        let mut note = |record: &Record| {
+            records.push(record.clone());
+            match record.iteration == end {
+                true => ControlFlow::Break(()),
+                false => ControlFlow::Continue(()),
+            }
+        };
+        let last = start.record.as_ref();
+        if is_plain(plan) {
+            // Every rank gives some of the sites.
+            let [from, to] = [ranks.rank, ranks.rank + 1].map(|r| r * start.sites.len() / size);
+            let some = SomeSites::following(from as u64, start.sites[from..to].to_vec());
+            let sites = RankedSites::new(ranks, space, some);
+            let mut run = RankedRun::new(sites, plan, last);
+            run.run(last, &mut |record, _| note(record)).expect("a run");
+            let end = Checkpoint {
+                sites: run.sites.gathered(0, u64::MAX),
+                record: None,
+                state: None,
             };
-            // The observer's word counts for the last move too.
-            assert!(matches!(ended, Ok(end) if end == expected || end == RunEnd::Interrupted));
-            (run.gathered(), records)
-        });
-        for (_, records) in &all {
-            assert_eq!(
-                bits(records),
-                bits(&all[0].1),
-                "ranks have the same records"
-            );
+            return (end, records);
         }
-        all.into_iter().next().expect("rank 0")
-    };
-    let (sites, mut records) = part(size, sites, None, 1);
-    let sites = sites.expect("rank 0 gathers");
-    let last = records.last().cloned();
-    let (sites, more) = part(then, &sites, last.as_ref(), u64::MAX);
-    records.extend(more);
-    (sites.expect("rank 0 gathers"), bits(&records))
+        let space = RankedSpace::new(ranks, space);
+        let mut checkpoint = start.clone();
+        continue_run(&space, plan, &mut checkpoint, &mut |record, _, _| {
+            note(record)
+        })
+        .expect("a run");
+        (checkpoint, records)
+    });
+    for (_, records) in &all {
+        assert_eq!(
+            bits(records),
+            bits(&all[0].1),
+            "ranks have the same records"
+        );
+    }
+    let (mut end, records) = all.into_iter().next().expect("rank 0");
+    end.record = records.last().cloned().or(start.record.clone());
+    (end, records)
 }
 
-#[test]
-fn ranks_leave_the_sites_and_records_of_one_process_to_the_bit() {
-    let cube = Cuboid::unit();
-    let random = |count: usize| random_sites(&cube, count, 1).expect("sites");
-    let lattice = |n: u32, noise: f64| -> Vec<Point3<f64>> {
-        let jitter = random((n * n * n) as usize);
-        let place = |k: u32| {
-            let along = |i: u32| (f64::from(i % n) + 0.5) / f64::from(n);
-            let at = [along(k), along(k / n), along(k / (n * n))];
-            Point3::from(at) + jitter[k as usize].coords * noise
-        };
-        (0..n * n * n).map(place).collect()
+/// The run by `size` ranks, interrupted after a move and taken up by as many as `then` says.
+fn by_ranks(space: &Space, plan: &Plan, sites: &[Point3<f64>], [size, then]: [usize; 2]) -> Left {
+    let start = Checkpoint::at_start(sites.to_vec());
+    let (start, mut records) = part((space, plan), size, &start, 1);
+    let (end, more) = part((space, plan), then, &start, u64::MAX);
+    records.extend(more);
+    (end.sites, bits(&records))
+}
+
+fn lattice(n: u32, noise: f64) -> Vec<Point3<f64>> {
+    let jitter = random_sites(&Cuboid::unit(), (n * n * n) as usize, 1).expect("sites");
+    let place = |k: u32| {
+        let along = |i: u32| (f64::from(i % n) + 0.5) / f64::from(n);
+        let at = [along(k), along(k / n), along(k / (n * n))];
+        Point3::from(at) + jitter[k as usize].coords * noise
     };
-    let graded = |count| {
-        let sites = random(count).into_iter();
-        sites.map(|site| site.map(|x| x * x)).collect()
+    (0..n * n * n).map(place).collect()
+}
+
+/// Half of the sites uniform, half within a thousandth of a corner of the cube.
+fn crowded(count: usize) -> Vec<Point3<f64>> {
+    let sites = random_sites(&Cuboid::unit(), count, 3).expect("sites");
+    let squeezed = |(number, site): (usize, Point3<f64>)| match number % 2 {
+        0 => site,
+        _ => Point3::from(site.coords * 1e-3),
+    };
+    sites.into_iter().enumerate().map(squeezed).collect()
+}
+
+type Case = (&'static str, Box<dyn Domain>, Vec<Point3<f64>>);
+
+fn cases() -> Vec<Case> {
+    let random = |count: usize| random_sites(&Cuboid::unit(), count, 1).expect("sites");
+    let graded = |sites: Vec<Point3<f64>>| -> Vec<Point3<f64>> {
+        sites.into_iter().map(|site| site.map(|x| x * x)).collect()
     };
     let periodic = || -> Box<dyn Domain> {
         let bounds = Bounds::from_corners([0.0; 3], [1.0; 3]);
@@ -218,28 +252,117 @@ fn ranks_leave_the_sites_and_records_of_one_process_to_the_bit() {
         Box::new(ConvexPolyhedron::new(&walls).expect("a tetrahedron"))
     };
     let unit = || -> Box<dyn Domain> { Box::new(Cuboid::unit()) };
-    type Case = (&'static str, Box<dyn Domain>, Vec<Point3<f64>>);
-    let cases: Vec<Case> = vec![
-        ("random", unit(), random(300)),
-        ("graded", unit(), graded(200)),
-        ("lattice", unit(), lattice(5, 0.0)),
-        ("lattice with noise, periodic", periodic(), lattice(5, 1e-9)),
-        ("random, periodic", periodic(), random(200)),
-        (
-            "half-spaces",
-            corner(),
-            random_sites(corner().as_ref(), 150, 2).expect("sites"),
-        ),
+    let in_corner = random_sites(corner().as_ref(), 120, 2).expect("sites");
+    vec![
+        ("random", unit(), random(150)),
+        ("graded", unit(), graded(random(100))),
+        ("crowded", unit(), crowded(100)),
+        ("lattice", unit(), lattice(4, 0.0)),
+        ("lattice, graded", unit(), graded(lattice(4, 0.0))),
+        ("lattice, jittered, periodic", periodic(), lattice(5, 1e-9)),
+        ("lattice, periodic", periodic(), lattice(4, 0.0)),
+        ("random, periodic", periodic(), random(150)),
+        ("half-spaces", corner(), in_corner),
         ("fewer than ranks", unit(), random(3)),
-    ];
-    let plan = Plan::lloyd(spec(), 3);
-    for (name, domain, sites) in cases {
+    ]
+}
+
+fn assert_same(plan: &Plan, sizes: &[[usize; 2]]) {
+    for (name, domain, sites) in cases() {
         let space = Space::new(domain);
-        let one = by_one_process(&space, &plan, sites.clone());
-        for sizes in [[1, 2], [2, 3], [3, 8], [8, 4], [4, 1]] {
-            let some = by_ranks(&space, &plan, &sites, sizes);
+        let one = by_one_process(&space, plan, sites.clone());
+        for &sizes in sizes {
+            let some = by_ranks(&space, plan, &sites, sizes);
             assert!(one.1 == some.1, "{name}, {sizes:?}: records differ");
             assert!(one.0 == some.0, "{name}, {sizes:?}: sites differ");
+        }
+    }
+}
+
+#[test]
+fn lloyd_over_ranks_leaves_the_sites_and_records_of_one_process_to_the_bit() {
+    let plan = Plan::lloyd(spec(), 2);
+    assert_same(&plan, &[[1, 2], [3, 8], [4, 1]]);
+}
+
+#[test]
+fn quasi_newton_over_ranks_leaves_the_sites_and_records_of_one_process_to_the_bit() {
+    let plan = Plan::quasi_newton(1, 3);
+    assert_same(&plan, &[[1, 2], [3, 8], [4, 1]]);
+}
+
+#[test]
+fn whatever_else_moves_sites_does_so_over_ranks_to_the_bit() {
+    let accelerated = Plan {
+        is_accelerated: true,
+        ..Plan::lloyd(spec(), 3)
+    };
+    let anneal = Perturbation {
+        rounds: 1,
+        steps: 2,
+        ..Perturbation::default_of(PerturbationKind::Exchange)
+    };
+    let cubes = Plan {
+        iterations: 6,
+        levels: 1,
+        steps: 2,
+        ..Plan::perturbed(1, anneal)
+    };
+    let space = Space::new(Box::new(Cuboid::unit()));
+    let sites = random_sites(&Cuboid::unit(), 64, 5).expect("sites");
+    for plan in [accelerated, cubes] {
+        let mut one = Checkpoint::at_start(sites.clone());
+        let mut records = Vec::new();
+        continue_run(&space, &plan, &mut one, &mut |record, _, _| {
+            records.push(record.clone());
+            ControlFlow::Continue(())
+        })
+        .expect("a run");
+        let (some, of_ranks) = part(
+            (&space, &plan),
+            3,
+            &Checkpoint::at_start(sites.clone()),
+            u64::MAX,
+        );
+        assert_eq!(bits(&records), bits(&of_ranks));
+        assert_eq!(one.sites, some.sites);
+    }
+}
+
+#[test]
+fn figures_and_faults_over_ranks_are_those_of_one_process() {
+    let space = Space::new(Box::new(Cuboid::unit()));
+    let sites = random_sites(&Cuboid::unit(), 100, 7).expect("sites");
+    let cells = space.metrics(&sites, spec()).expect("cells");
+    let figures = Metrics::of(1.0, &space.optimum(), &cells);
+    let mut twice = sites.clone();
+    twice[93] = twice[17];
+    let fault = space
+        .metrics(&twice, spec())
+        .expect_err("a duplicate")
+        .to_string();
+    for size in [1, 2, 3, 8] {
+        let all = over_threads(size, |ranks| {
+            let mut share = RankedSites::of_all(ranks, &space, &sites);
+            let cells = share.own_metrics(spec()).expect("cells");
+            // A tenth of the volume is taken away on one rank.
+            let figures = cells.iter().enumerate().map(|(place, cell)| {
+                let lost = ranks.rank == size - 1 && place == 0;
+                (if lost { 0.0 } else { cell.volume }, cell.energy)
+            });
+            let short = share.check(&figures.collect::<Vec<_>>(), spec().kind());
+            let duplicate = RankedSites::of_all(ranks, &space, &twice).own_metrics(spec());
+            (share.metrics(&cells), short, duplicate)
+        });
+        for (of_ranks, short, duplicate) in all {
+            assert_eq!(of_ranks, figures, "{size} ranks");
+            assert!(
+                short
+                    .expect_err("volume is missing")
+                    .to_string()
+                    .contains("sum to 0.9")
+            );
+            assert_eq!(duplicate.expect_err("a duplicate").to_string(), fault);
         }
     }
 }

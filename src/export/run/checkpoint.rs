@@ -67,6 +67,9 @@ pub struct SavedCheckpoint<const D: usize> {
     pub memory: Vec<f64>,
 }
 
+/// Gives its argument all sites in their order, block by block.
+pub(crate) type Blocks<'a, const D: usize> = dyn FnMut(&mut dyn FnMut(&[Point<f64, D>])) + 'a;
+
 /// Writes a checkpoint of the run with the identity `run` at `path`, whole or not at all.
 ///
 /// # Errors
@@ -78,10 +81,25 @@ pub fn write<const D: usize>(
     sites: &[Point<f64, D>],
     memory: &[f64],
 ) -> Result<(), RunError> {
+    let blocks = &mut |add: &mut dyn FnMut(&[Point<f64, D>])| add(sites);
+    write_blocks(path, (run, record), sites.len(), blocks, memory)
+}
+
+/// As [`write`] for `count` sites that come in blocks.
+///
+/// # Errors
+/// [`RunError::File`].
+pub(crate) fn write_blocks<const D: usize>(
+    path: &Path,
+    (run, record): (&str, &Record),
+    count: usize,
+    blocks: &mut Blocks<'_, D>,
+    memory: &[f64],
+) -> Result<(), RunError> {
     let header = CheckpointHeader {
         format: FORMAT,
         dimension: D,
-        sites: sites.len(),
+        sites: count,
         memory: memory.len(),
         run: run.to_owned(),
         record: record.clone(),
@@ -93,11 +111,21 @@ pub fn write<const D: usize>(
         let mut checksum = Checksum::default();
         checksum.add_bytes(&line);
         file.write_all(&line)?;
-        let coordinates = sites.iter().flat_map(|site| site.iter());
-        for value in coordinates.chain(memory) {
+        let mut written = Ok(());
+        let mut add = |value: f64| {
             checksum.add(value.to_bits());
-            file.write_all(&value.to_le_bytes())?;
-        }
+            if written.is_ok() {
+                written = file.write_all(&value.to_le_bytes());
+            }
+        };
+        blocks(&mut |sites| {
+            sites
+                .iter()
+                .flat_map(|site| site.iter())
+                .for_each(|&x| add(x))
+        });
+        memory.iter().for_each(|&x| add(x));
+        written?;
         file.write_all(&checksum.sum().to_le_bytes())
     });
     written.map_err(RunError::file("write", path))

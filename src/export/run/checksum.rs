@@ -18,6 +18,11 @@ impl Default for Checksum {
 }
 
 impl Checksum {
+    /// The checksum whose sum so far is this.
+    pub(crate) fn going_on(sum: u64) -> Self {
+        Self(sum)
+    }
+
     /// Adds a word.
     pub fn add(&mut self, word: u64) {
         self.0 = (self.0 ^ word).wrapping_mul(PRIME);

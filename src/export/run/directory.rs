@@ -10,7 +10,7 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 use crate::export::atomic_write;
-use crate::export::run::checkpoint::{self, Pace, SavedCheckpoint};
+use crate::export::run::checkpoint::{self, Blocks, Pace, SavedCheckpoint};
 use crate::export::run::error::RunError;
 use crate::export::run::log::Log;
 use crate::relax::optimum::EnergyReference;
@@ -20,10 +20,14 @@ const LOG: &str = "log.jsonl";
 const DESCRIPTION: &str = "run.json";
 const CHECKPOINT: &str = "checkpoint.bin";
 
+/// The list of the pieces that ranks have written.
+pub(crate) const PIECES: &str = "cells.pvtu";
+
 /// What a run leaves beside its log; a new run in the same place removes them.
-const OUTPUTS: [&str; 6] = [
+const OUTPUTS: [&str; 7] = [
     "sites.csv",
     "cells.vtu",
+    PIECES,
     "cells.svg",
     "cells.png",
     "convergence.svg",
@@ -98,6 +102,7 @@ impl RunDirectory {
         fs::create_dir_all(path).map_err(RunError::file("make the directory", path))?;
         let mut directory = Self::lock(path)?;
         directory.run = run.to_owned();
+        directory.remove_pieces()?;
         for name in OUTPUTS {
             directory.remove(name)?;
         }
@@ -181,7 +186,7 @@ impl RunDirectory {
         .map_err(RunError::file("write", &path))
     }
 
-    /// Appends a record to the log and, if it is time for one, writes a checkpoint.
+    /// Appends a record to the log and writes a checkpoint: `every` so many moves, else if it is time for one.
     ///
     /// # Errors
     /// [`RunError::File`].
@@ -190,9 +195,14 @@ impl RunDirectory {
         record: &Record,
         sites: &[Point<f64, D>],
         memory: impl FnOnce() -> Vec<f64>,
+        every: Option<u64>,
     ) -> Result<(), RunError> {
         self.log.append(record)?;
-        if record.iteration == 0 || self.pace.is_due() {
+        let is_due = match every {
+            Some(moves) => record.iteration.is_multiple_of(moves),
+            None => record.iteration == 0 || self.pace.is_due(),
+        };
+        if is_due {
             self.keep(record, sites, &memory())?;
         }
         Ok(())
@@ -208,10 +218,25 @@ impl RunDirectory {
         sites: &[Point<f64, D>],
         memory: &[f64],
     ) -> Result<(), RunError> {
+        let blocks = &mut |add: &mut dyn FnMut(&[Point<f64, D>])| add(sites);
+        self.keep_blocks(record, sites.len(), blocks, memory)
+    }
+
+    /// As [`RunDirectory::keep`] for `count` sites that come in blocks.
+    ///
+    /// # Errors
+    /// [`RunError::File`].
+    pub(crate) fn keep_blocks<const D: usize>(
+        &mut self,
+        record: &Record,
+        count: usize,
+        blocks: &mut Blocks<'_, D>,
+        memory: &[f64],
+    ) -> Result<(), RunError> {
         let start = Instant::now();
         self.log.sync()?;
         let path = self.file(CHECKPOINT);
-        checkpoint::write(&path, &self.run, record, sites, memory)?;
+        checkpoint::write_blocks(&path, (&self.run, record), count, blocks, memory)?;
         self.pace = Pace::after(start.elapsed());
         Ok(())
     }
@@ -234,6 +259,29 @@ impl RunDirectory {
             pace: Pace::after(std::time::Duration::ZERO),
             run: String::new(),
         })
+    }
+
+    /// The cells of a rank.
+    #[must_use]
+    pub(crate) fn piece(rank: usize) -> String {
+        format!("cells_{rank}.vtu")
+    }
+
+    /// Removes the cells of ranks, where their list says that they are an older run's.
+    pub(crate) fn remove_pieces(&self) -> Result<(), RunError> {
+        let Ok(list) = fs::read_to_string(self.file(PIECES)) else {
+            return Ok(());
+        };
+        let named = list.split("Source=\"").skip(1);
+        for name in named.filter_map(|rest| rest.split('"').next()) {
+            let rank = name
+                .strip_prefix("cells_")
+                .and_then(|rest| rest.strip_suffix(".vtu"));
+            if rank.is_some_and(|rank| rank.parse::<u32>().is_ok()) {
+                self.remove(name)?;
+            }
+        }
+        Ok(())
     }
 
     fn remove(&self, name: &str) -> Result<(), RunError> {
