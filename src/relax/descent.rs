@@ -33,19 +33,20 @@ const LARGEST_STEP: f64 = 1.0;
 pub struct DescentOptions {
     /// The order p ≥ 1 of the energy.
     pub order: u32,
-    /// How many steps the model of the curvature remembers.
-    pub memory: usize,
+    /// How many steps the model of the curvature remembers; as many as suit the cells where it is none (ten,
+    /// of L∞ cells six).
+    pub memory: Option<usize>,
     /// Converged once no component of the projected gradient is larger than this share of
     /// s^(2+p), s the side of the mean cell, times the mean density.
     pub gradient_tolerance: f64,
 }
 
 impl Default for DescentOptions {
-    /// p = 1, ten steps remembered, tolerance 1e-9.
+    /// p = 1, tolerance 1e-9.
     fn default() -> Self {
         Self {
             order: 1,
-            memory: 10,
+            memory: None,
             gradient_tolerance: 1e-9,
         }
     }
@@ -147,7 +148,7 @@ fn solver_options<const D: usize>(
     let cube =
         density * 8.0 * f64::from(options.order) * (0.5 * side).powi(1 + options.order as i32);
     LbfgsbOptions {
-        memory: options.memory,
+        memory: options.memory.unwrap_or(space.remembered_steps()),
         scale: density * side.powi(2 + options.order as i32),
         gradient_tolerance: options.gradient_tolerance,
         group: D,

@@ -169,6 +169,11 @@ pub trait RelaxationSpace<const D: usize>: Sync {
         EnergyOptimum::of_equal_cubes(self.volume())
     }
 
+    /// How many steps a descent's model of the curvature remembers where it is not told.
+    fn remembered_steps(&self) -> usize {
+        10
+    }
+
     /// Refuses sites so many, or an order so high, that a 64-bit float holds no energy.
     ///
     /// # Errors

@@ -79,7 +79,7 @@ impl SceneMethod {
             Self::QuasiNewton(descent) => descent.memory,
             Self::Anneal(anneal) => anneal.memory,
         };
-        Some((memory as u64).min(self.iterations()))
+        Some((memory.unwrap_or(10) as u64).min(self.iterations()))
     }
 
     /// Whether Lloyd's moves are lengthened where that ends lower.
@@ -96,7 +96,10 @@ impl SceneMethod {
                 not_negative("method.quasi_newton.tolerance", descent.tolerance)?;
                 let key = "method.quasi_newton.gradient_tolerance";
                 not_negative(key, descent.gradient_tolerance)?;
-                at_least_one("method.quasi_newton.memory", descent.memory as u64)
+                at_least_one(
+                    "method.quasi_newton.memory",
+                    descent.memory.map_or(1, |memory| memory as u64),
+                )
             }
             Self::Anneal(anneal) => {
                 not_negative("method.anneal.tolerance", anneal.tolerance)?;
@@ -104,7 +107,10 @@ impl SceneMethod {
                 not_negative("method.anneal.fall", anneal.fall)?;
                 let key = "method.anneal.gradient_tolerance";
                 not_negative(key, anneal.gradient_tolerance)?;
-                at_least_one("method.anneal.memory", anneal.memory as u64)?;
+                at_least_one(
+                    "method.anneal.memory",
+                    anneal.memory.map_or(1, |memory| memory as u64),
+                )?;
                 at_least_one("method.anneal.first_steps", anneal.first_steps)?;
                 at_least_one("method.anneal.rounds", anneal.rounds)?;
                 at_least_one("method.anneal.steps", anneal.steps)
@@ -139,8 +145,9 @@ pub struct QuasiNewton {
     /// Stop when no component of the projected gradient is larger than this share of s^(2+p), s the
     /// side of the mean cell, times the mean density.
     pub gradient_tolerance: f64,
-    /// How many steps the model of the curvature remembers.
-    pub memory: usize,
+    /// How many steps the model of the curvature remembers; ten if left out, of L∞ cells six.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub memory: Option<usize>,
     /// How many of Lloyd's moves come first, on every level.
     pub warm_up: u64,
 }
@@ -167,8 +174,9 @@ pub struct Anneal {
     pub seed: u64,
     /// The most steps of a level's first and last descent.
     pub first_steps: u64,
-    /// How many steps the model of the curvature remembers.
-    pub memory: usize,
+    /// How many steps the model of the curvature remembers; ten if left out, of L∞ cells six.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub memory: Option<usize>,
     /// A descent ends when no component of the projected gradient is larger than this share of
     /// s^(2+p), s the side of the mean cell, times the mean density.
     pub gradient_tolerance: f64,

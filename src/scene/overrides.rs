@@ -189,7 +189,7 @@ mod tests {
         let SceneMethod::Anneal(keys) = &scene.method else {
             panic!("the method is the one named")
         };
-        assert_eq!((keys.warm_up, keys.memory, keys.rounds), (2, 5, 7));
+        assert_eq!((keys.warm_up, keys.memory, keys.rounds), (2, Some(5), 7));
         assert!((keys.gradient_tolerance - 1e-3).abs() < 1e-18);
         assert!((keys.noise - 0.25).abs() < 1e-18);
         let before = scene.clone();

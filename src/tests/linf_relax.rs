@@ -15,12 +15,14 @@ use crate::mesh::shapes::unit_cube_tets;
 use crate::relax::frames::Frames;
 use crate::relax::method::Method;
 use crate::relax::planar::Plane;
-use crate::relax::relaxation::Relaxation;
+use crate::relax::record::Record;
+use crate::relax::relaxation::{Relaxation, random_sites as random_sites_of};
 use crate::relax::relaxation_space::{EnergySpec, Minimizer, Norm, RelaxationSpace};
 use crate::relax::space::Space;
 use crate::tests::sites::{grid_sites, random_sites};
 use crate::voronoi::planar::diagram::PlaneDiagram;
 use nalgebra::{Point2, Point3, Rotation3, Vector3};
+use std::ops::ControlFlow;
 
 fn linf(domain: impl Domain + 'static) -> Space {
     Space::new(Box::new(domain)).with_cells(Norm::Linf)
@@ -186,6 +188,37 @@ fn a_descent_of_l_infinity_cells_ends_below_lloyd() {
     let outcome = relaxation.run(&mut random_sites(27, 1)).expect("a run");
     let percent = outcome.records.last().expect("records").energy_percent;
     assert!((100.0..102.0).contains(&percent), "{percent}");
+}
+
+/// Of the starts 1 to 8 of 216 sites the one that takes longest.
+#[test]
+fn the_gradient_falls_to_1e_7_of_its_start_in_less_than_120_evaluations() {
+    let space = linf(Cuboid::unit());
+    let mut sites = random_sites_of(&Cuboid::unit(), 216, 4).expect("room");
+    let gradient = |sites: &[Point3<f64>]| {
+        let value = space.objective(sites, 1).expect("cells");
+        value.gradient.iter().map(|g| g.amax()).fold(0.0, f64::max)
+    };
+    let goal = 1e-7 * gradient(&sites);
+    let relaxation = Relaxation::new(Cuboid::unit()).cells(Norm::Linf);
+    let relaxation = relaxation.method(Method::quasi_newton(120));
+    let (mut at_45, mut evaluations) = (0.0, 0.0);
+    let observer = |record: &Record, sites: &[Point3<f64>]| {
+        if record.evaluations <= 45.0 {
+            at_45 = record.energy_percent;
+        }
+        evaluations = record.evaluations;
+        match record.iteration > 70 && gradient(sites) < goal {
+            true => ControlFlow::Break(()),
+            false => ControlFlow::Continue(()),
+        }
+    };
+    relaxation.run_with(&mut sites, observer).expect("a run");
+    assert!((100.0..101.0).contains(&at_45), "{at_45}");
+    assert!(
+        evaluations < 120.0 && gradient(&sites) < goal,
+        "{evaluations}"
+    );
 }
 
 #[test]
