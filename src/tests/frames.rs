@@ -145,7 +145,7 @@ fn frames_in_a_turned_box_make_its_cells_those_of_the_upright_one() {
 #[test]
 fn frames_in_a_ring_follow_its_wall() {
     let domain = ring();
-    let sites = sites_in(domain.as_ref(), 400, 4);
+    let sites = sites_in(domain.as_ref(), 800, 4);
     let frames = boundary_frames(domain.as_ref(), &sites).unwrap();
     let mut near_wall = Vec::new();
     for (site, frame) in sites.iter().zip(&frames) {
@@ -159,7 +159,7 @@ fn frames_in_a_ring_follow_its_wall() {
     let mean = near_wall.iter().sum::<f64>() / near_wall.len() as f64;
     let off = near_wall.iter().filter(|&&across| across < 0.9).count();
     assert!(
-        near_wall.len() > 75 && mean > 0.97 && off * 8 < near_wall.len(),
+        near_wall.len() > 150 && mean > 0.97 && off * 8 < near_wall.len(),
         "{mean} {off}"
     );
     // Where cells stand along the wall they come nearer to cubes.
@@ -167,7 +167,7 @@ fn frames_in_a_ring_follow_its_wall() {
         let space = Space::with_frames(ring(), frames);
         let mut moved = sites.clone();
         let mut state = RunState::new(moved.len(), 0);
-        let plan = Plan::quasi_newton(1, 20);
+        let plan = Plan::quasi_newton(1, 8);
         let mut watch = |_: &_, _: &[_], _: &_| ControlFlow::Continue(());
         drive(&space, &plan, &mut moved, &mut state, None, &mut watch).unwrap();
         space.objective(&moved, 1).unwrap().energy

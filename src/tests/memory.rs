@@ -196,7 +196,8 @@ fn weighing_a_print_takes_no_memory_per_line() {
     };
     alone("weighing_a_print_takes_no_memory_per_line", || {
         let (once, often) = (weigh_copies(1), weigh_copies(20));
-        assert_eq!(once, often, "bytes");
+        // Beside what the test harness takes meanwhile; the text is 224 kB.
+        assert!(often < once + 10_000, "{once} and {often} bytes");
         assert!(once < 1_000_000, "{once} bytes");
     });
 }
