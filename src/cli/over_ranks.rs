@@ -86,6 +86,10 @@ struct RanksOptions {
     /// Threads of each rank [default: the cores allowed to it, shared by the ranks of its machine]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     threads: Option<u32>,
+    /// Print what each rank has done in Lloyd's iteration, one JSON object a line: diagrams, own and halo sites over
+    /// all of them, bytes that came, CPU seconds of indexes and cells, seconds of exchanges with their waits, bytes
+    #[arg(long)]
+    timings: bool,
     /// Tell no progress
     #[arg(long)]
     quiet: bool,
@@ -135,6 +139,7 @@ fn relax(options: &RanksOptions, ranks: &dyn Ranks, neighbors: usize) -> Result<
     let job = RankedJob {
         out: &options.out,
         interval: options.checkpoint.or(scene.output.checkpoint),
+        tells_timings: options.timings,
         is_quiet: options.quiet,
         ranks,
         neighbors,

@@ -12,16 +12,17 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use nalgebra::Point3;
 
 use crate::cli::agreement::together;
-use crate::cli::failure::Failure;
+use crate::cli::failure::{Failure, print};
 use crate::cli::first_rank::{FirstRank, IfFirst, keep_lloyd, leave_sites};
 use crate::cli::interrupt::Interrupt;
 use crate::cli::ranked_cells::{ranks_with_sites, write_list, write_piece};
+use crate::cli::stopwatch::{cpu_seconds, peak_memory};
 use crate::export::run::error::RunError;
 use crate::relax::driver::RunEnd;
 use crate::relax::metrics::CellMetrics;
 use crate::relax::plan::Plan;
 use crate::relax::ranked_lloyd::{RankedRun, is_plain};
-use crate::relax::ranked_sites::RankedSites;
+use crate::relax::ranked_sites::{RankedSites, Spent};
 use crate::relax::ranked_space::RankedSpace;
 use crate::relax::ranks::{Ranks, any, from_first, share_bytes};
 use crate::relax::record::Record;
@@ -50,6 +51,8 @@ pub(crate) struct RankedJob<'a> {
     pub(crate) out: &'a Path,
     /// Moves between two checkpoints, where somebody says how many.
     pub(crate) interval: Option<u64>,
+    /// Whether what each rank has done is printed.
+    pub(crate) tells_timings: bool,
     /// Whether no progress is told.
     pub(crate) is_quiet: bool,
     pub(crate) ranks: &'a dyn Ranks,
@@ -95,6 +98,7 @@ impl RankedJob<'_> {
         mut sites: RankedSites<'_>,
     ) -> Result<RunEnd, Failure> {
         self.measure_first(first.as_deref_mut(), &mut sites)?;
+        (sites.spent, sites.clock) = (Spent::default(), cpu_seconds);
         let mut run = RankedRun::new(sites, plan, self.last.as_ref());
         let mut failure = None;
         let ended = run.run(self.last.as_ref(), &mut |record, sites| {
@@ -107,6 +111,7 @@ impl RankedJob<'_> {
         let record = self.broadcast_record(record)?;
         let kept = keep_lloyd(first.as_deref_mut(), &record, &run.sites);
         together(self.ranks, kept.map_err(Failure::run))?;
+        self.tell_spent(&run.sites.spent)?;
         self.leave(first, &mut run.sites, ended)?;
         Ok(ended)
     }
@@ -243,7 +248,7 @@ impl RankedJob<'_> {
     fn leave_cells(
         &self,
         first: Option<&FirstRank>,
-        sites: &RankedSites<'_>,
+        sites: &mut RankedSites<'_>,
         cells: &[CellMetrics<3>],
     ) -> Result<(), Failure> {
         let output = &self.scene.output;
@@ -254,6 +259,23 @@ impl RankedJob<'_> {
         let pieces = ranks_with_sites(self.ranks, cells.len());
         let listed = first.map_or(Ok(()), |first| write_list(&first.directory, &pieces));
         together(self.ranks, listed)
+    }
+
+    /// What each rank has done, where that is wanted: one JSON object a line.
+    fn tell_spent(&self, spent: &Spent) -> Result<(), Failure> {
+        let own = serde_json::json!({
+            "rank": self.ranks.rank(),
+            "diagrams": spent.diagrams,
+            "own": spent.own,
+            "halo": spent.halo,
+            "bytes": spent.bytes,
+            "cpu_cells": spent.cells,
+            "exchange": spent.exchange,
+            "peak_memory": peak_memory(),
+        });
+        let all = share_bytes(self.ranks, format!("{own}\n").as_bytes());
+        let is_told = self.tells_timings && self.ranks.rank() == 0;
+        if is_told { print(all.concat()) } else { Ok(()) }
     }
 
     /// Sites, cells and the description of what the run has left.
