@@ -36,6 +36,9 @@ use crate::scene::overrides::Overrides;
 use crate::scene::read;
 use crate::scene::run;
 
+/// Moves between two checkpoints, where nobody says how many.
+const MOVES_PER_CHECKPOINT: u64 = 10;
+
 /// Relax sites over the ranks of an MPI job
 #[derive(Debug, Parser)]
 #[command(name = "chebloyd-mpi", version, propagate_version = true)]
@@ -133,16 +136,17 @@ fn relax(options: &RanksOptions, ranks: &dyn Ranks, neighbors: usize) -> Result<
         _ => place(ranks, &space, &scene)?,
     };
     let (sites, counted) = placed.distributed(ranks, &space)?;
+    let fits = run::check_memory_over_ranks(&scene, counted.sites, [ranks.size(), neighbors]);
+    together(ranks, fits.map_err(Failure::input))?;
     let begun = found.map(|found| found.begin(options, &space, counted));
     let (first, state) = together(ranks, begun.transpose())?.unzip();
     signals.interrupt.finish_first();
     let job = RankedJob {
         out: &options.out,
-        interval: options.checkpoint.or(scene.output.checkpoint),
+        interval: options.interval(&scene),
         tells_timings: options.timings,
         is_quiet: options.quiet,
         ranks,
-        neighbors,
         space: &space,
         scene,
         last,
@@ -297,6 +301,12 @@ impl PlacedPart {
 }
 
 impl RanksOptions {
+    /// Moves between two checkpoints.
+    fn interval(&self, scene: &Scene) -> u64 {
+        let given = self.checkpoint.or(scene.output.checkpoint);
+        given.unwrap_or(MOVES_PER_CHECKPOINT)
+    }
+
     fn overrides(&self) -> Overrides {
         let ends = json!({ "iterations": self.iterations, "tolerance": self.tolerance });
         let no_cells = self.no_cells_file.then_some(false);

@@ -384,10 +384,8 @@ impl RelaxationSpace<3> for Space {
         if let Some(cells) = self.linf(sites) {
             let value = cells.objective(order).map_err(SpaceError::Diagram);
             let (value, volumes) = value.map_err(RelaxationError::Space)?;
-            let figures = volumes
-                .into_par_iter()
-                .zip(value.energies.par_iter().copied());
-            self.check(sites, figures, kind)?;
+            let energies = value.energies.par_iter().copied();
+            self.check(sites, volumes.into_par_iter().zip(energies), kind)?;
             return Ok(value);
         }
         let terms = self.map(sites, |scratch: &mut ObjectiveScratch, cell| {

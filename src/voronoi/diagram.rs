@@ -12,6 +12,7 @@ use crate::domain::domain::Domain;
 use crate::voronoi::cell::{Cell, CellBuilder};
 use crate::voronoi::kd_tree::tree::KdTree;
 use crate::voronoi::search::Duplicate;
+use crate::voronoi::site_order::bring_into_order;
 
 /// The least number of cells of a thread's task: enough to outweigh its memory, few enough to balance.
 const CELLS_PER_TASK: usize = 64;
@@ -23,13 +24,6 @@ const CELLS_PER_BATCH: usize = 1 << 15;
 /// How many cells' results are kept at a time when they are streamed: enough for all threads, some
 /// megabytes for results of the size of a cell.
 const CELLS_PER_CHUNK: usize = 4096;
-
-/// Results are brought into the order of their sites in so many runs at most, each of which has a place in the cache
-/// that is written next.
-const MOST_RUNS: usize = 1 << 9;
-
-/// The shortest of these runs.
-const LEAST_RUN: usize = 1 << 10;
 
 /// A flag that stops work when it is raised, if there is one.
 pub(crate) type StopFlag = Option<Arc<AtomicBool>>;
@@ -115,17 +109,6 @@ pub enum DiagramError {
     /// The flag of [`Diagram::stop_by`] was raised.
     #[error("the work was stopped before its end")]
     Stopped,
-}
-
-/// Permutes the results of sites that follow each other from `first` on to where `goals` says.
-fn order_run<T>(results: &mut [T], goals: &mut [u32], first: usize) {
-    for place in 0..results.len() {
-        while goals[place] as usize - first != place {
-            let goal = goals[place] as usize - first;
-            results.swap(place, goal);
-            goals.swap(place, goal);
-        }
-    }
 }
 
 impl<'a> Diagram<'a> {
@@ -405,8 +388,8 @@ impl<'a> Diagram<'a> {
         if let Some(duplicate) = duplicate {
             return Err(self.duplicate(duplicate));
         }
-        self.bring_into_order(&mut results, tree.sites().to_vec())?;
-        Ok(results)
+        let sorted = bring_into_order(&mut results, tree.sites().to_vec(), &|| self.is_stopped());
+        sorted.map(|()| results).ok_or(DiagramError::Stopped)
     }
 
     /// Computes what `one` computes unless the work is stopped.
@@ -416,36 +399,6 @@ impl<'a> Diagram<'a> {
             return Err(Halt::Stopped);
         }
         one().map_err(Halt::Duplicate)
-    }
-
-    /// Permutes `results` in place so that each comes to the index that `goals` gives: first into the right run of
-    /// indices, which reads and writes runs from their beginnings on, then within all runs at once.
-    fn bring_into_order<T: Send>(
-        &self,
-        results: &mut [T],
-        mut goals: Vec<u32>,
-    ) -> Result<(), DiagramError> {
-        let run = results.len().div_ceil(MOST_RUNS).max(LEAST_RUN);
-        let mut next: Vec<usize> = (0..results.len()).step_by(run).collect();
-        for number in 0..next.len() {
-            let end = results.len().min((number + 1) * run);
-            while next[number] < end {
-                let place = next[number];
-                let goal = goals[place] as usize / run;
-                next[goal] += 1;
-                if goal != number {
-                    results.swap(place, next[goal] - 1);
-                    goals.swap(place, next[goal] - 1);
-                }
-            }
-            if self.is_stopped() {
-                return Err(DiagramError::Stopped);
-            }
-        }
-        let runs = results.par_chunks_mut(run).zip(goals.par_chunks_mut(run));
-        let runs = runs.enumerate();
-        runs.for_each(|(number, (results, goals))| order_run(results, goals, number * run));
-        Ok(())
     }
 
     /// Computes `of_cell` for every cell as [`Diagram::map`] does and passes the results to `take` in site
