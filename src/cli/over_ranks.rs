@@ -36,6 +36,9 @@ use crate::scene::overrides::Overrides;
 use crate::scene::read;
 use crate::scene::run;
 
+/// Moves between two checkpoints, where nobody says how many.
+const MOVES_PER_CHECKPOINT: u64 = 10;
+
 /// Relax sites over the ranks of an MPI job
 #[derive(Debug, Parser)]
 #[command(name = "chebloyd-mpi", version, propagate_version = true)]
@@ -86,6 +89,10 @@ struct RanksOptions {
     /// Threads of each rank [default: the cores allowed to it, shared by the ranks of its machine]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     threads: Option<u32>,
+    /// Print what each rank has done in Lloyd's iteration, one JSON object a line: diagrams, own and halo sites over
+    /// all of them, bytes that came, CPU seconds of indexes and cells, seconds of exchanges with their waits, bytes
+    #[arg(long)]
+    timings: bool,
     /// Tell no progress
     #[arg(long)]
     quiet: bool,
@@ -129,15 +136,17 @@ fn relax(options: &RanksOptions, ranks: &dyn Ranks, neighbors: usize) -> Result<
         _ => place(ranks, &space, &scene)?,
     };
     let (sites, counted) = placed.distributed(ranks, &space)?;
+    let fits = run::check_memory_over_ranks(&scene, counted.sites, [ranks.size(), neighbors]);
+    together(ranks, fits.map_err(Failure::input))?;
     let begun = found.map(|found| found.begin(options, &space, counted));
     let (first, state) = together(ranks, begun.transpose())?.unzip();
     signals.interrupt.finish_first();
     let job = RankedJob {
         out: &options.out,
-        interval: options.checkpoint.or(scene.output.checkpoint),
+        interval: options.interval(&scene),
+        tells_timings: options.timings,
         is_quiet: options.quiet,
         ranks,
-        neighbors,
         space: &space,
         scene,
         last,
@@ -292,6 +301,12 @@ impl PlacedPart {
 }
 
 impl RanksOptions {
+    /// Moves between two checkpoints.
+    fn interval(&self, scene: &Scene) -> u64 {
+        let given = self.checkpoint.or(scene.output.checkpoint);
+        given.unwrap_or(MOVES_PER_CHECKPOINT)
+    }
+
     fn overrides(&self) -> Overrides {
         let ends = json!({ "iterations": self.iterations, "tolerance": self.tolerance });
         let no_cells = self.no_cells_file.then_some(false);

@@ -32,18 +32,19 @@ const ARRAYS: [(&str, &str); 5] = [
 /// Writes the piece of this rank in the run's directory `out`; nothing where it has no sites. All ranks must call.
 pub(crate) fn write_piece(
     out: &Path,
-    sites: &RankedSites<'_>,
+    sites: &mut RankedSites<'_>,
     cells: &[CellMetrics<3>],
 ) -> Result<(), Failure> {
     let domain = sites.space.domain();
     let path = out.join(RunDirectory::piece(sites.ranks.rank()));
     let mut file = (!cells.is_empty()).then(|| VtuWriter::new(&path));
     let mut written = Ok(());
-    let mut numbered = sites.own.numbers.iter().zip(cells);
+    let numbers = sites.own.numbers.clone();
+    let mut numbered = numbers.into_iter().zip(cells);
     let add = |shell: Shell| {
         let next = numbered.next().zip(file.as_mut());
         if let (Some(((number, cell), file)), Ok(())) = (next, &written) {
-            written = file.push(&geometry(*number as usize, shell, cell));
+            written = file.push(&geometry(number as usize, shell, cell));
         }
     };
     let built = sites.stream_own(

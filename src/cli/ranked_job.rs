@@ -12,16 +12,17 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use nalgebra::Point3;
 
 use crate::cli::agreement::together;
-use crate::cli::failure::Failure;
+use crate::cli::failure::{Failure, print};
 use crate::cli::first_rank::{FirstRank, IfFirst, keep_lloyd, leave_sites};
 use crate::cli::interrupt::Interrupt;
 use crate::cli::ranked_cells::{ranks_with_sites, write_list, write_piece};
+use crate::cli::stopwatch::{cpu_seconds, peak_memory};
 use crate::export::run::error::RunError;
 use crate::relax::driver::RunEnd;
-use crate::relax::metrics::CellMetrics;
+use crate::relax::metrics::{CellMetrics, Metrics};
 use crate::relax::plan::Plan;
 use crate::relax::ranked_lloyd::{RankedRun, is_plain};
-use crate::relax::ranked_sites::RankedSites;
+use crate::relax::ranked_sites::{RankedSites, Spent};
 use crate::relax::ranked_space::RankedSpace;
 use crate::relax::ranks::{Ranks, any, from_first, share_bytes};
 use crate::relax::record::Record;
@@ -29,10 +30,7 @@ use crate::relax::relaxation::{Checkpoint, continue_run};
 use crate::relax::space::Space;
 use crate::relax::state::RunState;
 use crate::scene::description::Scene;
-use crate::scene::run::{check_memory_over_ranks, energy_spec, plan};
-
-/// Moves between two checkpoints, where nobody says how many.
-const MOVES_PER_CHECKPOINT: u64 = 10;
+use crate::scene::run::{energy_spec, plan};
 
 /// The exit code of SIGTERM, where another rank received the signal.
 const TERMINATED: u8 = 143;
@@ -48,13 +46,13 @@ pub(crate) struct Signals {
 pub(crate) struct RankedJob<'a> {
     /// The directory of the run.
     pub(crate) out: &'a Path,
-    /// Moves between two checkpoints, where somebody says how many.
-    pub(crate) interval: Option<u64>,
+    /// Moves between two checkpoints.
+    pub(crate) interval: u64,
+    /// Whether what each rank has done is printed.
+    pub(crate) tells_timings: bool,
     /// Whether no progress is told.
     pub(crate) is_quiet: bool,
     pub(crate) ranks: &'a dyn Ranks,
-    /// How many of them share this machine's memory.
-    pub(crate) neighbors: usize,
     pub(crate) space: &'a Space,
     pub(crate) scene: Scene,
     /// Where the run goes on; nothing at its start.
@@ -70,11 +68,7 @@ impl RankedJob<'_> {
         sites: RankedSites<'_>,
         state: Vec<f64>,
     ) -> Result<(), Failure> {
-        let count = sites.count;
-        let plan = plan(&self.scene, count);
-        let shared = [self.ranks.size(), self.neighbors];
-        let fits = check_memory_over_ranks(&self.scene, count, is_plain(&plan), shared);
-        together(self.ranks, fits.map_err(Failure::input))?;
+        let plan = plan(&self.scene, sites.count);
         let ended = match is_plain(&plan) {
             true => self.lloyd(&plan, first.as_mut(), sites),
             false => self.driven(&plan, first.as_mut(), (sites, state)),
@@ -95,6 +89,7 @@ impl RankedJob<'_> {
         mut sites: RankedSites<'_>,
     ) -> Result<RunEnd, Failure> {
         self.measure_first(first.as_deref_mut(), &mut sites)?;
+        (sites.spent, sites.clock) = (Spent::default(), cpu_seconds);
         let mut run = RankedRun::new(sites, plan, self.last.as_ref());
         let mut failure = None;
         let ended = run.run(self.last.as_ref(), &mut |record, sites| {
@@ -107,6 +102,7 @@ impl RankedJob<'_> {
         let record = self.broadcast_record(record)?;
         let kept = keep_lloyd(first.as_deref_mut(), &record, &run.sites);
         together(self.ranks, kept.map_err(Failure::run))?;
+        self.tell_spent(&run.sites.spent)?;
         self.leave(first, &mut run.sites, ended)?;
         Ok(ended)
     }
@@ -180,17 +176,24 @@ impl RankedJob<'_> {
         if any(self.ranks, is_measured) {
             return Ok(());
         }
-        let cells = sites
-            .own_metrics(energy_spec(&self.scene))
-            .map_err(Failure::run)?;
-        let figures = sites.metrics(&cells);
-        let iteration = self.last.as_ref().map_or(0, |record| record.iteration);
-        let figures = figures.checked(iteration).map_err(Failure::run)?;
+        let (_, figures) = self.measured(sites)?;
         let described = first.map_or(Ok(()), |first| {
             first.description.initial = Some(figures);
             first.directory.describe(&first.description)
         });
         together(self.ranks, described.map_err(Failure::run))
+    }
+
+    /// The figures of the own sites' cells, and of all together.
+    fn measured(
+        &self,
+        sites: &mut RankedSites<'_>,
+    ) -> Result<(Vec<CellMetrics<3>>, Metrics), Failure> {
+        let cells = sites.own_metrics(energy_spec(&self.scene));
+        let cells = cells.map_err(Failure::run)?;
+        let iteration = self.last.as_ref().map_or(0, |record| record.iteration);
+        let figures = sites.metrics(&cells).checked(iteration);
+        Ok((cells, figures.map_err(Failure::run)?))
     }
 
     /// What follows a record, decided by all ranks together.
@@ -202,9 +205,7 @@ impl RankedJob<'_> {
     ) -> ControlFlow<()> {
         let is_stopped = any(self.ranks, self.signals.interrupt.exit_code().is_some());
         let is_asked = any(self.ranks, self.signals.keep.swap(false, Ordering::SeqCst));
-        let is_due = record
-            .iteration
-            .is_multiple_of(self.interval.unwrap_or(MOVES_PER_CHECKPOINT));
+        let is_due = record.iteration.is_multiple_of(self.interval);
         let appended = first.as_deref_mut().map_or(Ok(()), |first| {
             self.show(record);
             first.append(record)
@@ -243,7 +244,7 @@ impl RankedJob<'_> {
     fn leave_cells(
         &self,
         first: Option<&FirstRank>,
-        sites: &RankedSites<'_>,
+        sites: &mut RankedSites<'_>,
         cells: &[CellMetrics<3>],
     ) -> Result<(), Failure> {
         let output = &self.scene.output;
@@ -256,6 +257,23 @@ impl RankedJob<'_> {
         together(self.ranks, listed)
     }
 
+    /// What each rank has done, where that is wanted: one JSON object a line.
+    fn tell_spent(&self, spent: &Spent) -> Result<(), Failure> {
+        let own = serde_json::json!({
+            "rank": self.ranks.rank(),
+            "diagrams": spent.diagrams,
+            "own": spent.own,
+            "halo": spent.halo,
+            "bytes": spent.bytes,
+            "cpu_cells": spent.cells,
+            "exchange": spent.exchange,
+            "peak_memory": peak_memory(),
+        });
+        let all = share_bytes(self.ranks, format!("{own}\n").as_bytes());
+        let is_told = self.tells_timings && self.ranks.rank() == 0;
+        if is_told { print(all.concat()) } else { Ok(()) }
+    }
+
     /// Sites, cells and the description of what the run has left.
     fn leave(
         &self,
@@ -263,27 +281,17 @@ impl RankedJob<'_> {
         sites: &mut RankedSites<'_>,
         ended: RunEnd,
     ) -> Result<(), Failure> {
-        let cells = sites
-            .own_metrics(energy_spec(&self.scene))
-            .map_err(Failure::run)?;
-        let figures = sites.metrics(&cells);
+        let (cells, figures) = self.measured(sites)?;
         let written = leave_sites(first.as_deref_mut(), sites);
         together(self.ranks, written)?;
         self.leave_cells(first.as_deref(), sites, &cells)?;
         let described = first.map_or(Ok(()), |first| {
-            let last = first.last.as_ref();
-            let figures = figures
-                .checked(last.map_or(0, |last| last.iteration))
-                .map_err(Failure::run)?;
             first.description.last = Some(figures);
             first.description.ended = Some(named_end(ended).to_owned());
-            first.description.seconds = last.map_or(0.0, |last| last.seconds);
-            first
-                .directory
-                .describe(&first.description)
-                .map_err(Failure::run)
+            first.description.seconds = first.last.as_ref().map_or(0.0, |last| last.seconds);
+            first.directory.describe(&first.description)
         });
-        together(self.ranks, described)
+        together(self.ranks, described.map_err(Failure::run))
     }
 }
 

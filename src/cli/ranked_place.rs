@@ -44,16 +44,19 @@ pub(crate) fn place(
     scene: &Scene,
 ) -> Result<PlacedPart, Failure> {
     if let Some(path) = read_in_parts(scene) {
-        let part = read_part(
-            path,
-            [ranks.rank(), ranks.size()].map(|number| number as u64),
-        );
+        let share = [ranks.rank(), ranks.size()].map(|number| number as u64);
+        let part = read_part(path, share);
         let part = together(ranks, part.map_err(Failure::input))?;
         let is_whole = any(ranks, part.is_none());
         if let (Some(part), false) = (part, is_whole) {
             return PlacedPart::of_rows(ranks, space, part);
         }
     }
+    place_at_first(ranks, space, scene)
+}
+
+/// The sites of a scene, all of the first rank.
+fn place_at_first(ranks: &dyn Ranks, space: &Space, scene: &Scene) -> Result<PlacedPart, Failure> {
     let placed = (ranks.rank() == 0).then(|| space.placed(scene).map_err(Failure::input));
     let Some(placed) = together(ranks, placed.transpose())? else {
         return Ok(PlacedPart::default());
@@ -108,19 +111,9 @@ impl PlacedPart {
         space: &'a Space,
     ) -> Result<(RankedSites<'a>, Counted), Failure> {
         let sites = RankedSites::new(ranks, space, self.sites);
-        let pair = if self.is_of_parts {
-            sites.twins()
-        } else {
-            None
-        };
-        let pair = pair.map_or(Ok(()), |([first, second], point)| {
-            Err(Failure::input(twins(
-                first as usize,
-                second as usize,
-                &point,
-            )))
-        });
-        together(ranks, pair)?;
+        let pair = self.is_of_parts.then(|| sites.twins()).flatten();
+        let refused = pair.map(|(numbers, place)| Failure::input(twins(numbers, &place)));
+        together(ranks, refused.map_or(Ok(()), Err))?;
         let counted = Counted {
             sites: sites.count,
             dropped: self.dropped,

@@ -57,9 +57,8 @@ impl<'a, const D: usize, S: DrawCells<D>> FiledRun<'a, D, S> {
         let placed = space.placed(&scene).map_err(Failure::input)?;
         print_notes(&placed.notes);
         check_memory(&scene, placed.sites.len()).map_err(Failure::input)?;
-        let identity = identity(&scene, &placed.sites)?;
-        let counts = [placed.sites.len(), placed.dropped];
-        let description = describe(space, scene, counts, identity)?;
+        let (identity, count) = (identity(&scene, &placed.sites)?, placed.sites.len());
+        let description = describe(space, scene, [count, placed.dropped], identity)?;
         interrupt.finish_first();
         let directory = RunDirectory::create(out, &description.identity, &description)
             .map_err(Failure::input)?;

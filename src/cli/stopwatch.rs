@@ -36,6 +36,12 @@ impl Stopwatch {
     }
 }
 
+/// The CPU time of all threads of this process so far (s); zero where the system does not count it.
+pub(crate) fn cpu_seconds() -> f64 {
+    let spent = spent().unwrap_or_default();
+    spent.values().sum::<u64>() as f64 * 1e-9
+}
+
 /// The CPU time so far, where the system counts it (Linux).
 fn spent() -> Option<Spent> {
     let mut spent = Spent::new();

@@ -8,12 +8,16 @@
 //!   the squared Euclidean distance it is D/(D+2) m r², r the radius of the ball.
 //! - Every energy is a number that 64 bits hold.
 
+use rayon::prelude::*;
 use thiserror::Error;
 
 use crate::relax::optimum::optimal_energy;
 
 /// The relative rounding that sums of volumes and energies may have.
 const ROUNDING: f64 = 1e-9;
+
+/// Cells whose figures one task adds.
+const RUN: usize = 4096;
 
 /// Why cells are not those of a tessellation, or what of them is no number. Sites count from zero.
 #[derive(Clone, Debug, Error, PartialEq)]
@@ -198,29 +202,29 @@ impl DomainTotals {
     /// As [`CellsError`] says.
     pub(crate) fn check<const D: usize>(
         &self,
-        cells: impl ExactSizeIterator<Item = CellFigures> + Clone,
+        cells: impl IndexedParallelIterator<Item = CellFigures> + Clone,
         kind: EnergyKind,
         cause: impl FnOnce() -> Option<String>,
     ) -> Result<(), CellsError> {
-        let sums = cells.clone();
-        let (volume, energy) = sums.fold((0.0, 0.0), |(volumes, energies), (volume, energy)| {
+        let add = |(volumes, energies): CellFigures, (volume, energy): CellFigures| {
             (volumes + volume, energies + energy)
-        });
+        };
+        // Whoever adds a run, its sum is the same.
+        let runs = cells.clone().fold_chunks(RUN, || (0.0, 0.0), add);
+        let runs: Vec<CellFigures> = runs.collect();
+        let (volume, energy) = runs.into_iter().fold((0.0, 0.0), add);
+        let count = cells.len();
+        let are_possible = cells.clone().all(|(volume, _)| self.is_possible(volume));
+        if are_possible && self.is_filled(volume) {
+            let of_cell = |(site, cell)| Self::out_of_range(site, cell, kind);
+            let refused = cells.clone().enumerate().find_map_first(of_cell);
+            refused.map_or(Ok(()), Err)?;
+        }
         let sums = CellSums {
-            count: cells.len(),
+            count,
             volume,
             energy,
         };
-        let are_possible = cells.clone().all(|(volume, _)| self.is_possible(volume));
-        let mut numbered = cells.clone().enumerate();
-        let mut out_of_range =
-            || numbered.find_map(|(site, cell)| Self::out_of_range(site, cell, kind));
-        if are_possible
-            && self.is_filled(volume)
-            && let Some(error) = out_of_range()
-        {
-            return Err(error);
-        }
         self.check_sums::<D>(&sums, are_possible, kind, || self.fault(cells, cause))
     }
 
@@ -289,11 +293,11 @@ impl DomainTotals {
     /// The first cell that is none, or what `cause` says.
     fn fault(
         &self,
-        cells: impl Iterator<Item = CellFigures>,
+        cells: impl IndexedParallelIterator<Item = CellFigures>,
         cause: impl FnOnce() -> Option<String>,
     ) -> String {
-        let mut numbered = cells.enumerate();
-        match numbered.find(|(_, (volume, _))| !self.is_possible(*volume)) {
+        let numbered = cells.enumerate();
+        match numbered.find_first(|(_, (volume, _))| !self.is_possible(*volume)) {
             Some((site, (volume, _))) => format!("the cell of site {site} has the volume {volume}"),
             None => cause().unwrap_or_else(|| "no single cell is at fault".to_owned()),
         }
@@ -356,7 +360,7 @@ mod tests {
     #[test]
     fn faults_are_told_with_the_first_cell() {
         let check = |cells: &[CellFigures]| {
-            let cells = cells.iter().copied();
+            let cells = cells.par_iter().copied();
             CUBE.check::<3>(cells, EnergyKind::Chebyshev(1), || None)
         };
         let half = 0.2;

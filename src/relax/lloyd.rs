@@ -12,6 +12,7 @@
 //! of 3 to 20 moves and the same safeguard, was measured to gain less.)
 
 use nalgebra::Point;
+use rayon::prelude::*;
 
 use crate::relax::relaxation_space::{CellResult, EnergySpec, RelaxationSpace};
 
@@ -40,7 +41,7 @@ pub(crate) fn lloyd_move<const D: usize, S: RelaxationSpace<D>>(
     spec: EnergySpec,
     is_accelerated: bool,
 ) -> Result<EvaluatedSites<D>, S::Error> {
-    let targets: Vec<_> = cells.iter().map(|cell| cell.target).collect();
+    let targets: Vec<_> = cells.par_iter().map(|cell| cell.target).collect();
     if !is_accelerated {
         return evaluate(space, targets, spec);
     }
@@ -73,7 +74,10 @@ pub(crate) fn evaluate<const D: usize, S: RelaxationSpace<D>>(
     spec: EnergySpec,
 ) -> Result<EvaluatedSites<D>, S::Error> {
     let cells = space.assess(&sites, spec)?;
-    let evaluations = cells.iter().map(|cell| u64::from(cell.evaluations)).sum();
+    let evaluations = cells
+        .par_iter()
+        .map(|cell| u64::from(cell.evaluations))
+        .sum();
     Ok(EvaluatedSites {
         sites,
         cells,

@@ -49,7 +49,7 @@ impl Plane {
     ) -> Result<Vec<CellMetrics<2>>, PlaneError> {
         self.check_scale(sites.len(), spec)?;
         let cells = self.map(sites, |cell| cell.metrics(spec))?;
-        let figures = cells.iter().map(|cell| (cell.volume, cell.energy));
+        let figures = cells.par_iter().map(|cell| (cell.volume, cell.energy));
         self.totals().check::<2>(figures, spec.kind(), || None)?;
         let mut numbered = cells.iter().enumerate();
         numbered.try_for_each(|(site, cell)| cell.check(site))?;
@@ -190,7 +190,7 @@ impl RelaxationSpace<2> for Plane {
     ) -> Result<Vec<CellResult<2>>, PlaneError> {
         self.check_scale(sites.len(), spec)?;
         let results = self.map(sites, |cell| cell.assess(spec))?;
-        let figures = results.iter().map(|cell| (cell.volume, cell.energy));
+        let figures = results.par_iter().map(|cell| (cell.volume, cell.energy));
         self.totals().check::<2>(figures, spec.kind(), || None)?;
         Ok(results)
     }
@@ -211,7 +211,7 @@ impl RelaxationSpace<2> for Plane {
             })
         });
         let terms = terms.map_err(in_plane)?;
-        let figures = terms.iter().map(|cell| (cell.volume, cell.energy));
+        let figures = terms.par_iter().map(|cell| (cell.volume, cell.energy));
         self.totals().check::<2>(figures, kind, || None)?;
         Ok(sum_of(&terms))
     }

@@ -10,6 +10,7 @@
 //! indices alone (`voronoi::search`): what a cell becomes does not depend on who holds its neighbors.
 
 use std::cmp::Ordering;
+use std::time::Instant;
 
 use nalgebra::Point3;
 use rayon::prelude::*;
@@ -33,6 +34,23 @@ const SPARE: f64 = 1.05;
 /// Sites by whose places bricks are divided, per rank.
 const SAMPLE: usize = 4096;
 
+/// What diagrams over ranks have taken so far, on one of them.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Spent {
+    /// How many diagrams were made, those made again for a wider halo counted.
+    pub(crate) diagrams: u64,
+    /// Own sites, over all diagrams.
+    pub(crate) own: u64,
+    /// Sites of halos, over all diagrams.
+    pub(crate) halo: u64,
+    /// Bytes that came from other ranks, for halos and in migrations.
+    pub(crate) bytes: u64,
+    /// The time by [`RankedSites::clock`] of indexes and cells (s).
+    pub(crate) cells: f64,
+    /// The time of exchanges, waits included (s).
+    pub(crate) exchange: f64,
+}
+
 /// Sites distributed over ranks, as one of them sees it.
 pub(crate) struct RankedSites<'a> {
     pub(crate) ranks: &'a dyn Ranks,
@@ -45,6 +63,9 @@ pub(crate) struct RankedSites<'a> {
     pub(crate) own: SomeSites,
     /// The numbers of the sites among which the last cells were built.
     pub(crate) known: Vec<u64>,
+    pub(crate) spent: Spent,
+    /// The time that this process has computed (s); nothing is measured unless somebody gives a clock.
+    pub(crate) clock: fn() -> f64,
 }
 
 impl<'a> RankedSites<'a> {
@@ -95,6 +116,8 @@ impl<'a> RankedSites<'a> {
             widths: vec![FIRST_WIDTH * side; ranks.size()],
             own,
             known: Vec::new(),
+            spent: Spent::default(),
+            clock: || 0.0,
         }
     }
 
@@ -169,7 +192,7 @@ impl<'a> RankedSites<'a> {
         for (place, owner) in owners.into_iter().enumerate() {
             parts[owner].extend(self.own.words(place));
         }
-        self.own = SomeSites::of_words(&self.ranks.exchange(parts));
+        self.own = self.exchanged(parts);
     }
 
     /// What `of_cell` says of the own sites' cells, with as wide a halo as they need.
@@ -179,10 +202,12 @@ impl<'a> RankedSites<'a> {
     ) -> Result<Vec<Answer>, RanksError> {
         loop {
             let (known, chosen) = self.with_halo();
+            let began = (self.clock)();
             let answers = match chosen.is_empty() {
                 true => Ok(Vec::new()),
-                false => self.space.of_chosen(&known.positions, &chosen, &of_cell),
+                false => (self.space).of_chosen(&known.positions, &chosen, &of_cell),
             };
+            self.note_diagram(&known, (self.clock)() - began);
             let told = answers.map_err(|error| renumbered(error, &known.numbers).to_string());
             let answers =
                 agreed(self.ranks, told).map_err(|message| RanksError::Failed { message })?;
@@ -201,10 +226,32 @@ impl<'a> RankedSites<'a> {
         }
     }
 
+    fn note_diagram(&mut self, known: &SomeSites, seconds: f64) {
+        let own = self.own.numbers.len() as u64;
+        let spent = &mut self.spent;
+        spent.diagrams += 1;
+        spent.own += own;
+        spent.halo += known.numbers.len() as u64 - own;
+        spent.cells += seconds;
+    }
+
+    /// The sites that the others send here.
+    fn exchanged(&mut self, parts: Vec<Vec<u64>>) -> SomeSites {
+        let began = Instant::now();
+        let came = self.ranks.exchange(parts);
+        self.spent.exchange += began.elapsed().as_secs_f64();
+        let others = came
+            .iter()
+            .enumerate()
+            .filter(|(rank, _)| *rank != self.ranks.rank());
+        self.spent.bytes += others.map(|(_, part)| 8 * part.len() as u64).sum::<u64>();
+        SomeSites::of_words(&came)
+    }
+
     /// Gives `add` what `of_cell` says of the own sites' cells in their order, `held` at a time. The sites lie where
     /// [`map_own`](Self::map_own) was asked last, so that halos are wide enough.
     pub(crate) fn stream_own<Memory: Default, Answer: Send>(
-        &self,
+        &mut self,
         held: usize,
         of_cell: impl Fn(&mut Memory, &Cell<'_>) -> Answer + Sync,
         mut add: impl FnMut(Answer),
@@ -218,7 +265,7 @@ impl<'a> RankedSites<'a> {
     }
 
     /// The own sites with those within each rank's width of its brick, and the places of the own.
-    fn with_halo(&self) -> (SomeSites, Vec<usize>) {
+    fn with_halo(&mut self) -> (SomeSites, Vec<usize>) {
         let (size, rank) = (self.ranks.size(), self.ranks.rank());
         let mut parts = vec![Vec::new(); size];
         let others = (0..size).filter(|&other| other != rank);
@@ -232,7 +279,7 @@ impl<'a> RankedSites<'a> {
                 .flat_map_iter(|(place, _)| self.own.words(place))
                 .collect();
         }
-        let halo = SomeSites::of_words(&self.ranks.exchange(parts));
+        let halo = self.exchanged(parts);
         self.own.merged(&halo)
     }
 

@@ -247,7 +247,7 @@ impl RelaxationSpace<3> for RankedSpace<'_> {
             words_of_result(&memory.assess(domain, cell, spec))
         })?;
         let cells: Vec<_> = words.into_iter().map(result_of_words).collect();
-        let figures = cells.iter().map(|cell| (cell.volume, cell.energy));
+        let figures = cells.par_iter().map(|cell| (cell.volume, cell.energy));
         self.space.check(sites, figures, spec.kind())?;
         Ok(cells)
     }
@@ -261,7 +261,9 @@ impl RelaxationSpace<3> for RankedSpace<'_> {
         self.space.totals().check_scale::<3>(sites.len(), kind)?;
         let cells = self.terms(sites, order).map_err(RelaxationError::Space)?;
         let number = |cell: &[u64; 6], place: usize| f64::from_bits(cell[place]);
-        let figures = cells.iter().map(|cell| (number(cell, 2), number(cell, 0)));
+        let figures = cells
+            .par_iter()
+            .map(|cell| (number(cell, 2), number(cell, 0)));
         self.space.check(sites, figures, kind)?;
         let [energy, chebyshev] = exact_sums(&cells, |cell| [number(cell, 0), number(cell, 1)]);
         let energies: Vec<f64> = cells.iter().map(|cell| number(cell, 0)).collect();

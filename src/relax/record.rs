@@ -172,7 +172,10 @@ impl Totals {
         Self {
             count: cells.len(),
             energy: energy.value(),
-            energy_max: cells.iter().map(|cell| cell.energy).fold(0.0, f64::max),
+            energy_max: cells
+                .par_iter()
+                .map(|cell| cell.energy)
+                .reduce(|| 0.0, f64::max),
             chebyshev: chebyshev.value(),
         }
     }

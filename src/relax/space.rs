@@ -4,6 +4,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use nalgebra::{Point3, Vector3};
+use rayon::prelude::*;
 use thiserror::Error;
 
 use crate::domain::{
@@ -204,7 +205,7 @@ impl Space {
                 memory.metrics(self.domain(), cell, spec)
             })?,
         };
-        let figures = cells.iter().map(|cell| (cell.volume, cell.energy));
+        let figures = cells.par_iter().map(|cell| (cell.volume, cell.energy));
         self.check(sites, figures, spec.kind())?;
         let mut numbered = cells.iter().enumerate();
         numbered.try_for_each(|(site, cell)| cell.check(site))?;
@@ -225,7 +226,7 @@ impl Space {
     pub(crate) fn check(
         &self,
         sites: &[Point3<f64>],
-        cells: impl ExactSizeIterator<Item = (f64, f64)> + Clone,
+        cells: impl IndexedParallelIterator<Item = (f64, f64)> + Clone,
         kind: EnergyKind,
     ) -> Result<(), CellsError> {
         self.totals().check::<3>(cells, kind, || {
@@ -377,7 +378,7 @@ impl RelaxationSpace<3> for Space {
                 memory.assess(self.domain(), cell, spec)
             })?,
         };
-        let figures = cells.iter().map(|cell| (cell.volume, cell.energy));
+        let figures = cells.par_iter().map(|cell| (cell.volume, cell.energy));
         self.check(sites, figures, spec.kind())?;
         Ok(cells)
     }
@@ -392,15 +393,15 @@ impl RelaxationSpace<3> for Space {
         if let Some(cells) = self.linf(sites) {
             let value = cells.objective(order).map_err(SpaceError::Diagram);
             let (value, volumes) = value.map_err(RelaxationError::Space)?;
-            let figures = volumes.into_iter().zip(value.energies.iter().copied());
-            self.check(sites, figures, kind)?;
+            let energies = value.energies.par_iter().copied();
+            self.check(sites, volumes.into_par_iter().zip(energies), kind)?;
             return Ok(value);
         }
         let terms = self.map(sites, |scratch: &mut ObjectiveScratch, cell| {
             scratch.terms(self.domain(), &self.frames, &cell, order)
         });
         let terms = terms.map_err(RelaxationError::Space)?;
-        let figures = terms.iter().map(|cell| (cell.volume, cell.energy));
+        let figures = terms.par_iter().map(|cell| (cell.volume, cell.energy));
         self.check(sites, figures, kind)?;
         Ok(sum_of(&terms))
     }

@@ -342,6 +342,20 @@ mod tests {
     }
 
     #[test]
+    fn an_interval_of_checkpoints_has_moves() {
+        let output = |checkpoint| Output {
+            checkpoint,
+            ..Output::default()
+        };
+        let refused = output(Some(0)).validate().expect_err("no interval");
+        assert!(
+            refused.to_string().contains("output.checkpoint"),
+            "{refused}"
+        );
+        assert!(output(Some(1)).validate().is_ok() && output(None).validate().is_ok());
+    }
+
+    #[test]
     fn a_resolved_scene_reads_back_as_itself() {
         let scene = Scene::embedded();
         let text = serde_json::to_string(&scene).expect("a scene is JSON");

@@ -313,10 +313,10 @@ pub(crate) fn check_part<const D: usize>(
 }
 
 /// The refusal of two sites in one place.
-pub(crate) fn twins<const D: usize>(first: usize, second: usize, point: &Point<f64, D>) -> Error {
+pub(crate) fn twins<const D: usize>([first, second]: [u64; 2], point: &Point<f64, D>) -> Error {
     Error::Duplicate {
-        first,
-        second,
+        first: first as usize,
+        second: second as usize,
         point: shown(point),
         others: 0,
     }

@@ -16,6 +16,7 @@ use crate::relax::metrics::{CellMetrics, Metrics};
 use crate::relax::multilevel::levels_for_cubes;
 use crate::relax::plan::{Perturbation, PerturbationKind, Plan};
 use crate::relax::planar::Plane;
+use crate::relax::ranked_lloyd::is_plain;
 use crate::relax::record::Record;
 use crate::relax::relaxation::{Checkpoint, continue_run};
 use crate::relax::relaxation_space::{EnergySpec, Norm, RelaxationSpace};
@@ -250,10 +251,9 @@ pub fn check_memory(scene: &Scene, count: usize) -> Result<(), Error> {
 pub(crate) fn check_memory_over_ranks(
     scene: &Scene,
     count: usize,
-    is_lloyd: bool,
     [size, neighbors]: [usize; 2],
 ) -> Result<(), Error> {
-    let share = if is_lloyd {
+    let share = if is_plain(&plan(scene, count)) {
         [neighbors, size]
     } else {
         [neighbors, 1]

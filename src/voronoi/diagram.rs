@@ -12,6 +12,7 @@ use crate::domain::domain::Domain;
 use crate::voronoi::cell::{Cell, CellBuilder};
 use crate::voronoi::kd_tree::tree::KdTree;
 use crate::voronoi::search::Duplicate;
+use crate::voronoi::site_order::bring_into_order;
 
 /// The least number of cells of a thread's task: enough to outweigh its memory, few enough to balance.
 const CELLS_PER_TASK: usize = 64;
@@ -23,9 +24,6 @@ const CELLS_PER_BATCH: usize = 1 << 15;
 /// How many cells' results are kept at a time when they are streamed: enough for all threads, some
 /// megabytes for results of the size of a cell.
 const CELLS_PER_CHUNK: usize = 4096;
-
-/// How many results change places between two looks at the flag that stops the work: less than a millisecond.
-const SWAPS_PER_LOOK: usize = 1 << 12;
 
 /// A flag that stops work when it is raised, if there is one.
 pub(crate) type StopFlag = Option<Arc<AtomicBool>>;
@@ -390,8 +388,8 @@ impl<'a> Diagram<'a> {
         if let Some(duplicate) = duplicate {
             return Err(self.duplicate(duplicate));
         }
-        self.bring_into_order(&mut results, tree.sites().to_vec())?;
-        Ok(results)
+        let sorted = bring_into_order(&mut results, tree.sites().to_vec(), &|| self.is_stopped());
+        sorted.map(|()| results).ok_or(DiagramError::Stopped)
     }
 
     /// Computes what `one` computes unless the work is stopped.
@@ -401,27 +399,6 @@ impl<'a> Diagram<'a> {
             return Err(Halt::Stopped);
         }
         one().map_err(Halt::Duplicate)
-    }
-
-    /// Permutes `results` in place so that each comes to the index that `goals` gives.
-    fn bring_into_order<T>(
-        &self,
-        results: &mut [T],
-        mut goals: Vec<u32>,
-    ) -> Result<(), DiagramError> {
-        let mut swaps = 0;
-        for place in 0..results.len() {
-            while goals[place] as usize != place {
-                let goal = goals[place] as usize;
-                results.swap(place, goal);
-                goals.swap(place, goal);
-                swaps += 1;
-                if swaps % SWAPS_PER_LOOK == 0 && self.is_stopped() {
-                    return Err(DiagramError::Stopped);
-                }
-            }
-        }
-        Ok(())
     }
 
     /// Computes `of_cell` for every cell as [`Diagram::map`] does and passes the results to `take` in site

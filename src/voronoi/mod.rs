@@ -15,3 +15,4 @@ pub(crate) mod planar;
 
 mod kd_tree;
 mod search;
+mod site_order;

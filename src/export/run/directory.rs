@@ -337,3 +337,49 @@ pub struct Description<S, M> {
     /// How many threads computed.
     pub threads: usize,
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::Point3;
+
+    #[test]
+    fn checkpoints_come_every_so_many_moves_and_pieces_go_with_their_list() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let mut directory = RunDirectory::create(folder.path(), "0-1", &1).expect("room");
+        let text = r#"{"iteration":0,"energy_mean":0.1,"energy_max":0.3,"energy_percent":104.0,"movement_mean":0.0,
+            "movement_max":0.0,"movement_percent":0.0,"evaluations":3.5,"seconds":0.25}"#;
+        let mut record: Record = serde_json::from_str(text).expect("a record");
+        for (iteration, kept) in [(0, 0), (1, 0), (2, 0), (3, 3), (4, 3), (5, 3), (6, 6)] {
+            record.iteration = iteration;
+            let sites = [Point3::new(iteration as f64, 0.5, 0.5)];
+            let written = directory.record(&record, &sites, Vec::new, Some(3));
+            written.expect("room");
+            let saved = directory
+                .checkpoint::<3>("0-1")
+                .expect("whole")
+                .expect("one");
+            assert_eq!(
+                (saved.record.iteration, saved.sites[0].x),
+                (kept, kept as f64)
+            );
+        }
+        drop(directory);
+        let leave =
+            |name: &str, text: &str| fs::write(folder.path().join(name), text).expect("room");
+        for name in ["cells_0.vtu", "cells_2.vtu", "cells_3.vtu", "cells_my.vtu"] {
+            leave(name, "");
+        }
+        leave(
+            PIECES,
+            r#"<Piece Source="cells_0.vtu"/><Piece Source="cells_2.vtu"/><Piece Source="cells_my.vtu"/>"#,
+        );
+        RunDirectory::create(folder.path(), "0-2", &2).expect("room");
+        let is_there = |name: &str| folder.path().join(name).exists();
+        assert!(!is_there("cells_0.vtu") && !is_there("cells_2.vtu") && !is_there(PIECES));
+        assert!(
+            is_there("cells_3.vtu") && is_there("cells_my.vtu"),
+            "not of the run"
+        );
+    }
+}
