@@ -9,26 +9,34 @@ use nalgebra::Point3;
 use crate::cli::failure::{Failure, print, write_file};
 use crate::cli::mesh_cells::{CellMeshing, MeshedCells, mesh_cells, patches_of};
 use crate::cli::mesh_elements::{element_columns, elements, file_of, write_elements};
+use crate::cli::mesh_pictures::{kinds_and_legend, quality_histograms};
 use crate::cli::mesh_report::{MeshLimit, MeshReport};
-use crate::cli::options::{Common, change, finite, given, length, named, space};
+use crate::cli::mesh_sites::SiteSource;
+use crate::cli::options::{Common, edge_length, finite, length, named};
 use crate::cli::output::OutputRule;
-use crate::cli::run::RunDescription;
 use crate::complex::element_mesh::ElementMesh;
 use crate::complex::face_geometry::MeshGeometry;
-use crate::export::mesh_vtu::{CellColumn, write_mesh};
+use crate::complex::listed_cells::mesh_of;
+use crate::export::mesh_vtu::{CellColumn, write_faces, write_mesh};
 use crate::export::poly_mesh::{MESH_FILES, write_case};
 use crate::mesh::formats::open_foam::load_case;
+use crate::mesh::formats::unpack::{extension_of, read_unpacked};
+use crate::mesh::formats::vtu::read_cells;
 use crate::mesh::poly_mesh::PolyMesh;
-use crate::relax::relaxation_space::Norm;
+use crate::plot::histograms::histograms;
+use crate::plot::mesh_cutaway::mesh_picture;
+use crate::plot::svg::svg;
 use crate::relax::space::Space;
 use crate::scene::description::Scene;
-use crate::scene::overrides::Overrides;
 use crate::scene::run::energy_spec;
-use crate::scene::site_file;
 
-const FORMATS: [(&str, &str); 6] = [
+const FORMATS: [(&str, &str); 7] = [
     ("polymesh", "OpenFOAM's constant/polyMesh, in ASCII"),
     ("vtu", "mesh.vtu, for ParaView and all readers of VTK files"),
+    (
+        "faces",
+        "faces.vtu, the faces as polygons with area, owner, neighbor and wall",
+    ),
     (
         "msh",
         "mesh.msh, Gmsh's MSH 4.1, patches as physical groups; hexes only",
@@ -40,6 +48,11 @@ const FORMATS: [(&str, &str); 6] = [
     ("medit", "mesh.mesh, for MEDIT, Mmg and FreeFEM; hexes only"),
     ("su2", "mesh.su2, for SU2, patches as markers; hexes only"),
 ];
+
+/// The faces with their data, the histograms of quality, the picture.
+const FACES: &str = "faces.vtu";
+const HISTOGRAMS: &str = "mesh.svg";
+const PICTURE: &str = "mesh.png";
 
 /// Edges up to this share of the mean cell's side collapse for hexahedra unless an option says otherwise.
 const HEX_COLLAPSE: f64 = 0.3;
@@ -60,20 +73,26 @@ const WALLS: [(&str, &str); 2] = [
     ("exact", "as the surface is, to rounding"),
 ];
 
-/// Write the cells of a run as a conforming mesh, or measure a mesh
+/// Write the cells of a run or in a solid as a conforming mesh, or measure a mesh
 ///
 /// Cells share points, edges and faces. OUT becomes a case of OpenFOAM, with mesh.json: counts by kind
-/// and quality by the definitions of checkMesh.
+/// and quality by the definitions of checkMesh. A case that is there gets the mesh; its system stays.
 #[derive(Debug, Args)]
 pub(crate) struct MeshOptions {
-    /// The directory of a run, as `relax --out` left it
-    #[arg(value_name = "RUN_DIR", required_unless_present = "check")]
+    /// The directory of a run, as `relax --out` left it; or a solid's mesh file or a scene, in which sites
+    /// are first relaxed as by `relax SOLID --edge L --goal mesh`
+    #[arg(value_name = "RUN_DIR|SOLID", required_unless_present = "check")]
     run: Option<PathBuf>,
+    /// The length of an edge of the cells in SOLID, in its unit: a number, or a formula or @field.json for one
+    /// that varies
+    #[arg(long, value_name = "L", value_parser = edge_length, allow_hyphen_values = true)]
+    edge: Option<String>,
     /// The directory to write into
     #[arg(long, short, value_name = "OUT", required_unless_present = "check")]
     output: Option<PathBuf>,
-    /// Measure the polyMesh (ASCII or binary, plain or .gz) in PATH instead
-    #[arg(long, value_name = "PATH", conflicts_with_all = ["run", "output", "to", "scale", "feature_angle", "walls", "collapse"])]
+    /// Measure the polyMesh (ASCII or binary, plain or .gz) in the folder PATH, or the cells of a .vtu file,
+    /// instead
+    #[arg(long, value_name = "PATH", conflicts_with_all = ["run", "edge", "output", "to", "scale", "feature_angle", "walls", "collapse", "picture"])]
     check: Option<PathBuf>,
     /// Formats to write
     #[arg(long, value_name = "FORMAT", value_delimiter = ',', default_value = "polymesh", value_parser = named(&FORMATS))]
@@ -97,6 +116,9 @@ pub(crate) struct MeshOptions {
     /// Merge vertices of the run's mesh up to L apart, as `relax --weld` [default: as the run did]
     #[arg(long, value_name = "L", value_parser = length)]
     weld: Option<f64>,
+    /// Draw the mesh too, a part taken away, cells colored by kind: mesh.png
+    #[arg(long)]
+    picture: bool,
     /// Multiply all coordinates by F
     #[arg(long, value_name = "F", value_parser = finite, default_value = "1")]
     scale: f64,
@@ -111,8 +133,11 @@ pub(crate) struct MeshOptions {
 pub(crate) fn run(options: &MeshOptions, common: Common) -> Result<(), Failure> {
     let (report, complaint) = match (&options.check, &options.run, &options.output) {
         (Some(path), ..) => (check(path)?, None),
-        (None, Some(run), Some(output)) => make(options, run, output)?,
-        _ => return Err(Failure::input("name a run and --output, or --check a mesh")),
+        (None, Some(run), Some(output)) => make(options, common, [run, output])?,
+        _ => {
+            let message = "name a run or a solid and --output, or --check a mesh";
+            return Err(Failure::input(message));
+        }
     };
     if options.json {
         print(json(&report)?)?;
@@ -141,18 +166,34 @@ fn json(report: &MeshReport) -> Result<String, Failure> {
 
 /// The report of a mesh that is there.
 fn check(path: &Path) -> Result<MeshReport, Failure> {
-    let mesh = load_case(path).map_err(Failure::input)?;
+    let mesh = match path.is_file() {
+        true => listed(path)?,
+        false => load_case(path).map_err(Failure::input)?,
+    };
     mesh.check_closed()
         .map_err(|error| Failure::input(format!("{}: {error}", path.display())))?;
     let geometry = MeshGeometry::of(&mesh, &mesh.cell_faces());
     Ok(MeshReport::new(&mesh, &geometry, None))
 }
 
-/// Writes the mesh of a run; returns its report, and what is wrong with it.
+/// The mesh in a VTU file.
+fn listed(path: &Path) -> Result<PolyMesh, Failure> {
+    let at = |error: &dyn std::fmt::Display| Failure::input(format!("{}: {error}", path.display()));
+    if extension_of(path) != "vtu" {
+        return Err(at(
+            &"--check takes a case of OpenFOAM, its polyMesh folder or a .vtu file",
+        ));
+    }
+    let bytes = read_unpacked(path).map_err(|error| at(&error))?;
+    let cells = read_cells(&bytes).map_err(|error| at(&error))?;
+    mesh_of(&cells).map_err(|error| at(&error))
+}
+
+/// Writes a mesh of a run or a solid; returns its report, and what is wrong with it.
 fn make(
     options: &MeshOptions,
-    run: &Path,
-    output: &Path,
+    common: Common,
+    [run, output]: [&Path; 2],
 ) -> Result<(MeshReport, Option<String>), Failure> {
     if options.scale <= 0.0 {
         return Err(Failure::input(format!(
@@ -166,20 +207,13 @@ fn make(
         return Err(Failure::input(message));
     }
     refuse_formats(options)?;
-    let outputs = output_files(output, &options.to);
+    let outputs = output_files(output, &options.to, options.picture);
     if !options.force {
         refuse_existing(&outputs)?;
     }
-    let (mut scene, sites) = read_run(run)?;
-    let weld = Overrides {
-        domain: given(serde_json::json!({ "weld": options.weld })),
-        ..Overrides::default()
-    };
-    if scene.domain.file().is_some() {
-        change(&mut scene, &weld)?;
-    }
-    refuse_inputs(run, &scene, &outputs)?;
-    let space = space(&scene)?;
+    let source = SiteSource::of(run, options.edge.as_deref(), options.weld)?;
+    refuse_inputs(&source.inputs, &outputs)?;
+    let (scene, space, sites) = source.sites(common)?;
     let made = MadeMesh::new(options, &space, &scene, &sites)?;
     let mesh = &made.mesh;
     let geometry = MeshGeometry::of(mesh, &mesh.cell_faces());
@@ -192,17 +226,39 @@ fn make(
                 let columns = columns(&space, &scene, (&sites, &mesh.sites), &geometry)?;
                 write_vtu(output, mesh, &columns)?;
             }
+            ("faces", _) => write_face_file(output, mesh, &geometry)?,
             ("vtu", Some(_)) => write_vtu(output, mesh, &element_columns(mesh, &geometry))?,
             (_, Some(elements)) => write_elements(output, format, elements)?,
             (_, None) => {}
         }
     }
     let text = json(&report)?;
-    write_file(&output.join("mesh.json"), |file| {
-        std::io::Write::write_all(file, text.as_bytes())
-    })
-    .map_err(Failure::run)?;
+    leave(output, "mesh.json", text.as_bytes())?;
+    let figure = svg(&histograms(&quality_histograms(mesh, &geometry)));
+    leave(output, HISTOGRAMS, figure.as_bytes())?;
+    if options.picture {
+        let (kinds, legend) = kinds_and_legend(mesh, &report);
+        let picture = mesh_picture(mesh, &kinds, &legend).map_err(Failure::run)?;
+        leave(output, PICTURE, &picture)?;
+    }
     Ok((report, made.complaint))
+}
+
+/// Writes a file of the mesh's directory.
+fn leave(output: &Path, name: &str, bytes: &[u8]) -> Result<(), Failure> {
+    fs::create_dir_all(output)
+        .map_err(|error| Failure::run(format!("cannot make {}: {error}", output.display())))?;
+    let path = output.join(name);
+    write_file(&path, |file| std::io::Write::write_all(file, bytes)).map_err(Failure::run)
+}
+
+/// Writes `faces.vtu`.
+fn write_face_file(output: &Path, mesh: &PolyMesh, geometry: &MeshGeometry) -> Result<(), Failure> {
+    let areas = geometry.face_areas.iter().map(|area| area.norm());
+    let path = output.join(FACES);
+    fs::create_dir_all(output)
+        .and_then(|()| write_faces(&path, mesh, areas.collect()))
+        .map_err(|error| Failure::run(format!("cannot write {}: {error}", path.display())))
 }
 
 /// A mesh in the coordinates of the domain's own file.
@@ -295,11 +351,13 @@ fn refuse_formats(options: &MeshOptions) -> Result<(), Failure> {
 }
 
 /// The files that a mesh in these formats is written to.
-fn output_files(output: &Path, formats: &[String]) -> Vec<PathBuf> {
-    let mut names = vec!["mesh.json"];
+fn output_files(output: &Path, formats: &[String], picture: bool) -> Vec<PathBuf> {
+    let mut names = vec!["mesh.json", HISTOGRAMS];
+    names.extend(picture.then_some(PICTURE));
     for format in formats {
         match format.as_str() {
             "polymesh" => names.extend(MESH_FILES),
+            "faces" => names.push(FACES),
             _ => names.push(file_of(format).unwrap_or("mesh.vtu")),
         }
     }
@@ -317,42 +375,14 @@ fn refuse_existing(outputs: &[PathBuf]) -> Result<(), Failure> {
     }
 }
 
-/// Refuses to replace what the run is read from, whatever is forced.
-fn refuse_inputs(run: &Path, scene: &Scene, outputs: &[PathBuf]) -> Result<(), Failure> {
-    let mut inputs = scene.files();
-    inputs.extend(["run.json", "sites.csv"].map(|name| run.join(name)));
+/// Refuses to replace what is read, whatever is forced.
+fn refuse_inputs(inputs: &[PathBuf], outputs: &[PathBuf]) -> Result<(), Failure> {
     let rule = OutputRule {
-        inputs: &inputs,
+        inputs,
         force: true,
         option: "-o",
     };
     rule.check(outputs)
-}
-
-/// The scene and the sites that a run left.
-fn read_run(run: &Path) -> Result<(Scene, Vec<Point3<f64>>), Failure> {
-    let path = run.join("run.json");
-    let text = fs::read(&path).map_err(|error| {
-        Failure::input(format!(
-            "{} holds no run ({error}); make one: chebloyd relax --out {}",
-            run.display(),
-            run.display()
-        ))
-    })?;
-    let description: RunDescription = serde_json::from_slice(&text)
-        .map_err(|error| Failure::input(format!("{}: {error}", path.display())))?;
-    let scene = description.scene;
-    if scene.dimension != 3 {
-        let message = "meshes are made of cells in space: relax with \"dimension\": 3";
-        return Err(Failure::input(message));
-    }
-    if scene.cells == Norm::Linf {
-        let message = "meshes are made of L2 cells, and the run has \"cells\": \"linf\": take its sites.csv \
-                       on with --cells l2 --iterations 0";
-        return Err(Failure::input(message));
-    }
-    let sites = site_file::read::<3>(&run.join("sites.csv")).map_err(Failure::input)?;
-    Ok((scene, sites))
 }
 
 /// The data of every cell.

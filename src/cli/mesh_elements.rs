@@ -1,16 +1,17 @@
 //! The hexahedra of `chebloyd mesh --elements hexes`, and the formats that take elements only.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 
 use nalgebra::Point3;
 
 use crate::cli::failure::Failure;
 use crate::complex::divide::divide;
-use crate::complex::dual::DualMesh;
+use crate::complex::dual::{DualMesh, FeatureTurns};
 use crate::complex::element::{CellElement, scaled_jacobian};
 use crate::complex::element_mesh::ElementMesh;
 use crate::complex::face_geometry::MeshGeometry;
-use crate::complex::merge_flat::merge_flat;
+use crate::complex::merge_flat::{join_bad, merge_flat};
 use crate::complex::straighten_all::without_chains;
 use crate::complex::untangle::{balance, project, untangle};
 use crate::complex::wall_patches::WallPatches;
@@ -30,6 +31,13 @@ const ELEMENT_FORMATS: [(&str, &str); 4] = [
     ("medit", "mesh.mesh"),
     ("su2", "mesh.su2"),
 ];
+
+/// How far a corner of the mesh may be from one of the surface, in sides of the mean cell: cleaning puts a
+/// vertex there to 1e-5.
+const CORNER_REACH: f64 = 1e-4;
+
+/// How often cells are joined where elements stay inverted.
+const JOINS: usize = 4;
 
 /// The file of a format of elements.
 pub(crate) fn file_of(format: &str) -> Option<&'static str> {
@@ -92,7 +100,11 @@ pub(crate) fn elements(
             .collect();
         WallProjection::new(surface, &numbers, angle, 2.0 * side)
     });
-    let mut dual = DualMesh::of(&cells, &corners(&cells, sites), angle);
+    let turns = match &walls {
+        Some(walls) => FeatureTurns::At(&walls.corners, CORNER_REACH * side),
+        None => FeatureTurns::Beyond(angle),
+    };
+    let mut dual = DualMesh::of(&cells, &corners(&cells, sites), turns);
     if let Some(walls) = &walls {
         project(&mut dual.mesh.points, &dual.anchors, walls);
         balance(&mut dual, walls);
@@ -100,10 +112,24 @@ pub(crate) fn elements(
     dual.mesh.check_closed().map_err(Failure::run)?;
     merge_flat(&mut dual);
     dual.mesh.check_closed().map_err(Failure::run)?;
-    let mut mesh = divide(&dual.mesh);
-    let bad = untangle(&mut mesh, &dual.anchors, walls.as_ref());
+    let (mesh, bad) = untangled(dual, walls.as_ref());
     refuse_inverted(&mesh, &bad)?;
     Ok(mesh)
+}
+
+/// The elements of a dual, their points moved and its cells joined until none is inverted, or nothing helps;
+/// and those that are still.
+fn untangled(mut dual: DualMesh, walls: Option<&WallProjection>) -> (ElementMesh, Vec<usize>) {
+    let mut joins = 0;
+    loop {
+        let mut mesh = divide(&dual.mesh);
+        let bad = untangle(&mut mesh, &dual.anchors, walls);
+        let cells: BTreeSet<u32> = bad.iter().map(|&element| mesh.cells[element]).collect();
+        if cells.is_empty() || joins == JOINS || !join_bad(&mut dual, &cells) {
+            return (mesh, bad);
+        }
+        joins += 1;
+    }
 }
 
 /// The number of a patch by its name; none has the highest.

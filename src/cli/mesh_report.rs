@@ -91,6 +91,13 @@ impl MeshReport {
         }
     }
 
+    /// How many cells are of a kind, and their share of the volume (%).
+    #[must_use]
+    pub(crate) fn share(&self, kind: &str) -> (usize, f64) {
+        let share = self.kinds.get(kind).copied().unwrap_or_default();
+        (share.count, 100.0 * share.volume / self.volume)
+    }
+
     /// The limits that are passed, one sentence each.
     #[must_use]
     pub(crate) fn beyond(&self, limits: &[MeshLimit]) -> Vec<String> {
@@ -114,6 +121,14 @@ impl MeshReport {
         passed.map(sentence).collect()
     }
 
+    /// The scaled Jacobians in words.
+    fn jacobians(&self) -> String {
+        match (self.scaled_jacobian_min, self.scaled_jacobian_p5) {
+            (Some(least), Some(low)) => format!("{least:.3} min, {low:.3} at 5 %"),
+            _ => "no hexahedra".to_owned(),
+        }
+    }
+
     /// The report as a table.
     #[must_use]
     pub(crate) fn table(&self) -> String {
@@ -122,14 +137,12 @@ impl MeshReport {
             self.cells, self.faces, self.points, self.volume
         );
         for name in KINDS {
-            let share = self.kinds[name];
-            if share.count > 0 {
-                let percent = 100.0 * share.volume / self.volume;
+            let (count, percent) = self.share(name);
+            if count > 0 {
                 // Writing to a string does not fail.
                 let _ = writeln!(
                     text,
-                    "  {name:<12} {:>9}  {percent:6.2} % of the volume",
-                    share.count
+                    "  {name:<12} {count:>9}  {percent:6.2} % of the volume"
                 );
             }
         }
@@ -154,6 +167,7 @@ impl MeshReport {
                 "shortest edge, smallest face",
                 format!("{:.3e}, {:.3e}", self.edge_min, self.face_min),
             ),
+            ("scaled Jacobian of hexahedra", self.jacobians()),
             ("bad pyramids", self.bad_pyramids.to_string()),
             ("concave cells", self.concave_cells.to_string()),
             ("open cells", self.open_cells.to_string()),

@@ -12,6 +12,7 @@ use serde_json::{Map, Value, json};
 use crate::cli::failure::{Failure, print_note};
 use crate::mesh::formats::unpack::STANDARD_INPUT;
 use crate::relax::space::Space;
+use crate::scene::density::SceneDensity;
 use crate::scene::description::Scene;
 use crate::scene::overrides::Overrides;
 use crate::scene::site_file::{SiteFormat, read_as};
@@ -49,7 +50,7 @@ pub(crate) struct Common {
 }
 
 /// Which tessellation: a scene, or other sites in it.
-#[derive(Debug, Args)]
+#[derive(Debug, Default, Args)]
 pub(crate) struct SceneOptions {
     /// The scene; or a run.json or a run's directory (its scene, with the sites that it left), or a mesh
     /// (random sites in it) [default: 1000 random sites in the unit cube]
@@ -72,9 +73,10 @@ pub(crate) struct SceneOptions {
     #[arg(long, value_name = "N")]
     count: Option<usize>,
     /// As many random sites as cubes of edge L fill the domain, in its own unit; in a box the product of
-    /// the sides' rounded counts
-    #[arg(long, value_name = "L", value_parser = length, conflicts_with = "count")]
-    pub(crate) edge: Option<f64>,
+    /// the sides' rounded counts. A formula in x, y, z or @field.json is an edge that varies: the scene's
+    /// density becomes {"size": L}
+    #[arg(long, value_name = "L", value_parser = edge_length, conflicts_with = "count", allow_hyphen_values = true)]
+    edge: Option<String>,
     /// Seed of random sites, or of a grid's jitter
     #[arg(long, value_name = "S")]
     seed: Option<u64>,
@@ -128,6 +130,19 @@ pub(crate) fn finite(text: &str) -> Result<f64, String> {
     number.ok_or_else(|| "a finite number is needed".to_owned())
 }
 
+/// More cells than an edge may ask for.
+const MOST_CELLS: f64 = 4e9;
+
+/// A positive length, or what may be a formula.
+pub(crate) fn edge_length(text: &str) -> Result<String, String> {
+    match text.parse::<f64>() {
+        Ok(edge) if !(edge > 0.0 && edge.is_finite()) => {
+            Err("a positive length is needed, or a formula in x, y, z".to_owned())
+        }
+        _ => Ok(text.to_owned()),
+    }
+}
+
 /// A finite number that is not negative.
 pub(crate) fn length(text: &str) -> Result<f64, String> {
     let length = finite(text)?;
@@ -162,13 +177,19 @@ impl SceneOptions {
         };
         print_notes(&notes);
         self.set_sites(&scene, &mut others)?;
+        let edge = self.edge.as_deref().map(str::parse::<f64>);
+        let count = match &edge {
+            Some(Err(_)) => self.graded_count(&scene, &mut others)?,
+            _ => self.count,
+        };
+        let edge = edge.and_then(Result::ok);
         others.sites.extend(given(
-            json!({ "count": self.count, "seed": self.seed, "edge": self.edge }),
+            json!({ "count": count, "seed": self.seed, "edge": edge }),
         ));
         // The count and the edge replace each other.
-        if self.edge.is_some() {
+        if edge.is_some() {
             others.sites.insert("count".to_owned(), Value::Null);
-        } else if self.count.is_some() && scene.sites.has_edge() {
+        } else if count.is_some() && scene.sites.has_edge() {
             others.sites.insert("edge".to_owned(), Value::Null);
         }
         others.scene.extend(given(json!({
@@ -182,6 +203,41 @@ impl SceneOptions {
         others.domain.extend(given(json!({ "weld": self.weld })));
         change(&mut scene, &others)?;
         Ok(scene)
+    }
+
+    /// The options of a mesh file or scene, cells of edge `edge` in it.
+    pub(crate) fn of_file(file: &Path, edge: Option<&str>, weld: Option<f64>) -> Self {
+        Self {
+            scene: Some(file.to_owned()),
+            edge: edge.map(str::to_owned),
+            weld,
+            ..Self::default()
+        }
+    }
+
+    /// Makes the edge, which varies, the scene's density; returns how many cells there are then: ∫ h⁻³.
+    fn graded_count(
+        &self,
+        scene: &Scene,
+        others: &mut Overrides,
+    ) -> Result<Option<usize>, Failure> {
+        let Some(size) = &self.edge else {
+            return Ok(None);
+        };
+        if scene.dimension != 3 {
+            let message =
+                format!("--edge {size}: is for sites in space; say a --count in the plane");
+            return Err(Failure::input(message));
+        }
+        let density = SceneDensity::Size { size: size.clone() };
+        let cells = density.mass(&scene.domain).map_err(Failure::input)?;
+        let is_count = cells.is_finite() && cells >= 0.5 && cells < MOST_CELLS;
+        if !is_count {
+            let message = format!("--edge {size}: cells of such edges are {cells:.3e} in number");
+            return Err(Failure::input(message));
+        }
+        others.scene.insert("density".to_owned(), json!(density));
+        Ok(Some(cells.round() as usize))
     }
 
     /// Sites from a file; or from standard input or a pipe, which a list then holds for whoever goes on.

@@ -111,7 +111,7 @@ fn start(options: &RelaxOptions, common: Common) -> Result<(), Failure> {
     scene.output.range = options.range.map(|ends| ends.0).or(scene.output.range);
     check_goal(options.goal.as_deref(), scene.dimension)?;
     if options.goal.as_deref() == Some("mesh") {
-        scene.sites.set_lattice();
+        scene.set_mesh_start(options.iterations);
     }
     let inputs = options.scene.inputs(&scene);
     check_outputs(&options.out, &inputs, options.force)?;

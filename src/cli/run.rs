@@ -369,11 +369,11 @@ fn summary(run: &RunDescription, done: u64, directory: &Path) -> String {
 }
 
 /// The progress bar: iterations, energy, movement. Silent where stderr is no terminal.
-struct Bar(ProgressBar);
+pub(crate) struct Bar(ProgressBar);
 
 impl Bar {
     /// The bar of a run of `iterations`, of which `done` are made.
-    fn new(iterations: u64, done: u64, common: Common) -> Self {
+    pub(crate) fn new(iterations: u64, done: u64, common: Common) -> Self {
         if common.quiet {
             return Self(ProgressBar::hidden());
         }
@@ -385,7 +385,7 @@ impl Bar {
         Self(bar)
     }
 
-    fn show(&self, record: &Record) {
+    pub(crate) fn show(&self, record: &Record) {
         self.0.set_position(record.iteration);
         self.0.set_message(format!(
             "energy {:.2} %  movement {:.3} %",
@@ -393,7 +393,7 @@ impl Bar {
         ));
     }
 
-    fn finish(&self) {
+    pub(crate) fn finish(&self) {
         self.0.finish_and_clear();
     }
 }

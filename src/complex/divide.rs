@@ -204,6 +204,7 @@ impl<'a> Division<'a> {
                 true => made.elements.push(self.elements[cell].clone()),
                 false => self.push_parts(cell, &mut made),
             }
+            made.cells.resize(made.elements.len(), cell as u32);
         }
         for (number, patch) in (0..).zip(&self.mesh.patches) {
             for face in patch.start..patch.start + patch.count {

@@ -29,6 +29,16 @@ pub(crate) enum DualAnchor {
     Corner,
 }
 
+/// Where a feature has a corner.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum FeatureTurns<'a> {
+    /// Where it turns by more than an angle (degrees).
+    Beyond(f64),
+    /// At places of the surface, up to a distance (L): features of the mesh may run a little to and fro
+    /// where those of the surface do not turn.
+    At(&'a [Point3<f64>], f64),
+}
+
 /// The dual of a mesh.
 #[derive(Clone, Debug)]
 pub(crate) struct DualMesh {
@@ -57,10 +67,10 @@ enum DualSource {
 
 impl DualMesh {
     /// The dual of `mesh`, which has no periods, with a point `corners[c]` for every cell c. Edges of the
-    /// wall between two patches are features; one has a corner where it turns by more than `angle` (degrees).
+    /// wall between two patches are features; one has a corner where `turns` says so.
     #[must_use]
-    pub(crate) fn of(mesh: &PolyMesh, corners: &[Point3<f64>], angle: f64) -> Self {
-        let mut builder = DualBuilder::new(mesh, corners, angle);
+    pub(crate) fn of(mesh: &PolyMesh, corners: &[Point3<f64>], turns: FeatureTurns<'_>) -> Self {
+        let mut builder = DualBuilder::new(mesh, corners, turns);
         builder.add_rings();
         builder.add_walls();
         let names: Vec<String> = mesh
@@ -81,8 +91,7 @@ struct DualBuilder<'a> {
     mesh: &'a PolyMesh,
     corners: &'a [Point3<f64>],
     geometry: MeshGeometry,
-    /// Cosine of the angle by which a feature turns at a corner.
-    turn: f64,
+    turns: FeatureTurns<'a>,
     groups: VertexGroups,
     numbers: HashMap<DualSource, u32>,
     points: Vec<Point3<f64>>,
@@ -96,13 +105,13 @@ struct DualBuilder<'a> {
 type EdgeFace = (u32, u32, u32, bool);
 
 impl<'a> DualBuilder<'a> {
-    fn new(mesh: &'a PolyMesh, corners: &'a [Point3<f64>], angle: f64) -> Self {
+    fn new(mesh: &'a PolyMesh, corners: &'a [Point3<f64>], turns: FeatureTurns<'a>) -> Self {
         let groups = VertexGroups::of(mesh);
         Self {
             mesh,
             corners,
             geometry: MeshGeometry::of(mesh, &mesh.cell_faces()),
-            turn: angle.to_radians().cos(),
+            turns,
             faces: SortedFaces::default(),
             groups,
             numbers: HashMap::new(),
@@ -299,7 +308,7 @@ impl<'a> DualBuilder<'a> {
         self.numbers[&DualSource::Edge(vertex.min(end), vertex.max(end))]
     }
 
-    /// The vertex itself where features meet, or one turns.
+    /// The vertex itself where features meet, or one has a corner.
     fn corner(&mut self, vertex: u32, fan: &[(u32, u32, bool)], cuts: &[usize]) -> Option<u32> {
         let here = self.mesh.points[vertex as usize];
         let way = |cut: usize| {
@@ -308,7 +317,14 @@ impl<'a> DualBuilder<'a> {
         };
         let is_corner = match *cuts {
             [_] => false,
-            [one, other] => way(one).dot(&way(other)) > -self.turn,
+            [one, other] => match self.turns {
+                FeatureTurns::Beyond(angle) => {
+                    way(one).dot(&way(other)) > -angle.to_radians().cos()
+                }
+                FeatureTurns::At(places, reach) => places
+                    .iter()
+                    .any(|place| (place - here).norm_squared() <= reach * reach),
+            },
             _ => true,
         };
         is_corner.then(|| self.point(DualSource::Vertex(vertex), here, DualAnchor::Corner))

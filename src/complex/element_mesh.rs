@@ -15,6 +15,8 @@ pub(crate) struct ElementMesh {
     pub(crate) points: Vec<Point3<f64>>,
     /// All elements, their points in VTK's order.
     pub(crate) elements: Vec<CellElement>,
+    /// Per element the cell of which it is all or a part, where that is known.
+    pub(crate) cells: Vec<u32>,
     /// The faces on walls as seen from outside, with their patches.
     pub(crate) walls: Vec<(Vec<u32>, u32)>,
     /// The names of the patches.

@@ -11,7 +11,8 @@
 //! the limits of [`edit_shapes`]. [`solid_mesh`] does what a solid's walls need beyond that:
 //! [`wall_polygons`], [`wall_cut`], [`cell_union`], [`repair`], all on the surface ([`wall_projection`]).
 //! [`dual`] makes an element of every vertex, and [`divide`] parts those that are no hexahedra, prisms,
-//! pyramids or tetrahedra with a positive [`jacobian`] into an [`element_mesh`].
+//! pyramids or tetrahedra with a positive [`jacobian`] into an [`element_mesh`]. [`listed_cells`] pairs the
+//! faces of cells from a file.
 
 pub(crate) mod assemble;
 pub(crate) mod cell_surface;
@@ -30,6 +31,7 @@ pub(crate) mod grid_lines;
 pub(crate) mod identify;
 pub(crate) mod jacobian;
 pub(crate) mod linf_mesh;
+pub(crate) mod listed_cells;
 pub(crate) mod loop_shape;
 pub(crate) mod loops;
 pub(crate) mod merge_flat;

@@ -126,6 +126,20 @@ impl MeshQuality {
     }
 }
 
+/// The angles of non-orthogonality (degrees) of all faces that are not on walls, and the skewness of all faces.
+#[must_use]
+pub(crate) fn face_values(mesh: &PolyMesh, geometry: &MeshGeometry) -> (Vec<f64>, Vec<f64>) {
+    let beyond = Beyond::new(mesh, geometry);
+    let faces = (0..mesh.face_count()).into_par_iter();
+    let faces: Vec<FaceQuality> = faces
+        .map(|face| face_quality(mesh, geometry, &beyond, face))
+        .collect();
+    let angles = faces.iter().filter_map(|face| face.cosine);
+    let angles = angles.map(|(cosine, _)| cosine.clamp(-1.0, 1.0).acos().to_degrees());
+    let skewness = faces.iter().map(|face| face.skewness);
+    (angles.collect(), skewness.collect())
+}
+
 /// The center of the cell behind a face that is not a wall, and whether the face counts for means: of
 /// two that are one period apart the first does.
 struct Beyond<'a> {

@@ -2,7 +2,10 @@
 //!
 //! A point of a bad element tries places around it, near ones first, and goes where its elements lack least
 //! of being good, as little as that takes; points on walls and features stay there. Centers of parted
-//! cells move before points on walls, and these before sites, and only points of bad elements do.
+//! cells move before points on walls, and these before sites. Only points of bad elements do, but
+//! where that does not help those around them make room: elements there are made better than good.
+
+use std::collections::BTreeSet;
 
 use nalgebra::{Point3, Vector3};
 
@@ -20,6 +23,12 @@ const GOOD: f64 = 1e-3;
 
 /// How often all bad elements are visited.
 const ROUNDS: usize = 40;
+
+/// What elements around bad ones are to reach, one after the other, so that these have room. A cube has 0.19.
+const ROOMY: [f64; 3] = [0.01, 0.03, 0.08];
+
+/// How often the surroundings of bad elements are visited for each of these.
+const ROOMY_ROUNDS: usize = 12;
 
 /// Distances of tried places in lengths of the longest edge at a point.
 const REACHES: [f64; 5] = [0.004, 0.012, 0.04, 0.1, 0.2];
@@ -42,13 +51,32 @@ pub(crate) fn untangle(
         anchors,
         walls,
         at_point,
+        target: 0.0,
     };
-    for _ in 0..ROUNDS {
-        if !untangling.round() {
+    untangling.rounds(ROUNDS, false);
+    for target in ROOMY {
+        if untangling.below(0.0).is_empty() {
             break;
         }
+        untangling.target = target;
+        untangling.rounds(ROOMY_ROUNDS, true);
     }
     untangling.below(0.0)
+}
+
+/// What elements lack: of being good, in sum, and the squares of what they lack of the target.
+#[derive(Clone, Copy)]
+struct Lack {
+    of_good: f64,
+    of_target: f64,
+}
+
+impl Lack {
+    /// Less of the first beyond rounding, or as much and less of the second.
+    fn is_below(self, other: Self) -> bool {
+        let is_less = self.of_good < other.of_good - 1e-15;
+        is_less || (self.of_good <= other.of_good && self.of_target < other.of_target)
+    }
 }
 
 struct Untangling<'a> {
@@ -57,9 +85,20 @@ struct Untangling<'a> {
     walls: Option<&'a WallProjection>,
     /// The elements at every point.
     at_point: Vec<Vec<u32>>,
+    /// The quality that elements around bad ones are to reach.
+    target: f64,
 }
 
 impl Untangling<'_> {
+    /// At most `count` rounds over bad elements, or over their surroundings too.
+    fn rounds(&mut self, count: usize, is_wide: bool) {
+        for _ in 0..count {
+            if !self.round(is_wide) {
+                break;
+            }
+        }
+    }
+
     fn longest(&self, element: usize) -> f64 {
         let corners = self.mesh.elements[element].corners();
         let place = |corner: u32| self.mesh.points[corner as usize];
@@ -84,18 +123,33 @@ impl Untangling<'_> {
             .collect()
     }
 
-    /// What the elements at a point lack of being good.
-    fn lack(&self, point: u32) -> f64 {
-        let elements = self.at_point[point as usize].iter();
-        let lacks = elements.map(|&element| (GOOD - self.quality(element as usize)).max(0.0));
-        lacks.sum()
+    /// What the elements at a point lack.
+    fn lack(&self, point: u32) -> Lack {
+        let (mut of_good, mut of_target) = (0.0, 0.0);
+        for &element in &self.at_point[point as usize] {
+            let quality = self.quality(element as usize);
+            of_good += (GOOD - quality).max(0.0);
+            of_target += (self.target - quality).max(0.0).powi(2);
+        }
+        Lack { of_good, of_target }
     }
 
-    /// Moves the points of bad elements; whether one moved.
-    fn round(&mut self) -> bool {
-        let bad = self.below(BAD).into_iter();
-        let points = bad.flat_map(|element| self.mesh.elements[element].corners().to_vec());
-        let mut points: Vec<u32> = points.collect();
+    /// The points of some elements.
+    fn points_of(&self, elements: impl IntoIterator<Item = usize>) -> Vec<u32> {
+        let elements = elements.into_iter();
+        elements
+            .flat_map(|element| self.mesh.elements[element].corners().to_vec())
+            .collect()
+    }
+
+    /// Moves the points of bad elements, or of those around them too; whether one moved.
+    fn round(&mut self, is_wide: bool) -> bool {
+        let mut points = self.points_of(self.below(BAD));
+        if is_wide {
+            let around = points.iter().flat_map(|&at| &self.at_point[at as usize]);
+            let around: BTreeSet<usize> = around.map(|&element| element as usize).collect();
+            points = self.points_of(around);
+        }
         points.sort_unstable_by_key(|&point| (self.rank(point), point));
         points.dedup();
         let mut has_moved = false;
@@ -124,7 +178,7 @@ impl Untangling<'_> {
             .fold(0.0, f64::max);
         let mut best = (first, from);
         for reach in REACHES {
-            if best.0 <= 0.0 {
+            if best.0.of_good <= 0.0 && best.0.of_target <= 0.0 {
                 break;
             }
             for way in ways() {
@@ -133,13 +187,13 @@ impl Untangling<'_> {
                 };
                 self.mesh.points[point as usize] = place;
                 let lack = self.lack(point);
-                if lack < best.0 {
+                if lack.is_below(best.0) {
                     best = (lack, place);
                 }
             }
         }
         self.mesh.points[point as usize] = best.1;
-        best.0 < first
+        best.0.is_below(first)
     }
 
     /// The place nearest to `place` where a point may be; none if it may not move.

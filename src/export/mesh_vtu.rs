@@ -95,6 +95,38 @@ pub(crate) fn write_grid(
     atomic_write::write(path, |file| write_arrays(file, counts, &arrays))
 }
 
+/// Writes the faces of `mesh` as polygons with their areas (L²), owners, neighbors and patches, the last two -1
+/// where there is none.
+///
+/// # Errors
+/// The error of the system; the file is then as it was before.
+pub(crate) fn write_faces(path: &Path, mesh: &PolyMesh, areas: Vec<f64>) -> io::Result<()> {
+    let mut grid = GridArrays {
+        points: mesh.points.clone(),
+        types: vec![7; mesh.face_count()],
+        ..GridArrays::default()
+    };
+    for corners in mesh.faces() {
+        let corners = corners.iter().map(|&corner| i64::from(corner));
+        grid.connectivity.extend(corners);
+        grid.offsets.push(grid.connectivity.len() as i64);
+    }
+    let neighbor = |face| mesh.neighbor_of(face).map_or(-1, |cell| cell as i64);
+    let mut walls = vec![-1; mesh.neighbor.len()];
+    for (number, patch) in (0..).zip(&mesh.patches) {
+        walls.extend(std::iter::repeat_n(number, patch.count));
+    }
+    let owners = mesh.owner.iter().map(|&cell| i64::from(cell)).collect();
+    let neighbors = (0..mesh.face_count()).map(neighbor).collect();
+    let columns = [
+        ("area", CellColumn::Reals(areas)),
+        ("owner", CellColumn::Integers(owners)),
+        ("neighbor", CellColumn::Integers(neighbors)),
+        ("wall", CellColumn::Integers(walls)),
+    ];
+    write_grid(path, &grid, &columns)
+}
+
 fn column_array(name: &str, column: &CellColumn) -> FileArray {
     let (kind, bytes) = match column {
         CellColumn::Integers(all) => ("Int64", integer_bytes(all)),

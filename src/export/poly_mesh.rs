@@ -33,7 +33,7 @@ pub(crate) struct CaseError {
     source: io::Error,
 }
 
-/// Writes `mesh` into the case `folder`; a `system` that is there stays as it is.
+/// Writes `mesh` into the case `folder`; a `system` with a `controlDict` stays as it is.
 ///
 /// # Errors
 /// [`CaseError`] naming the file, which is then as it was before.
@@ -203,6 +203,9 @@ const SYSTEM: [(&str, &str); 3] = [
 ];
 
 fn write_system(folder: &Path) -> Result<(), CaseError> {
+    if folder.join(SYSTEM[0].0).exists() {
+        return Ok(());
+    }
     for (name, content) in SYSTEM {
         if !folder.join(name).exists() {
             write_file(folder, name, "dictionary", "", |file| {

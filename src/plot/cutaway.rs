@@ -52,7 +52,9 @@ impl Removed {
         }
     }
 
-    fn leaves(self, site: &Point3<f64>, middle: &Point3<f64>) -> bool {
+    /// Whether a cell of this site is shown; `middle` is that of the domain's box.
+    #[must_use]
+    pub(crate) fn leaves(self, site: &Point3<f64>, middle: &Point3<f64>) -> bool {
         let arm = site - middle;
         let near = |axis: usize| arm[axis] * TOWARD[axis] > 0.0;
         match self {

@@ -14,6 +14,8 @@ pub(crate) mod exploded;
 pub(crate) mod exploded_lines;
 pub(crate) mod figure;
 pub(crate) mod font;
+pub(crate) mod histograms;
+pub(crate) mod mesh_cutaway;
 pub(crate) mod octrees;
 pub(crate) mod panel;
 pub(crate) mod patches;

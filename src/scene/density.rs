@@ -113,6 +113,13 @@ impl SceneDensity {
         Ok((Box::new(weighted), notes))
     }
 
+    /// The integral of the density that a size makes where the order counts nothing: ∫ h⁻³, how many cells
+    /// of edge h there are.
+    pub(crate) fn mass(&self, domain: &SceneDomain) -> Result<f64, Error> {
+        let (weighed, _) = self.weigh(domain, 0)?;
+        Ok(weighed.mean_density() * weighed.volume())
+    }
+
     /// The field file that the density is read from.
     pub(crate) fn file(&self) -> Option<&Path> {
         let (Self::Text(text) | Self::Size { size: text }) = self else {

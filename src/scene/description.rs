@@ -21,6 +21,9 @@ use crate::scene::sites::Sites;
 /// The largest order p: beyond it d∞^p underflows for cells of a thousandth of the domain.
 const LARGEST_ORDER: u32 = 64;
 
+/// Moves of a descent from random sites to those of a graded mesh.
+const GRADED_MOVES: u64 = 100;
+
 /// 8^20 sites are more than any machine holds.
 const MOST_LEVELS: u32 = 20;
 
@@ -150,6 +153,16 @@ impl Scene {
         let mut scene: Self = serde_json::from_str(EMBEDDED).expect("the embedded scene is valid");
         scene.fill_defaults();
         scene
+    }
+
+    /// Makes random sites those of a lattice, to mesh with. Under a density they stay random, and the descent
+    /// takes more moves unless `iterations` are given.
+    pub(crate) fn set_mesh_start(&mut self, iterations: Option<u64>) {
+        if self.density.is_none() {
+            self.sites.set_lattice();
+        } else if let (SceneMethod::QuasiNewton(descent), None) = (&mut self.method, iterations) {
+            descent.iterations = GRADED_MOVES;
+        }
     }
 
     /// The domain in space with its density, of a validated scene of dimension 3, and what was

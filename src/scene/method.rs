@@ -34,11 +34,12 @@ impl SceneMethod {
         Self::Anneal(Anneal::of_kind(PerturbationKind::Exchange))
     }
 
-    /// What makes most hexahedra of a lattice of sites: a descent, which keeps rows and moves walls' cells.
+    /// What makes most hexahedra of a lattice of sites: a short descent, which keeps rows and moves walls' cells.
+    /// Measured: 10 moves leave more of the volume to hexahedra than 25, 60, or Lloyd's 10 or 50, in all solids.
     #[must_use]
     pub fn mesh() -> Self {
         Self::QuasiNewton(QuasiNewton {
-            iterations: 60,
+            iterations: 10,
             ..QuasiNewton::default()
         })
     }

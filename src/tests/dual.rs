@@ -5,7 +5,7 @@ use nalgebra::Point3;
 use crate::complex::assemble::assemble;
 use crate::complex::collapse::collapse;
 use crate::complex::divide::divide;
-use crate::complex::dual::{DualAnchor, DualMesh};
+use crate::complex::dual::{DualAnchor, DualMesh, FeatureTurns};
 use crate::complex::edit_mesh::EditMesh;
 use crate::complex::element::{CellElement, KINDS, scaled_jacobian};
 use crate::complex::element_mesh::ElementMesh;
@@ -31,7 +31,7 @@ fn cells(sites: &[Point3<f64>], reach: f64) -> PolyMesh {
 }
 
 fn elements(sites: &[Point3<f64>], reach: f64) -> (DualMesh, ElementMesh) {
-    let mut dual = DualMesh::of(&cells(sites, reach), sites, 40.0);
+    let mut dual = DualMesh::of(&cells(sites, reach), sites, FeatureTurns::Beyond(40.0));
     merge_flat(&mut dual);
     let mut mesh = divide(&dual.mesh);
     let bad = untangle(&mut mesh, &dual.anchors, None);

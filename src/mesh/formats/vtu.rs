@@ -16,6 +16,9 @@ use crate::mesh::formats::vtk_xml::{VtkEncoding, decode};
 use crate::mesh::formats::words::{integer, line_of, shown};
 use crate::mesh::formats::xml::{Tag, next_tag};
 
+/// VTK's type of polyhedra.
+const POLYHEDRON: u8 = 42;
+
 /// Reads tetrahedra, or the surface of a file without any.
 ///
 /// # Errors
@@ -47,6 +50,71 @@ pub(crate) fn read(bytes: &[u8]) -> Result<MeshFile, ParseError> {
     }
 }
 
+/// The cells of an unstructured grid as the file has them.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct VtuCells {
+    /// All points.
+    pub(crate) points: Vec<Point3<f64>>,
+    /// The type of every cell and its points.
+    pub(crate) cells: Vec<(u8, Vec<u32>)>,
+    /// Per cell the loops of its faces; none unless it is a polyhedron.
+    pub(crate) faces: Vec<Vec<Vec<u32>>>,
+}
+
+/// Reads the cells of a file of one piece.
+///
+/// # Errors
+/// The line and what is wrong there.
+pub(crate) fn read_cells(bytes: &[u8]) -> Result<VtuCells, ParseError> {
+    let file = VtuFile::of(bytes);
+    let (encoding, mut position) = file.read_header()?;
+    let mut piece: Option<VtuPiece> = None;
+    let mut section: &[u8] = b"";
+    loop {
+        let tag = file.next_tag(position, "</UnstructuredGrid>")?;
+        position = tag.end;
+        let at_tag = |kind| file.error(tag.end, kind);
+        match tag.name {
+            b"Piece" if piece.is_some() => {
+                let mend = "export a file of one piece";
+                return Err(at_tag(ErrorKind::unsupported("a second piece", mend)));
+            }
+            b"Piece" => piece = Some(VtuPiece::of(&tag)),
+            b"Points" | b"Cells" => section = tag.name,
+            b"DataArray" if !section.is_empty() => {
+                if let Some(piece) = &mut piece {
+                    file.read_array(section, &tag, &encoding, piece)?;
+                }
+            }
+            b"/UnstructuredGrid" => {
+                let piece = piece.unwrap_or_default();
+                piece.check_counts().map_err(at_tag)?;
+                return piece.cells().map_err(at_tag);
+            }
+            _ if tag.name.strip_prefix(b"/") == Some(section) => section = b"",
+            _ => {}
+        }
+    }
+}
+
+/// Whole numbers of an array from a place on, as many as asked for, each below a limit.
+fn numbers_below(
+    numbers: &[f64],
+    start: usize,
+    count: usize,
+    limit: usize,
+) -> Result<Vec<u32>, ErrorKind> {
+    let expected = "a number of a point or of an entry that is there";
+    let missing = || ErrorKind::Truncated { expected };
+    let end = start.checked_add(count).ok_or_else(missing)?;
+    let found = numbers.get(start..end).ok_or_else(missing)?;
+    let number = |&number: &f64| match number >= 0.0 && number < limit as f64 {
+        true => Ok(number as u32),
+        false => Err(ErrorKind::expected(expected, number.to_string())),
+    };
+    found.iter().map(number).collect()
+}
+
 /// The arrays of a piece.
 #[derive(Default)]
 struct VtuPiece {
@@ -54,6 +122,8 @@ struct VtuPiece {
     connectivity: Vec<f64>,
     offsets: Vec<f64>,
     types: Vec<f64>,
+    /// The faces of polyhedra: their count, and of each the count of its points and these.
+    faces: Vec<f64>,
     /// Offsets and connectivity of the polygons and of the strips of polygonal data.
     polygons: [Vec<f64>; 2],
     strips: [Vec<f64>; 2],
@@ -94,6 +164,44 @@ impl VtuPiece {
             self.types.resize(count, f64::from(kind));
             self.offsets.extend(offsets.iter().map(|end| base + end));
         }
+    }
+
+    /// The cells with their points and faces, all numbers checked.
+    fn cells(&self) -> Result<VtuCells, ErrorKind> {
+        let (points, _) = self.points.as_chunks::<3>();
+        let mut all = VtuCells {
+            points: points.iter().map(|&point| Point3::from(point)).collect(),
+            ..VtuCells::default()
+        };
+        let count = all.points.len();
+        let (mut start, mut first) = (0, 0);
+        for (cell, kind) in self.types.iter().enumerate() {
+            let end = numbers_below(&self.offsets, cell, 1, self.connectivity.len() + 1)?;
+            let end = end[0] as usize;
+            let size = end.saturating_sub(start);
+            let corners = numbers_below(&self.connectivity, start, size, count)?;
+            all.cells.push((*kind as u8, corners));
+            let (faces, next) = match *kind as u8 {
+                POLYHEDRON => self.faces_from(first, count)?,
+                _ => (Vec::new(), first),
+            };
+            all.faces.push(faces);
+            (start, first) = (end, next);
+        }
+        Ok(all)
+    }
+
+    /// The loops of a polyhedron's faces from a place on, and where those of the next one begin.
+    fn faces_from(&self, start: usize, points: usize) -> Result<(Vec<Vec<u32>>, usize), ErrorKind> {
+        let limit = self.faces.len() + 1;
+        let mut place = start + 1;
+        let mut loops = Vec::new();
+        for _ in 0..numbers_below(&self.faces, start, 1, limit)?[0] {
+            let size = numbers_below(&self.faces, place, 1, limit)?[0] as usize;
+            loops.push(numbers_below(&self.faces, place + 1, size, points)?);
+            place += 1 + size;
+        }
+        Ok((loops, place))
     }
 
     fn check_counts(&self) -> Result<(), ErrorKind> {
@@ -159,6 +267,7 @@ impl<'a> VtuFile<'a> {
             (b"Cells", b"connectivity") => piece.connectivity = decoded()?,
             (b"Cells", b"offsets") => piece.offsets = decoded()?,
             (b"Cells", b"types") => piece.types = decoded()?,
+            (b"Cells", b"faces") => piece.faces = decoded()?,
             (b"Polys", b"offsets") => piece.polygons[0] = decoded()?,
             (b"Polys", b"connectivity") => piece.polygons[1] = decoded()?,
             (b"Strips", b"offsets") => piece.strips[0] = decoded()?,

@@ -1,0 +1,79 @@
+//! What the pictures of `chebloyd mesh` show: histograms of quality, and cells by kind.
+
+use crate::cli::mesh_report::MeshReport;
+use crate::complex::element::{CellElement, KINDS, scaled_jacobian};
+use crate::complex::face_geometry::MeshGeometry;
+use crate::complex::quality::face_values;
+use crate::mesh::poly_mesh::PolyMesh;
+use crate::plot::color::Color;
+use crate::plot::histograms::Histogram;
+
+/// The colors of [`KINDS`] (Okabe & Ito 2008).
+const COLORS: [Color; 5] = [
+    Color::hex(0x56_b4_e9),
+    Color::hex(0x00_9e_73),
+    Color::hex(0xe6_9f_00),
+    Color::hex(0xcc_79_a7),
+    Color::hex(0xe0_dc_d0),
+];
+
+/// The axis of angles ends at a multiple of this (degrees).
+const ANGLES: f64 = 10.0;
+
+/// The kind of every cell, and what the legend says of the kinds.
+pub(crate) fn kinds_and_legend(
+    mesh: &PolyMesh,
+    report: &MeshReport,
+) -> (Vec<usize>, Vec<(String, Color)>) {
+    let cells = mesh.cell_faces();
+    let kind = |cell| CellElement::of(mesh, &cells, cell).kind();
+    let legend = KINDS.into_iter().zip(COLORS).map(|(name, color)| {
+        let (count, percent) = report.share(name);
+        let text = format!("{name}: {count}, {percent:.1} % of the volume");
+        (text, color)
+    });
+    ((0..mesh.cell_count).map(kind).collect(), legend.collect())
+}
+
+/// Non-orthogonality, skewness, faces of cells, and scaled Jacobians.
+pub(crate) fn quality_histograms(mesh: &PolyMesh, geometry: &MeshGeometry) -> Vec<Histogram> {
+    let cells = mesh.cell_faces();
+    let (angles, skewness) = face_values(mesh, geometry);
+    let sizes: Vec<f64> = (0..mesh.cell_count)
+        .map(|cell| cells.of(cell).len() as f64)
+        .collect();
+    let jacobian = |cell| match CellElement::of(mesh, &cells, cell) {
+        CellElement::Hexahedron(corners) => Some(scaled_jacobian(mesh, &corners)),
+        _ => None,
+    };
+    let jacobians = (0..mesh.cell_count).filter_map(jacobian).collect();
+    let most = |values: &[f64]| values.iter().copied().fold(0.0, f64::max);
+    let steepest = (most(&angles) / ANGLES).ceil().max(1.0) * ANGLES;
+    let skewest = most(&skewness).ceil().max(1.0);
+    let widest = most(&sizes).clamp(8.0, 40.0);
+    let histogram = |title, name, values, ends, bars| Histogram {
+        title,
+        name,
+        values,
+        ends,
+        bars,
+    };
+    vec![
+        histogram(
+            "Non-orthogonality",
+            "degrees, faces between cells",
+            angles,
+            [0.0, steepest],
+            40,
+        ),
+        histogram("Skewness", "of all faces", skewness, [0.0, skewest], 40),
+        histogram(
+            "Faces of a cell",
+            "count",
+            sizes,
+            [3.5, widest + 0.5],
+            widest as usize - 3,
+        ),
+        histogram("Scaled Jacobian", "of hexahedra", jacobians, [0.0, 1.0], 40),
+    ]
+}
