@@ -23,6 +23,9 @@ use crate::voronoi::diagram::Diagram;
 /// The angle of a feature between patches (degrees), as in `mesh`.
 const FEATURE: f64 = 40.0;
 
+const NO_FLAT_TABLES: &str = "tables are of cells in space: set \"dimension\": 3, or leave out --cells-table and \
+     --faces-table";
+
 const NO_LINF_TABLES: &str = "tables of L∞ cells need faces that neighbors share, which there are in a box, along \
      the axes and where no region is tied; leave out --cells-table and --faces-table, or say --cells l2";
 
@@ -62,8 +65,7 @@ impl TableOptions {
             return Ok(());
         }
         if scene.dimension != 3 {
-            let message = "tables are of cells in space: set \"dimension\": 3, or leave out --cells-table and --faces-table";
-            return Err(Failure::input(message));
+            return Err(Failure::input(NO_FLAT_TABLES));
         }
         let both = [
             ("--cells-table", &self.cells_table),

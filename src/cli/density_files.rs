@@ -155,10 +155,8 @@ fn write_vtu(path: &Path, body: DensityBody<'_>) -> Result<(), Failure> {
             let diagram = Diagram::borrowed(&shape, sites).map_err(Failure::input)?;
             let mesh = assemble_whole(&diagram).map_err(Failure::run)?;
             let numbers = CellColumn::Integers((0..sites.len() as i64).collect());
-            let columns = [
-                ("site", numbers),
-                ("density", CellColumn::Reals(values.clone())),
-            ];
+            let reals = CellColumn::Reals(values.clone());
+            let columns = [("site", numbers), ("density", reals)];
             write_mesh(path, &mesh, &columns, false).map_err(failed)
         }
         ([solid @ Solid::Tets(sound, _)], [field]) => {

@@ -109,10 +109,9 @@ fn write_in_space(options: &FragmentsOptions, scene: &Scene, format: &str) -> Re
         Norm::L2 => parts(&space, &sites, wanted)?,
         Norm::Linf => linf_parts(&space, &sites, wanted)?,
     };
+    let file = (&*options.output, format);
     match cells.first() {
-        Some((_, parts)) if format != "vtu" => {
-            draw((&options.output, format), site, &position, parts)
-        }
+        Some((_, parts)) if format != "vtu" => draw(file, site, &position, parts),
         _ => export(&options.output, &space, &sites, &cells),
     }
 }

@@ -9,15 +9,15 @@ use serde_json::json;
 
 use crate::cli::failure::Failure;
 use crate::cli::options::{Common, SceneOptions, change, given, print_notes, space};
-use crate::cli::run::{Bar, RunDescription, describe};
+use crate::cli::run::{Bar, RunDescription};
 use crate::relax::record::Record;
 use crate::relax::relaxation::Checkpoint;
-use crate::relax::relaxation_space::Norm;
+use crate::relax::relaxation_space::{Norm, RelaxationSpace as _};
 use crate::relax::space::Space;
 use crate::relax::state::RunState;
 use crate::scene::description::Scene;
 use crate::scene::overrides::Overrides;
-use crate::scene::run::{RunSpace, all_sites, relax};
+use crate::scene::run::{RunSpace, all_sites, energy_spec, relax};
 use crate::scene::site_file;
 
 /// A scene whose sites are still to come.
@@ -100,7 +100,8 @@ impl SiteSource {
 fn relaxed(space: &Space, scene: &Scene, common: Common) -> Result<Vec<Point3<f64>>, Failure> {
     let placed = space.placed(scene).map_err(Failure::input)?;
     print_notes(&placed.notes);
-    describe(space, scene.clone(), &placed)?;
+    let fits = space.check_scale(placed.sites.len(), energy_spec(scene));
+    fits.map_err(Failure::input)?;
     let mut checkpoint = Checkpoint::at_start(placed.sites);
     let bar = Bar::new(scene.method.iterations(), 0, common);
     let mut observe = |record: &Record, _: &[Point3<f64>], _: &RunState<3>| {

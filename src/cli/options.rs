@@ -225,8 +225,7 @@ impl SceneOptions {
             return Ok(None);
         };
         if scene.dimension != 3 {
-            let message =
-                format!("--edge {size}: is for sites in space; say a --count in the plane");
+            let message = format!("--edge {size} is for sites in space; in the plane say --count");
             return Err(Failure::input(message));
         }
         let density = SceneDensity::Size { size: size.clone() };
