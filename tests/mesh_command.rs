@@ -312,8 +312,16 @@ fn compressed_and_binary_meshes_are_read() {
 /// `chebloyd mesh run -o case --collapse 0.2`, `WM_PROJECT_DIR=/usr/share/openfoam checkMesh -case case
 /// -allGeometry -allTopology`.
 const OF_CHECK_MESH: [(&str, f64, f64); 7] = [
-    ("non_orthogonality_max", 16.287795212051513, 24.120755603535507),
-    ("non_orthogonality_mean", 6.2017985965700122, 6.9664421265470304),
+    (
+        "non_orthogonality_max",
+        16.287795212051513,
+        24.120755603535507,
+    ),
+    (
+        "non_orthogonality_mean",
+        6.2017985965700122,
+        6.9664421265470304,
+    ),
     ("skewness_max", 2.78658766207396, 2.7805984454738772),
     ("aspect_max", 2.7642638757105105, 2.7285368923811859),
     ("edge_min", 0.0016490200342873795, 0.023729611639617565),
@@ -330,7 +338,10 @@ fn figures_are_those_of_check_mesh() {
     for (name, of_raw, of_collapsed) in OF_CHECK_MESH {
         for (report, theirs) in [(&raw, of_raw), (&collapsed, of_collapsed)] {
             let ours = report[name].as_f64().expect("a number");
-            assert!((ours - theirs).abs() < 1e-9 * theirs.max(1.0), "{name}: {ours} {theirs}");
+            assert!(
+                (ours - theirs).abs() < 1e-9 * theirs.max(1.0),
+                "{name}: {ours} {theirs}"
+            );
         }
     }
 }
@@ -342,10 +353,21 @@ fn faces_pictures_and_a_vtu_file_are_written_and_measured() {
     let made = report(&dir.stdout(&[&["mesh", "run", "-o", "case"], &formats[..]].concat()));
     let head = String::from_utf8_lossy(&dir.read("case/faces.vtu")[..1500]).into_owned();
     let count = format!("NumberOfCells=\"{}\"", made["faces"]);
-    assert_all_in(&head, &[&count, "\"area\"", "\"owner\"", "\"neighbor\"", "\"wall\""]);
+    assert_all_in(
+        &head,
+        &[&count, "\"area\"", "\"owner\"", "\"neighbor\"", "\"wall\""],
+    );
     assert!(dir.read("case/mesh.png").starts_with(b"\x89PNG"));
     let picture = String::from_utf8(dir.read("case/mesh.svg")).expect("text");
-    assert_all_in(&picture, &["Non-orthogonality", "Skewness", "Faces of a cell", "Scaled Jacobian"]);
+    assert_all_in(
+        &picture,
+        &[
+            "Non-orthogonality",
+            "Skewness",
+            "Faces of a cell",
+            "Scaled Jacobian",
+        ],
+    );
     let mut checked = report(&dir.stdout(&["mesh", "--check", "case/mesh.vtu", "--json"]));
     for key in ["solid_volume", "patches"] {
         checked[key] = made[key].clone();
@@ -355,7 +377,10 @@ fn faces_pictures_and_a_vtu_file_are_written_and_measured() {
             // Sums over faces, which have another order.
             Some(number) => {
                 let other = checked[key].as_f64().expect("a number");
-                assert!((number - other).abs() < 1e-12 * number.abs().max(1.0), "{key}");
+                assert!(
+                    (number - other).abs() < 1e-12 * number.abs().max(1.0),
+                    "{key}"
+                );
             }
             None if key == "kinds" => assert_eq!(checked[key]["polyhedron"]["count"], 30),
             None => assert_eq!(&checked[key], value, "{key}"),
@@ -375,18 +400,55 @@ fn a_solid_is_relaxed_and_meshed_at_once() {
     let solid = ["cube.off", "--edge", "0.7"];
     let at_once = [&["mesh"], &solid[..], &["-o", "case", "--json"]].concat();
     let made = report(&dir.stdout(&at_once));
-    assert_eq!(std::fs::read_dir(dir.path("case/system")).expect("a folder").count(), 1);
-    let relax = [&["relax"], &solid[..], &["--goal", "mesh", "--out", "run", "--quiet"]].concat();
+    assert_eq!(
+        std::fs::read_dir(dir.path("case/system"))
+            .expect("a folder")
+            .count(),
+        1
+    );
+    let relax = [
+        &["relax"],
+        &solid[..],
+        &["--goal", "mesh", "--out", "run", "--quiet"],
+    ]
+    .concat();
     dir.stdout(&relax);
-    assert_eq!(made, report(&dir.stdout(&["mesh", "run", "-o", "other", "--json"])));
+    assert_eq!(
+        made,
+        report(&dir.stdout(&["mesh", "run", "-o", "other", "--json"]))
+    );
     assert_eq!(made["cells"], 27);
-    assert_refused(&dir, &["mesh", "cube.off", "-o", "new"], &["cube.off", "--edge L"]);
-    assert_refused(&dir, &["mesh", "run", "--edge", "1", "-o", "new"], &["a run has its sites"]);
-    assert_refused(&dir, &["mesh", "cube.off", "--edge", "-1", "-o", "new"], &["positive length"]);
-    assert_refused(&dir, &["mesh", "cube.off", "--edge", "1+", "-o", "new"], &["1+"]);
+    assert_refused(
+        &dir,
+        &["mesh", "cube.off", "-o", "new"],
+        &["cube.off", "--edge L"],
+    );
+    assert_refused(
+        &dir,
+        &["mesh", "run", "--edge", "1", "-o", "new"],
+        &["a run has its sites"],
+    );
+    assert_refused(
+        &dir,
+        &["mesh", "cube.off", "--edge", "-1", "-o", "new"],
+        &["positive length"],
+    );
+    assert_refused(
+        &dir,
+        &["mesh", "cube.off", "--edge", "1+", "-o", "new"],
+        &["1+"],
+    );
     assert!(!dir.path("new").exists());
     // ∫ h⁻³ over the cube of h = 1/2 + (x − 4)/4 is 4 · 2 · (4 − 1) = 24.
-    let graded = ["mesh", "cube.off", "--edge", "0.5 + 0.25*(x-4)", "-o", "graded", "--json"];
+    let graded = [
+        "mesh",
+        "cube.off",
+        "--edge",
+        "0.5 + 0.25*(x-4)",
+        "-o",
+        "graded",
+        "--json",
+    ];
     let graded = report(&dir.stdout(&graded));
     assert_eq!(graded["cells"], 24);
     assert!((graded["volume"].as_f64().expect("a volume") - 8.0).abs() < 1e-9);
