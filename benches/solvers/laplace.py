@@ -144,13 +144,13 @@ def field(path, width):
 
 # --- ours ---
 
-def ours(program, work, name, count, surface, collapse):
+def ours(program, work, name, count, surface, collapse, moves):
     """Relaxes as many cells and meshes them; in solids as `relax --goal mesh` does, in the box from random sites."""
     run, case = work / f"{name}-run", work / f"{name}-cells-{collapse}"
     if not (run / "sites.csv").exists():
         domain = ["--count", count, "--method", "quasi-newton", "--iterations", 200]
         if surface:
-            domain = [surface, "--count", count, "--goal", "mesh"]
+            domain = [surface, "--count", count, "--goal", "mesh"] + (["--iterations", moves] if moves else [])
         call(program, "relax", *domain, "--out", run, "--no-cells-file", "--no-pictures", "--quiet", "--force")
     if not (case / "mesh.json").exists():
         call(program, "mesh", run, "-o", case, "--collapse", collapse, "--quiet", "--force")
@@ -165,6 +165,12 @@ def read_off(path):
     points, faces = int(words[1]), int(words[2])
     vertices = np.array(words[4:4 + 3 * points], float).reshape(-1, 3)
     return vertices, np.array(words[4 + 3 * points:4 + 3 * points + 4 * faces], int).reshape(-1, 4)[:, 1:]
+
+
+def write_off(path, vertices, triangles):
+    lines = ["OFF", f"{len(vertices)} {len(triangles)} 0"]
+    lines += [" ".join(repr(float(x)) for x in vertex) for vertex in vertices]
+    Path(path).write_text("\n".join(lines + [f"3 {a} {b} {c}" for a, b, c in triangles]) + "\n")
 
 
 def write_stl(path, vertices, triangles):
@@ -241,6 +247,7 @@ def main():
     options.add_argument("--collapse", default="0,0.1", help="collapses of ours [0,0.1]")
     options.add_argument("--correctors", type=int, default=8, help="non-orthogonal correctors [8]")
     options.add_argument("--no-dual", action="store_true", help="without polyDualMesh")
+    options.add_argument("--moves", type=int, help="moves of --goal mesh in solids [the program's own]")
     options.add_argument("--work", type=Path, default=Path("solvers"), help="where meshes are kept [solvers]")
     options.add_argument("--chebloyd", default="chebloyd", help="the program")
     options = options.parse_args()
@@ -251,14 +258,19 @@ def main():
         word, _, count = word.partition("=")
         path = Path(word) if word.endswith(".off") else SCENES / f"{word}.off"
         vertices, triangles = read_off(path)
+        low, high = vertices.min(axis=0), vertices.max(axis=0)  # into the middle of the unit cube
+        vertices = 0.5 + (vertices - 0.5 * (low + high)) / (high - low).max()
+        name, path = path.stem, options.work / path.name
+        write_off(path, vertices, triangles)
         a, b, c = (vertices[triangles[:, k]] for k in range(3))
         volume = abs((a * np.cross(b, c)).sum() / 6)
-        jobs.append((path.stem, int(count or {"bracket": 1000}.get(path.stem, 5000)), path, volume))
+        jobs.append((name, int(count or {"bracket": 1000}.get(name, 5000)), path, volume))
     print("| mesh | cells | faces per cell | value | gradient | iterations | tets over this: value | gradient |\n|---|---|---|---|---|---|---|---|")
     for name, count, surface, volume in jobs:
         cases = []
         for collapse in options.collapse.split(","):
-            cases.append((f"{name}, ours, collapse {collapse}", ours(options.chebloyd, options.work, name, count, surface, collapse)))
+            cases.append((f"{name}, ours, collapse {collapse}", ours(
+                options.chebloyd, options.work, name, count, surface, collapse, options.moves)))
         reached = Mesh(cases[0][1]).cells
         if not options.no_dual:
             cases.append((f"{name}, polyDualMesh", of_gmsh(options.work, name, reached, surface, volume, 1)))

@@ -37,7 +37,7 @@ const ELEMENT_FORMATS: [(&str, &str); 4] = [
 const CORNER_REACH: f64 = 1e-4;
 
 /// How often cells are joined where elements stay inverted.
-const JOINS: usize = 4;
+const JOINS: usize = 8;
 
 /// The file of a format of elements.
 pub(crate) fn file_of(format: &str) -> Option<&'static str> {
@@ -125,6 +125,9 @@ fn untangled(mut dual: DualMesh, walls: Option<&WallProjection>) -> (ElementMesh
         let mut mesh = divide(&dual.mesh);
         let bad = untangle(&mut mesh, &dual.anchors, walls);
         let cells: BTreeSet<u32> = bad.iter().map(|&element| mesh.cells[element]).collect();
+        // Points of the dual come first; they stay where they helped.
+        let count = dual.mesh.points.len();
+        dual.mesh.points.copy_from_slice(&mesh.points[..count]);
         if cells.is_empty() || joins == JOINS || !join_bad(&mut dual, &cells) {
             return (mesh, bad);
         }

@@ -20,7 +20,7 @@ const COLORS: [Color; 5] = [
 /// The axis of angles ends at a multiple of this (degrees).
 const ANGLES: f64 = 10.0;
 
-/// The kind of every cell, and what the legend says of the kinds.
+/// The kind of every cell, and what the legend says of the kinds that are there.
 pub(crate) fn kinds_and_legend(
     mesh: &PolyMesh,
     report: &MeshReport,
@@ -29,7 +29,10 @@ pub(crate) fn kinds_and_legend(
     let kind = |cell| CellElement::of(mesh, &cells, cell).kind();
     let legend = KINDS.into_iter().zip(COLORS).map(|(name, color)| {
         let (count, percent) = report.share(name);
-        let text = format!("{name}: {count}, {percent:.1} % of the volume");
+        let text = match count {
+            0 => String::new(),
+            _ => format!("{name}: {count}, {percent:.1} % of the volume"),
+        };
         (text, color)
     });
     ((0..mesh.cell_count).map(kind).collect(), legend.collect())

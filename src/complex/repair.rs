@@ -4,7 +4,7 @@
 //! wall or of a re-entrant edge, or joined to a neighbor. All are made on trial and judged by
 //! [`crate::complex::edit_shapes`]; cells stay closed balls.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use nalgebra::{Point3, Vector3};
 
@@ -26,6 +26,9 @@ const LONGEST: f64 = 0.6;
 
 /// Cells up to this share of the mean cell's volume may be joined to a neighbor.
 const SMALL: f64 = 0.4;
+
+/// Pieces of cells up to this share of the mean cell's volume are slivers.
+const SLIVER: f64 = 0.05;
 
 /// How near to a cutting plane vertices count as on it, in sides of the mean cell.
 const SNAPS: [f64; 3] = [0.02, 0.08, 0.2];
@@ -90,6 +93,54 @@ impl Repair<'_> {
                 self.mesh.keep();
             }
         }
+    }
+
+    /// Joins slivers to neighbors where no face fails for it, unless they are all that a site has: solvers gain
+    /// nothing from them, and lose their gradients there.
+    pub(crate) fn join_slivers(&mut self) {
+        let mut pieces: BTreeMap<u32, usize> = BTreeMap::new();
+        let is_there = |cell: &usize| !self.mesh.of_cell[*cell].is_empty();
+        for cell in (0..self.mesh.of_cell.len()).filter(is_there) {
+            *pieces.entry(self.mesh.sites[cell]).or_default() += 1;
+        }
+        for cell in 0..self.mesh.of_cell.len() as u32 {
+            let site = self.mesh.sites[cell as usize];
+            let is_empty = self.mesh.of_cell[cell as usize].is_empty();
+            if is_empty || pieces[&site] < 2 || !self.is_sliver(cell) {
+                continue;
+            }
+            if self.join_sliver(cell) {
+                pieces.entry(site).and_modify(|count| *count -= 1);
+            }
+        }
+    }
+
+    /// Joins a cell to the neighbor with which that gains most; whether no face fails for it.
+    fn join_sliver(&mut self, cell: u32) -> bool {
+        let unions = self.beside(cell).into_iter();
+        let unions = unions.map(|other| Change::Unite(cell.min(other), cell.max(other)));
+        let unions: Vec<Change> = unions.collect();
+        let Some(best) = self.best(unions, f64::NEG_INFINITY) else {
+            return false;
+        };
+        let mark = self.mesh.mark();
+        let made = self.make(&best);
+        let is_fine =
+            |(before, after): &(Miss, Miss)| after.worst < FAILING || after.worst <= before.worst;
+        if !made.as_ref().is_some_and(is_fine) {
+            self.mesh.undo_to(mark);
+            return false;
+        }
+        self.mesh.keep();
+        if let Change::Unite(kept, gone) = best {
+            let other = if kept == cell { gone } else { kept };
+            self.mesh.sites[kept as usize] = self.mesh.sites[other as usize];
+        }
+        true
+    }
+
+    fn is_sliver(&mut self, cell: u32) -> bool {
+        self.mesh.cell_shape(cell).volume < SLIVER * self.side.powi(3)
     }
 
     /// The cells that miss the limits too far, ascending.
@@ -331,7 +382,8 @@ impl Repair<'_> {
         Some((self.mesh.points[on[0] as usize], normal, on))
     }
 
-    fn unions(&mut self, cell: u32) -> Vec<Change> {
+    /// The cells that have a face with a cell, ascending.
+    fn beside(&self, cell: u32) -> Vec<u32> {
         let mut others = Vec::new();
         for &face in &self.mesh.of_cell[cell as usize] {
             if let Behind::Cell(other) = self.mesh.behind[face as usize] {
@@ -344,8 +396,12 @@ impl Repair<'_> {
         }
         others.sort_unstable();
         others.dedup();
+        others
+    }
+
+    fn unions(&mut self, cell: u32) -> Vec<Change> {
         let mut unions = Vec::new();
-        for other in others {
+        for other in self.beside(cell) {
             let (kept, gone) = match cell < other {
                 true => (cell, other),
                 false => (other, cell),

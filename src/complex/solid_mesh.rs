@@ -3,7 +3,7 @@
 //! The conforming complex has all triangles of the surface on its walls. Then, in this order: the faces of a
 //! cell's walls are merged ([`wall_polygons`](crate::complex::wall_polygons)), chains straightened, small
 //! pieces joined to neighbors, bad cells improved ([`repair`](crate::complex::repair)), short edges collapsed,
-//! and what is bad still improved again.
+//! and what is bad still improved again; slivers that are left join a neighbor.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -124,5 +124,7 @@ fn clean(
         straighten_edges(repair.mesh, 0.5 * share * side);
         repair.stuck.clear();
     }
-    repair.run()
+    repair.run();
+    repair.join_slivers();
+    repair.failing()
 }

@@ -25,7 +25,8 @@ const ROW: f64 = 20.0;
 /// The side of a square of the legend.
 const SQUARE: f64 = 11.0;
 
-/// The picture as the bytes of a PNG file. `kinds` gives every cell a place in `legend`.
+/// The picture as the bytes of a PNG file. `kinds` gives every cell a place in `legend`, whose entries without
+/// text are not shown.
 ///
 /// # Errors
 /// [`PngError`] as [`crate::plot::png::png`].
@@ -59,12 +60,13 @@ pub(crate) fn mesh_picture(
     }
     let size = size.map(|pixels| pixels as f64 / SCALE);
     let corner = Point2::new(MARGIN, MARGIN + TITLE_SPACE);
-    let rows = legend.len() as f64 * ROW;
+    let shown = || legend.iter().filter(|(name, _)| !name.is_empty());
+    let rows = shown().count() as f64 * ROW;
     let mut figure = Figure::new(size[0] + 2.0 * MARGIN, corner.y + size[1] + MARGIN + rows);
     let above = Point2::new(MARGIN + 0.5 * size[0], MARGIN + 0.8 * TITLE_SIZE);
     let title = removed.title().replace("Cells", "Mesh");
     figure.text(above, &title, TITLE_SIZE, Anchor::Middle);
-    for (row, (name, color)) in legend.iter().enumerate() {
+    for (row, (name, color)) in shown().enumerate() {
         let foot = corner.y + size[1] + ROW * (row as f64 + 0.6);
         let square = [
             Point2::new(MARGIN, foot - SQUARE),

@@ -10,6 +10,7 @@ use std::sync::atomic::AtomicBool;
 
 use nalgebra::{Point, Point2, Point3};
 
+use crate::domain::domain::Domain;
 use crate::relax::descent::DescentOptions;
 use crate::relax::driver::{Observer, RunEnd};
 use crate::relax::metrics::{CellMetrics, Metrics};
@@ -27,6 +28,7 @@ use crate::scene::frames::FrameChoice;
 use crate::scene::memory;
 use crate::scene::method::{Anneal, SceneMethod};
 use crate::scene::place::{PlacedSites, SiteRegion, place};
+use crate::voronoi::diagram::Diagram;
 
 /// Sites of a run, by dimension.
 #[derive(Clone, Debug, PartialEq)]
@@ -152,11 +154,34 @@ pub trait RunSpace<const D: usize>: RelaxationSpace<D> {
     /// # Errors
     /// As [`RunSpace::place`].
     fn placed(&self, scene: &Scene) -> Result<PlacedSites<D>, Error> {
-        scene.sites.announced().map_or(Ok(()), memory::check)?;
-        let placed = place(scene, &self.region())?;
-        memory::check(placed.sites.len() as u64)?;
-        Ok(placed)
+        placed_in(&self.region(), scene)
     }
+}
+
+fn placed_in<const D: usize>(
+    region: &SiteRegion<'_, D>,
+    scene: &Scene,
+) -> Result<PlacedSites<D>, Error> {
+    scene.sites.announced().map_or(Ok(()), memory::check)?;
+    let placed = place(scene, region)?;
+    memory::check(placed.sites.len() as u64)?;
+    Ok(placed)
+}
+
+/// Sites of a lattice whose cells have less than this share of the mean volume are left out: where two walls
+/// meet in a wedge a cell is a sliver, and few moves do not mend that. A cell in a corner has an eighth.
+const LEAST_CELL: f64 = 0.1;
+
+/// Leaves out the sites of slivers, one round: their neighbors take the volume.
+fn without_slivers(
+    domain: &dyn Domain,
+    sites: Vec<Point3<f64>>,
+) -> Result<Vec<Point3<f64>>, Error> {
+    let volumes = Diagram::new(domain, &sites)?.map_cells(|cell| cell.volume())?;
+    let least = LEAST_CELL * volumes.iter().sum::<f64>() / sites.len() as f64;
+    let kept = sites.into_iter().zip(volumes);
+    let kept = kept.filter(|(_, volume)| *volume >= least);
+    Ok(kept.map(|(site, _)| site).collect())
 }
 
 impl RunSpace<2> for Plane {
@@ -185,6 +210,14 @@ impl RunSpace<2> for Plane {
 impl RunSpace<3> for Space {
     fn region(&self) -> SiteRegion<'_, 3> {
         SiteRegion::<3>::of_solid(self.domain())
+    }
+
+    fn placed(&self, scene: &Scene) -> Result<PlacedSites<3>, Error> {
+        let mut placed = placed_in(&self.region(), scene)?;
+        if scene.sites.is_lattice() && self.domain().surface_mesh().is_some() {
+            placed.sites = without_slivers(self.domain(), placed.sites)?;
+        }
+        Ok(placed)
     }
 
     fn cells(

@@ -41,7 +41,7 @@ pub struct Random {
     #[serde(default = "one")]
     pub seed: u64,
     /// Whether the sites are those points of the cubic lattice over the domain's bounding box that the
-    /// domain holds, as many as come nearest to the count.
+    /// domain holds, as many as come nearest to the count, without those whose cells are slivers.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub lattice: bool,
 }
@@ -85,6 +85,11 @@ impl Sites {
         if let Self::Random(random) = self {
             random.lattice = true;
         }
+    }
+
+    /// Whether they are those of a lattice.
+    pub(crate) fn is_lattice(&self) -> bool {
+        matches!(self, Self::Random(random) if random.lattice)
     }
 
     /// Whether they are counted by the edge of a cell.
