@@ -1,4 +1,4 @@
-//! What the pictures of `chebloyd mesh` show: histograms of quality, and cells by kind.
+//! Histograms of quality and cells by kind, for the pictures of `chebloyd mesh`.
 
 use crate::cli::mesh_report::MeshReport;
 use crate::complex::element::{CellElement, KINDS, scaled_jacobian};

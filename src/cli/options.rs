@@ -231,7 +231,7 @@ impl SceneOptions {
         }
         let density = SceneDensity::Size { size: size.clone() };
         let cells = density.mass(&scene.domain).map_err(Failure::input)?;
-        let is_count = cells.is_finite() && cells >= 0.5 && cells < MOST_CELLS;
+        let is_count = (0.5..MOST_CELLS).contains(&cells);
         if !is_count {
             let message = format!("--edge {size}: cells of such edges are {cells:.3e} in number");
             return Err(Failure::input(message));

@@ -53,7 +53,7 @@ pub(crate) enum ListedCellsError {
 /// # Errors
 /// [`ListedCellsError`] with the cell.
 pub(crate) fn mesh_of(listed: &VtuCells) -> Result<PolyMesh, ListedCellsError> {
-    let mut by_points: HashMap<Vec<u32>, Vec<(u32, Vec<u32>)>> = HashMap::new();
+    let mut by_points = FaceSides::new();
     let mut order = Vec::new();
     for (cell, (kind, corners)) in listed.cells.iter().enumerate() {
         let loops = loops_of(*kind, corners, &listed.faces[cell]);
@@ -69,10 +69,21 @@ pub(crate) fn mesh_of(listed: &VtuCells) -> Result<PolyMesh, ListedCellsError> {
             sides.push((cell as u32, corners));
         }
     }
+    by_faces(listed, &order, &by_points)
+}
+
+/// The cells at each face, by its points in ascending order, with their loops.
+type FaceSides = HashMap<Vec<u32>, Vec<(u32, Vec<u32>)>>;
+
+fn by_faces(
+    listed: &VtuCells,
+    order: &[Vec<u32>],
+    by_points: &FaceSides,
+) -> Result<PolyMesh, ListedCellsError> {
     let mut faces = SortedFaces::default();
     let mut shared = 0;
     for key in order {
-        match &by_points[&key][..] {
+        match &by_points[key][..] {
             [(cell, corners)] => faces.push_wall(*cell, corners.clone(), 0),
             [(cell, corners), (other, _)] => {
                 shared += 1;
@@ -81,7 +92,7 @@ pub(crate) fn mesh_of(listed: &VtuCells) -> Result<PolyMesh, ListedCellsError> {
             [.., (cell, corners)] => {
                 return Err(ListedCellsError::Face {
                     corners: corners.clone(),
-                    count: by_points[&key].len(),
+                    count: by_points[key].len(),
                     cell: *cell as usize,
                 });
             }
