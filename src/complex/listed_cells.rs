@@ -130,13 +130,7 @@ fn outward(points: &[Point3<f64>], mut loops: Vec<Vec<u32>>) -> Vec<Vec<u32>> {
         .map(|&corner| place(corner))
         .sum::<Vector3<f64>>()
         / all.len().max(1) as f64;
-    // Six times the volume of the pyramid of a loop over the middle.
-    let volume = |corners: &[u32]| -> f64 {
-        let arm = |corner: u32| place(corner) - middle;
-        let fans = corners.windows(2).skip(1);
-        fans.map(|pair| arm(corners[0]).dot(&arm(pair[0]).cross(&arm(pair[1]))))
-            .sum()
-    };
+    let volume = |corners: &[u32]| pyramid(points, corners, &middle);
     let turned = |corners: &mut Vec<u32>| corners.reverse();
     if fit_together(&loops) {
         if loops.iter().map(|corners| volume(corners)).sum::<f64>() < 0.0 {
@@ -147,6 +141,14 @@ fn outward(points: &[Point3<f64>], mut loops: Vec<Vec<u32>>) -> Vec<Vec<u32>> {
     let inward = loops.iter_mut().filter(|corners| volume(corners) < 0.0);
     inward.for_each(turned);
     loops
+}
+
+/// Six times the volume (L³) of the pyramid of a loop over a place.
+fn pyramid(points: &[Point3<f64>], corners: &[u32], apex: &Vector3<f64>) -> f64 {
+    let arm = |corner: u32| points[corner as usize].coords - apex;
+    let fans = corners.windows(2).skip(1);
+    fans.map(|pair| arm(corners[0]).dot(&arm(pair[0]).cross(&arm(pair[1]))))
+        .sum()
 }
 
 /// Whether every edge is run once each way.
