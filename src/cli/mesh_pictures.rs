@@ -1,4 +1,4 @@
-//! The pictures of `chebloyd mesh`: histograms of quality, and cells by kind.
+//! Histograms of quality and cells by kind, for the pictures of `chebloyd mesh`.
 
 use crate::cli::mesh_report::MeshReport;
 use crate::complex::element::{CellElement, KINDS, scaled_jacobian};

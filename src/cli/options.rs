@@ -178,8 +178,8 @@ impl SceneOptions {
         print_notes(&notes);
         self.set_sites(&scene, &mut others)?;
         let edge = self.edge.as_deref().map(str::parse::<f64>);
-        let count = match &edge {
-            Some(Err(_)) => self.graded_count(&scene, &mut others)?,
+        let count = match (&edge, &self.edge) {
+            (Some(Err(_)), Some(size)) => Self::graded_count(size, &scene, &mut others)?,
             _ => self.count,
         };
         let edge = edge.and_then(Result::ok);
@@ -217,20 +217,19 @@ impl SceneOptions {
 
     /// Makes the edge, which varies, the scene's density; returns how many cells there are then: ∫ h⁻³.
     fn graded_count(
-        &self,
+        size: &str,
         scene: &Scene,
         others: &mut Overrides,
     ) -> Result<Option<usize>, Failure> {
-        let Some(size) = &self.edge else {
-            return Ok(None);
-        };
         if scene.dimension != 3 {
             let message = format!("--edge {size} is for sites in space; in the plane say --count");
             return Err(Failure::input(message));
         }
-        let density = SceneDensity::Size { size: size.clone() };
+        let density = SceneDensity::Size {
+            size: size.to_owned(),
+        };
         let cells = density.mass(&scene.domain).map_err(Failure::input)?;
-        let is_count = cells.is_finite() && cells >= 0.5 && cells < MOST_CELLS;
+        let is_count = (0.5..MOST_CELLS).contains(&cells);
         if !is_count {
             let message = format!("--edge {size}: cells of such edges are {cells:.3e} in number");
             return Err(Failure::input(message));

@@ -53,7 +53,7 @@ pub(crate) enum ListedCellsError {
 /// # Errors
 /// [`ListedCellsError`] with the cell.
 pub(crate) fn mesh_of(listed: &VtuCells) -> Result<PolyMesh, ListedCellsError> {
-    let mut by_points: HashMap<Vec<u32>, Vec<(u32, Vec<u32>)>> = HashMap::new();
+    let mut by_points = FaceSides::new();
     let mut order = Vec::new();
     for (cell, (kind, corners)) in listed.cells.iter().enumerate() {
         let loops = loops_of(*kind, corners, &listed.faces[cell]);
@@ -69,10 +69,21 @@ pub(crate) fn mesh_of(listed: &VtuCells) -> Result<PolyMesh, ListedCellsError> {
             sides.push((cell as u32, corners));
         }
     }
+    by_faces(listed, &order, &by_points)
+}
+
+/// The cells at each face, by its points in ascending order, with their loops.
+type FaceSides = HashMap<Vec<u32>, Vec<(u32, Vec<u32>)>>;
+
+fn by_faces(
+    listed: &VtuCells,
+    order: &[Vec<u32>],
+    by_points: &FaceSides,
+) -> Result<PolyMesh, ListedCellsError> {
     let mut faces = SortedFaces::default();
     let mut shared = 0;
     for key in order {
-        match &by_points[&key][..] {
+        match &by_points[key][..] {
             [(cell, corners)] => faces.push_wall(*cell, corners.clone(), 0),
             [(cell, corners), (other, _)] => {
                 shared += 1;
@@ -81,7 +92,7 @@ pub(crate) fn mesh_of(listed: &VtuCells) -> Result<PolyMesh, ListedCellsError> {
             [.., (cell, corners)] => {
                 return Err(ListedCellsError::Face {
                     corners: corners.clone(),
-                    count: by_points[&key].len(),
+                    count: by_points[key].len(),
                     cell: *cell as usize,
                 });
             }
@@ -119,13 +130,7 @@ fn outward(points: &[Point3<f64>], mut loops: Vec<Vec<u32>>) -> Vec<Vec<u32>> {
         .map(|&corner| place(corner))
         .sum::<Vector3<f64>>()
         / all.len().max(1) as f64;
-    // Six times the volume of the pyramid of a loop over the middle.
-    let volume = |corners: &[u32]| -> f64 {
-        let arm = |corner: u32| place(corner) - middle;
-        let fans = corners.windows(2).skip(1);
-        fans.map(|pair| arm(corners[0]).dot(&arm(pair[0]).cross(&arm(pair[1]))))
-            .sum()
-    };
+    let volume = |corners: &[u32]| pyramid(points, corners, &middle);
     let turned = |corners: &mut Vec<u32>| corners.reverse();
     if fit_together(&loops) {
         if loops.iter().map(|corners| volume(corners)).sum::<f64>() < 0.0 {
@@ -136,6 +141,14 @@ fn outward(points: &[Point3<f64>], mut loops: Vec<Vec<u32>>) -> Vec<Vec<u32>> {
     let inward = loops.iter_mut().filter(|corners| volume(corners) < 0.0);
     inward.for_each(turned);
     loops
+}
+
+/// Six times the volume (L³) of the pyramid of a loop over a place.
+fn pyramid(points: &[Point3<f64>], corners: &[u32], apex: &Vector3<f64>) -> f64 {
+    let arm = |corner: u32| points[corner as usize].coords - apex;
+    let fans = corners.windows(2).skip(1);
+    fans.map(|pair| arm(corners[0]).dot(&arm(pair[0]).cross(&arm(pair[1]))))
+        .sum()
 }
 
 /// Whether every edge is run once each way.

@@ -43,21 +43,8 @@ pub(crate) fn join_bad(dual: &mut DualMesh, bad: &BTreeSet<u32>) -> bool {
     let is_sound = |dual: &DualMesh| others(dual).is_some_and(|count| count <= first);
     let (mut all, mut taken) = (BTreeMap::new(), BTreeSet::new());
     for &cell in bad {
-        let mut best: Option<(usize, u32)> = None;
-        for other in neighbors(&dual.mesh, cell) {
-            if taken.contains(&cell) || taken.contains(&other) {
-                continue;
-            }
-            let joined = joined(dual, &BTreeMap::from([(cell, other)]));
-            if !is_sound(&joined) {
-                continue;
-            }
-            let count = unseen(&joined.mesh).len();
-            if best.is_none_or(|(least, _)| count < least) {
-                best = Some((count, other));
-            }
-        }
-        if let Some((_, other)) = best {
+        let best = best_neighbor(dual, cell, &taken, &is_sound);
+        if let Some(other) = best {
             all.insert(cell, other);
             taken.extend([cell, other]);
         }
@@ -68,6 +55,28 @@ pub(crate) fn join_bad(dual: &mut DualMesh, bad: &BTreeSet<u32>) -> bool {
     }
     *dual = next;
     !all.is_empty()
+}
+
+/// The neighbor with which a cell is best joined, if neither is `taken`.
+fn best_neighbor(
+    dual: &DualMesh,
+    cell: u32,
+    taken: &BTreeSet<u32>,
+    is_sound: &impl Fn(&DualMesh) -> bool,
+) -> Option<u32> {
+    let is_free = |other: &u32| !taken.contains(&cell) && !taken.contains(other);
+    let mut best: Option<(usize, u32)> = None;
+    for other in neighbors(&dual.mesh, cell).into_iter().filter(is_free) {
+        let joined = joined(dual, &BTreeMap::from([(cell, other)]));
+        if !is_sound(&joined) {
+            continue;
+        }
+        let count = unseen(&joined.mesh).len();
+        if best.is_none_or(|(least, _)| count < least) {
+            best = Some((count, other));
+        }
+    }
+    best.map(|(_, other)| other)
 }
 
 /// The cells beside a cell, those with the largest common area first.

@@ -111,6 +111,11 @@ pub(crate) fn write_faces(path: &Path, mesh: &PolyMesh, areas: Vec<f64>) -> io::
         grid.connectivity.extend(corners);
         grid.offsets.push(grid.connectivity.len() as i64);
     }
+    write_grid(path, &grid, &face_columns(mesh, areas))
+}
+
+/// The data of faces.
+fn face_columns(mesh: &PolyMesh, areas: Vec<f64>) -> [(&'static str, CellColumn); 4] {
     let neighbor = |face| mesh.neighbor_of(face).map_or(-1, |cell| cell as i64);
     let mut walls = vec![-1; mesh.neighbor.len()];
     for (number, patch) in (0..).zip(&mesh.patches) {
@@ -118,13 +123,12 @@ pub(crate) fn write_faces(path: &Path, mesh: &PolyMesh, areas: Vec<f64>) -> io::
     }
     let owners = mesh.owner.iter().map(|&cell| i64::from(cell)).collect();
     let neighbors = (0..mesh.face_count()).map(neighbor).collect();
-    let columns = [
+    [
         ("area", CellColumn::Reals(areas)),
         ("owner", CellColumn::Integers(owners)),
         ("neighbor", CellColumn::Integers(neighbors)),
         ("wall", CellColumn::Integers(walls)),
-    ];
-    write_grid(path, &grid, &columns)
+    ]
 }
 
 fn column_array(name: &str, column: &CellColumn) -> FileArray {

@@ -66,8 +66,18 @@ pub(crate) fn mesh_picture(
     let above = Point2::new(MARGIN + 0.5 * size[0], MARGIN + 0.8 * TITLE_SIZE);
     let title = removed.title().replace("Cells", "Mesh");
     figure.text(above, &title, TITLE_SIZE, Anchor::Middle);
-    for (row, (name, color)) in shown().enumerate() {
-        let foot = corner.y + size[1] + ROW * (row as f64 + 0.6);
+    draw_legend(&mut figure, corner.y + size[1], shown());
+    buffer.to_png(&figure, corner, SCALE)
+}
+
+/// Squares of the colors with their names, in rows below `top`.
+fn draw_legend<'a>(
+    figure: &mut Figure,
+    top: f64,
+    shown: impl Iterator<Item = &'a (String, Color)>,
+) {
+    for (row, (name, color)) in shown.enumerate() {
+        let foot = top + ROW * (row as f64 + 0.6);
         let square = [
             Point2::new(MARGIN, foot - SQUARE),
             Point2::new(MARGIN + SQUARE, foot),
@@ -76,7 +86,6 @@ pub(crate) fn mesh_picture(
         let beside = Point2::new(MARGIN + 1.8 * SQUARE, foot - 1.0);
         figure.text(beside, name, LABEL_SIZE, Anchor::Start);
     }
-    buffer.to_png(&figure, corner, SCALE)
 }
 
 /// The mean of the corners of a cell's faces.

@@ -10,7 +10,6 @@ use std::sync::atomic::AtomicBool;
 
 use nalgebra::{Point, Point2, Point3};
 
-use crate::domain::domain::Domain;
 use crate::relax::descent::DescentOptions;
 use crate::relax::driver::{Observer, RunEnd};
 use crate::relax::metrics::{CellMetrics, Metrics};
@@ -28,7 +27,6 @@ use crate::scene::frames::FrameChoice;
 use crate::scene::memory;
 use crate::scene::method::{Anneal, SceneMethod};
 use crate::scene::place::{PlacedSites, SiteRegion, place};
-use crate::voronoi::diagram::Diagram;
 
 /// Sites of a run, by dimension.
 #[derive(Clone, Debug, PartialEq)]
@@ -174,13 +172,16 @@ const LEAST_CELL: f64 = 0.1;
 
 /// Leaves out the sites of slivers, one round: their neighbors take the volume.
 fn without_slivers(
-    domain: &dyn Domain,
+    space: &Space,
+    scene: &Scene,
     sites: Vec<Point3<f64>>,
 ) -> Result<Vec<Point3<f64>>, Error> {
-    let volumes = Diagram::new(domain, &sites)?.map_cells(|cell| cell.volume())?;
-    let least = LEAST_CELL * volumes.iter().sum::<f64>() / sites.len() as f64;
-    let kept = sites.into_iter().zip(volumes);
-    let kept = kept.filter(|(_, volume)| *volume >= least);
+    let cells = space.metrics(&sites, energy_spec(scene));
+    let cells = cells.map_err(|error| Error::value("sites", error.to_string()))?;
+    let sum: f64 = cells.iter().map(|cell| cell.volume).sum();
+    let least = LEAST_CELL * sum / sites.len() as f64;
+    let kept = sites.into_iter().zip(&cells);
+    let kept = kept.filter(|(_, cell)| cell.volume >= least);
     Ok(kept.map(|(site, _)| site).collect())
 }
 
@@ -215,7 +216,7 @@ impl RunSpace<3> for Space {
     fn placed(&self, scene: &Scene) -> Result<PlacedSites<3>, Error> {
         let mut placed = placed_in(&self.region(), scene)?;
         if scene.sites.is_lattice() && self.domain().surface_mesh().is_some() {
-            placed.sites = without_slivers(self.domain(), placed.sites)?;
+            placed.sites = without_slivers(self, scene, placed.sites)?;
         }
         Ok(placed)
     }

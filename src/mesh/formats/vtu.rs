@@ -176,8 +176,8 @@ impl VtuPiece {
         let count = all.points.len();
         let (mut start, mut first) = (0, 0);
         for (cell, kind) in self.types.iter().enumerate() {
-            let end = numbers_below(&self.offsets, cell, 1, self.connectivity.len() + 1)?;
-            let end = end[0] as usize;
+            let limit = self.connectivity.len() + 1;
+            let end = numbers_below(&self.offsets, cell, 1, limit)?[0] as usize;
             let size = end.saturating_sub(start);
             let corners = numbers_below(&self.connectivity, start, size, count)?;
             all.cells.push((*kind as u8, corners));
