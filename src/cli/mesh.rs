@@ -55,7 +55,7 @@ const HISTOGRAMS: &str = "mesh.svg";
 const PICTURE: &str = "mesh.png";
 
 /// Edges up to this share of the mean cell's side collapse for hexahedra unless an option says otherwise: from 0.2
-/// to 0.3 hexahedra gain 4 to 10 % of the volume and keep their Jacobians (5 % quantile ≥ 0.9); from 0.3 to 0.5 up
+/// to 0.3 hexahedra gain 2 to 10 % of the volume and keep their Jacobians (5 % quantile ≥ 0.9); from 0.3 to 0.5 up
 /// to 8 % more on curved solids, at the price of the worst.
 const HEX_COLLAPSE: f64 = 0.3;
 

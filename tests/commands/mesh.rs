@@ -524,7 +524,7 @@ fn a_solid_keeps_the_coordinates_of_its_file_and_has_patches() {
 
 // All formats were read back once, of the bracket's 1981 elements (`mesh SOLID --edge 0.112 --elements hexes --to
 // polymesh,vtu,msh,inp,medit,su2`): VTK 9.7.2 (no negative volume, prisms included, sum 1.4030009), Gmsh 4.15.2 (MSH,
-// MEDIT: all determinants positive), meshio 5.3.5 (MSH, INP, MEDIT, SU2: the same counts), CalculiX 2.20 (a heat
+// hexahedra and tetrahedra of MEDIT: all determinants positive), meshio 5.3.5 (MSH, INP, MEDIT, SU2: the same counts), CalculiX 2.20 (a heat
 // step, pyramids as degenerate C3D8, volume 1.403001), checkMesh v1912 (the same counts, Mesh OK).
 
 /// The elements of an MSH 4.1 file: type and the places of the corners, in file order.
