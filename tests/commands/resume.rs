@@ -269,7 +269,7 @@ fn an_annealing_that_was_cut_short_goes_on_with_its_rounds() {
 
 /// Sites that never become cubes on their coarse level of 30, without pictures.
 const COARSE: &str = r#"{"sites": {"random": {"count": 240, "seed": 4}}, "coarse_to_fine": 1,
-    "method": {"anneal": {"exchange": true, "iterations": 60}},
+    "method": {"anneal": {"exchange": true, "iterations": 600}},
     "output": {"cells": false, "plot": false}}"#;
 
 /// Starts a relaxation of the scene `s.json` in `directory` and waits for so many lines of its log.
