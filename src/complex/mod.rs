@@ -31,6 +31,7 @@ pub(crate) mod grid_lines;
 pub(crate) mod identify;
 pub(crate) mod jacobian;
 pub(crate) mod linf_mesh;
+#[cfg(feature = "cli")]
 pub(crate) mod listed_cells;
 pub(crate) mod loop_shape;
 pub(crate) mod loops;

@@ -466,7 +466,7 @@ fn the_sampled_sine_of_tetrahedra_misses_by_no_more_than_it_tells() {
     let k = 20.0 / height;
     let points =
         [[0.9, 0.1, 0.2], [0.0; 3]].map(|aside| bounds.center() + height * Vector3::from(aside));
-    for (level, most) in [0.06, 0.01, 0.004].into_iter().enumerate() {
+    for (level, most) in [0.1, 0.03, 0.01].into_iter().enumerate() {
         let (valid, report) = validate_tets(&mesh).expect("they are sound");
         let bunny = Solid::Tets(valid, report);
         for [x, y, z] in points.map(<[f64; 3]>::from) {
