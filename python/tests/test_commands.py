@@ -21,7 +21,7 @@ def printed(*arguments):
 def test_solids_are_weighed_integrated_stood_and_spun():
     bracket = SCENES / "bracket.off"
     assert chebloyd.mass(bracket, density="1 + x") == printed("mass", bracket, "--density=1 + x")
-    with pytest.raises(ValueError, match="no-such.json"):
+    with pytest.raises(OSError, match="no-such.json"):
         chebloyd.mass(bracket, density="@no-such.json")
     assert chebloyd.integrate(bracket, monomials=1)["volume"]["0,0,0"] == pytest.approx(chebloyd.mass(bracket).volume)
     standing = chebloyd.stand(bracket, range=(0.5, 2))
