@@ -101,7 +101,7 @@ pub(crate) struct MethodOptions {
     /// quasi-newton, anneal: how many of Lloyd's moves come first [default: 0]
     #[arg(long, value_name = "K")]
     warm_up: Option<u64>,
-    /// quasi-newton, anneal: steps that the curvature model remembers [default: 10, of L∞ cells 6]
+    /// quasi-newton, anneal: steps that the curvature model remembers [default: 10, of L∞ cells in space 6]
     #[arg(long, value_name = "M")]
     memory: Option<usize>,
     /// quasi-newton, anneal: end a descent when no component of the projected gradient is larger than

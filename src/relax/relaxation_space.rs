@@ -135,6 +135,9 @@ pub enum RelaxationError<E: std::error::Error + 'static> {
     },
 }
 
+/// How many steps a descent's model of the curvature remembers.
+pub(crate) const REMEMBERED_STEPS: usize = 10;
+
 /// A domain in which sites have cells with energies.
 pub trait RelaxationSpace<const D: usize>: Sync {
     /// Why sites have no diagram here.
@@ -171,7 +174,7 @@ pub trait RelaxationSpace<const D: usize>: Sync {
 
     /// How many steps a descent's model of the curvature remembers where it is not told.
     fn remembered_steps(&self) -> usize {
-        10
+        REMEMBERED_STEPS
     }
 
     /// Refuses sites so many, or an order so high, that a 64-bit float holds no energy.

@@ -24,8 +24,8 @@ use crate::relax::metrics::{BothTessellations, CellMetrics};
 use crate::relax::objective::{ObjectiveScratch, sum_of};
 use crate::relax::optimum::{EnergyOptimum, EnergyReference};
 use crate::relax::relaxation_space::{
-    CellCrowding, CellResult, EnergySpec, Minimizer, Norm, ObjectiveValue, RelaxationError,
-    RelaxationSpace,
+    CellCrowding, CellResult, EnergySpec, Minimizer, Norm, ObjectiveValue, REMEMBERED_STEPS,
+    RelaxationError, RelaxationSpace,
 };
 use crate::voronoi::cell::{Cell, CellBuilder};
 use crate::voronoi::diagram::{Diagram, DiagramError, StopFlag};
@@ -297,7 +297,7 @@ impl RelaxationSpace<3> for Space {
     /// 99 evaluations to a gradient of 1e-7, ten take 69 to 123.
     fn remembered_steps(&self) -> usize {
         match self.cells {
-            Norm::L2 => 10,
+            Norm::L2 => REMEMBERED_STEPS,
             Norm::Linf => 6,
         }
     }

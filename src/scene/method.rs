@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::relax::descent::DescentOptions;
 use crate::relax::plan::{FIRST_DESCENT, NO_LIMIT, Perturbation, PerturbationKind};
-use crate::relax::relaxation_space::Minimizer;
+use crate::relax::relaxation_space::{Minimizer, REMEMBERED_STEPS};
 use crate::scene::error::Error;
 use crate::scene::numbers::{at_least_one, not_negative};
 
@@ -80,7 +80,7 @@ impl SceneMethod {
             Self::QuasiNewton(descent) => descent.memory,
             Self::Anneal(anneal) => anneal.memory,
         };
-        Some((memory.unwrap_or(10) as u64).min(self.iterations()))
+        Some((memory.unwrap_or(REMEMBERED_STEPS) as u64).min(self.iterations()))
     }
 
     /// Whether Lloyd's moves are lengthened where that ends lower.
@@ -146,7 +146,7 @@ pub struct QuasiNewton {
     /// Stop when no component of the projected gradient is larger than this share of s^(2+p), s the
     /// side of the mean cell, times the mean density.
     pub gradient_tolerance: f64,
-    /// How many steps the model of the curvature remembers; ten if left out, of L∞ cells six.
+    /// How many steps the model of the curvature remembers; ten if left out, of L∞ cells in space six.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub memory: Option<usize>,
     /// How many of Lloyd's moves come first, on every level.
@@ -175,7 +175,7 @@ pub struct Anneal {
     pub seed: u64,
     /// The most steps of a level's first and last descent.
     pub first_steps: u64,
-    /// How many steps the model of the curvature remembers; ten if left out, of L∞ cells six.
+    /// How many steps the model of the curvature remembers; ten if left out, of L∞ cells in space six.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub memory: Option<usize>,
     /// A descent ends when no component of the projected gradient is larger than this share of

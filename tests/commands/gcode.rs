@@ -54,12 +54,12 @@ const SHARED: [Sample; 2] = [
     },
 ];
 
-fn kept(name: &str) -> PathBuf {
+pub(crate) fn kept(name: &str) -> PathBuf {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     root.join("tests/cases/gcode").join(name)
 }
 
-fn shared(name: &str) -> PathBuf {
+pub(crate) fn shared(name: &str) -> PathBuf {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let folders = ["../shared/gcode", "../../shared/gcode"].map(|folder| root.join(folder));
     let folder = folders.iter().find(|folder| folder.exists());

@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use crate::gcode::{kept, shared};
 use crate::test_dir::{TestDir, assert_all_in};
 use serde_json::Value;
 
@@ -14,18 +15,6 @@ const KEPT: [&str; 3] = [
 
 /// The bore of the rocker arm on the bed, of the samples' README.
 const BORE: &str = "105.34127,95.77442,0,0.00120118,0.00727018,0.99997285";
-
-fn kept(name: &str) -> PathBuf {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    root.join("tests/cases/gcode").join(name)
-}
-
-fn shared(name: &str) -> PathBuf {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let folders = ["../shared/gcode", "../../shared/gcode"].map(|folder| root.join(folder));
-    let folder = folders.iter().find(|folder| folder.exists());
-    folder.unwrap_or(&folders[0]).join(name)
-}
 
 /// The exit code, what `--json` prints, and what stderr says.
 fn print(dir: &TestDir, file: &Path, arguments: &[&str]) -> (Option<i32>, Value, String) {
