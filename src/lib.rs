@@ -139,6 +139,7 @@ mod energy;
 mod gcode;
 mod geometry;
 mod minimize;
+mod parallel;
 #[cfg(feature = "cli")]
 mod plot;
 mod relax;

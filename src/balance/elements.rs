@@ -8,12 +8,12 @@
 use std::ops::{Add, Range};
 
 use nalgebra::{DMatrix, DVector, Point3};
-use rayon::prelude::*;
 
 use crate::balance::conditions::Condition;
 use crate::balance::dual::{Balance, DensityRange, DualPoint, Relation};
 use crate::geometry::moments::Moments;
 use crate::integrals::pairwise::sum_by_halves;
+use crate::parallel::map;
 
 /// A body of elements under conditions.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,8 +36,11 @@ impl Elements {
         origin: &Point3<f64>,
     ) -> Self {
         let weights = moments.iter().map(|element| element.mass).collect();
-        let row = |element: &Moments| conditions.iter().map(|c| c.of(element, origin)).collect();
-        let rows: Vec<Vec<f64>> = moments.par_iter().map(row).collect();
+        let row = |element: usize| {
+            let row = conditions.iter();
+            row.map(|c| c.of(&moments[element], origin)).collect()
+        };
+        let rows: Vec<Vec<f64>> = map(moments.len(), &row);
         let fixed = conditions.iter().map(|c| c.of(fixed, origin));
         Self::new(conditions, weights, rows.concat(), fixed)
     }
@@ -61,10 +64,7 @@ impl Elements {
     /// The densities d_i at multipliers.
     pub(crate) fn densities(&self, range: &DensityRange, multipliers: &DVector<f64>) -> Vec<f64> {
         let density = |element| self.density(element, range, multipliers).0;
-        (0..self.weights.len())
-            .into_par_iter()
-            .map(density)
-            .collect()
+        map(self.weights.len(), &density)
     }
 
     /// The rows of an element.

@@ -7,7 +7,6 @@
 //! conditions, and 1 in 35 of the best sixteenth of them.
 
 use nalgebra::{DMatrix, DVector, Point3, Vector4};
-use rayon::prelude::*;
 
 use crate::balance::conditions::Condition;
 use crate::geometry::bounds::Bounds;
@@ -15,6 +14,7 @@ use crate::geometry::moments::Moments;
 use crate::geometry::random::Random;
 use crate::integrals::sine_jet::sine_jet;
 use crate::mesh::surface::SurfaceMesh;
+use crate::parallel::map;
 
 /// Steps of a descent.
 const MOST_STEPS: usize = 60;
@@ -105,18 +105,20 @@ impl SineProblem<'_> {
     pub(crate) fn fit(&self, starts: usize, seed: u64) -> SineFit {
         let (rows, sizes) = (self.rows(), self.sizes());
         let on_elements = |field: &SineField| self.on_elements(field, &rows, &sizes);
-        let found: Vec<_> = (self.best_of_draws(starts, seed, &on_elements))
-            .into_par_iter()
-            .map(|start| descend(start, COARSE_GOAL, on_elements))
-            .collect();
+        let best = self.best_of_draws(starts, seed, &on_elements);
+        let found = map(best.len(), &|start| {
+            descend(best[start], COARSE_GOAL, on_elements)
+        });
         let descents: usize = found.iter().map(|(_, _, count)| count).sum();
         let coarse = found
             .iter()
             .filter(|(_, residual, _)| *residual <= COARSE_GOAL);
         let coarse: Vec<SineField> = coarse.map(|(field, ..)| *field).collect();
-        let refined: Vec<_> = (self.distinct(&coarse).into_par_iter())
-            .map(|(field, starts)| (self.refine(field, &sizes), starts))
-            .collect();
+        let distinct = self.distinct(&coarse);
+        let refined = map(distinct.len(), &|place| {
+            let (field, starts) = distinct[place];
+            (self.refine(field, &sizes), starts)
+        });
         let exact = || {
             let exact = refined.iter();
             exact.filter(|((_, residual, _), _)| *residual <= EXACT_ENOUGH)
@@ -142,13 +144,11 @@ impl SineProblem<'_> {
         on_elements: &(impl Fn(&SineField) -> FitPoint + Sync),
     ) -> Vec<SineField> {
         let bounds = self.surface.bounds();
-        let mut draws: Vec<(f64, u64, SineField)> = (0..(starts * DRAWS) as u64)
-            .into_par_iter()
-            .map(|draw| {
-                let field = drawn(&bounds, &mut Random::stream(seed, draw));
-                (on_elements(&field).residual.norm(), draw, field)
-            })
-            .collect();
+        let mut draws: Vec<(f64, u64, SineField)> = map(starts * DRAWS, &|draw| {
+            let draw = draw as u64;
+            let field = drawn(&bounds, &mut Random::stream(seed, draw));
+            (on_elements(&field).residual.norm(), draw, field)
+        });
         draws.sort_unstable_by(|one, other| one.0.total_cmp(&other.0).then(one.1.cmp(&other.1)));
         draws.truncate(starts);
         draws.into_iter().map(|(.., field)| field).collect()

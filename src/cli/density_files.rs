@@ -5,7 +5,6 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use nalgebra::{Point3, Vector3};
-use rayon::prelude::*;
 
 use crate::cli::cell_files::PNG_SCALE;
 use crate::cli::failure::{Failure, write_file};
@@ -23,6 +22,7 @@ use crate::mesh::slabs::slabs;
 use crate::mesh::surface::SurfaceMesh;
 use crate::mesh::tets::TetMesh;
 use crate::mesh::validate::Solid;
+use crate::parallel::map;
 use crate::plot::color::Color;
 use crate::plot::density_cut::{DensityCut, Mark, MarkShape, density_cut};
 use crate::plot::patches::PlaneCut;
@@ -169,7 +169,9 @@ fn write_vtu(path: &Path, body: DensityBody<'_>) -> Result<(), Failure> {
             for (solid, field) in body.solids.iter().zip(body.fields) {
                 let density = field.function(solid, body.extent).map_err(Failure::input)?;
                 let part = bent(solid, field);
-                values.par_extend(part.vertices.par_iter().map(&density));
+                values.extend(map(part.vertices.len(), &|vertex| {
+                    density(&part.vertices[vertex])
+                }));
                 append(&mut surface, part);
             }
             let columns = [("density", &values[..])];
@@ -228,7 +230,9 @@ fn pieces(
         Field::Tets(values) => return Ok(apart(mesh, values)),
         _ => {
             let density = given.function(solid, extent).map_err(Failure::input)?;
-            mesh.vertices.par_iter().map(&density).collect()
+            map(mesh.vertices.len(), &|vertex| {
+                density(&mesh.vertices[vertex])
+            })
         }
     };
     let mesh = mesh.clone();

@@ -3,13 +3,13 @@
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::complex::element::{CellElement, KINDS, scaled_jacobian};
 use crate::complex::face_geometry::MeshGeometry;
 use crate::complex::quality::MeshQuality;
 use crate::mesh::poly_mesh::PolyMesh;
+use crate::parallel::map;
 
 /// How many cells are of a kind, and their volume (L³).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
@@ -51,10 +51,7 @@ impl MeshReport {
     pub(crate) fn new(mesh: &PolyMesh, geometry: &MeshGeometry, solid_volume: Option<f64>) -> Self {
         let cells = mesh.cell_faces();
         let quality = MeshQuality::of(mesh, &cells, geometry);
-        let elements = (0..mesh.cell_count).into_par_iter();
-        let elements: Vec<CellElement> = elements
-            .map(|cell| CellElement::of(mesh, &cells, cell))
-            .collect();
+        let elements = map(mesh.cell_count, &|cell| CellElement::of(mesh, &cells, cell));
         let mut jacobians: Vec<f64> = elements
             .iter()
             .filter_map(|element| match element {

@@ -7,7 +7,6 @@
 //! triangles whose least tetrahedron is greatest; both sides have the same.
 
 use nalgebra::{Point3, Vector3};
-use rayon::prelude::*;
 
 use crate::complex::element::CellElement;
 use crate::complex::element_mesh::ElementMesh;
@@ -15,6 +14,7 @@ use crate::complex::face_geometry::MeshGeometry;
 use crate::complex::jacobian::least_jacobian;
 use crate::complex::polygon_cut::cut_polygon;
 use crate::mesh::poly_mesh::{CellFaces, PolyMesh};
+use crate::parallel::map;
 
 /// A center stays where the least height above the faces is this share of the cell's size.
 const HIGH_ENOUGH: f64 = 0.05;
@@ -58,10 +58,8 @@ impl<'a> Division<'a> {
     fn new(mesh: &'a PolyMesh) -> Self {
         let cells = mesh.cell_faces();
         let geometry = MeshGeometry::of(mesh, &cells);
-        let elements: Vec<CellElement> = (0..mesh.cell_count)
-            .into_par_iter()
-            .map(|cell| CellElement::of(mesh, &cells, cell))
-            .collect();
+        let elements: Vec<CellElement> =
+            map(mesh.cell_count, &|cell| CellElement::of(mesh, &cells, cell));
         let is_good = |element: &CellElement| least_jacobian(&mesh.points, element) > 0.0;
         Self {
             mesh,
@@ -130,8 +128,7 @@ impl<'a> Division<'a> {
 
     /// Cuts faces as the centers ask for.
     fn cut_faces(&mut self) {
-        let parts = (0..self.mesh.face_count()).into_par_iter();
-        self.parts = parts.map(|face| self.cut_face(face)).collect();
+        self.parts = map(self.mesh.face_count(), &|face| self.cut_face(face));
     }
 
     fn cut_face(&self, face: usize) -> Vec<Vec<u32>> {
@@ -163,13 +160,11 @@ impl<'a> Division<'a> {
 
     /// Moves centers of parted cells up from their lowest faces.
     fn raise_centers(&mut self) {
-        let raised: Vec<Point3<f64>> = (0..self.mesh.cell_count)
-            .into_par_iter()
-            .map(|cell| match self.is_whole[cell] {
+        let raised: Vec<Point3<f64>> =
+            map(self.mesh.cell_count, &|cell| match self.is_whole[cell] {
                 true => self.centers[cell],
                 false => raised(&self.planes(cell), self.centers[cell], self.sizes[cell]),
-            })
-            .collect();
+            });
         self.centers = raised;
     }
 

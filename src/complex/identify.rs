@@ -21,6 +21,7 @@ use crate::complex::cell_surface::CellSurface;
 use crate::complex::shifted_union::{ShiftedNumber, ShiftedUnion};
 use crate::complex::vertex_key::{NO_SHIFT, Shift, VertexKey, difference, displacement};
 use crate::domain::facet_kind::FacetKind;
+use crate::parallel::map;
 
 /// Edges shorter than this share of the size of the least cell at them are contracted. Relaxed lattices
 /// are met to some 1e-9; √ε = 1.5e-8.
@@ -90,14 +91,11 @@ impl VertexReports {
             total - cell.vertices.len()
         };
         let starts: Vec<usize> = cells.iter().map(start).collect();
-        let keys: Vec<Vec<VertexReport>> = cells
-            .par_iter()
-            .enumerate()
-            .map(|(place, cell)| {
-                let key = move |(vertex, at)| (cell.key(at).0, place as u32, vertex as u32);
-                cell.vertices.iter().enumerate().map(key).collect()
-            })
-            .collect();
+        let keys: Vec<Vec<VertexReport>> = map(cells.len(), &|place| {
+            let cell = &cells[place];
+            let key = |(vertex, at)| (cell.key(at).0, place as u32, vertex as u32);
+            cell.vertices.iter().enumerate().map(key).collect()
+        });
         let mut sorted = by_first_site(&keys, cells.len(), total);
         drop(keys);
         sorted
@@ -153,7 +151,7 @@ impl Numbering {
         periods: &Vector3<f64>,
         resolution: f64,
     ) {
-        let sizes: Vec<f64> = cells.par_iter().map(CellSurface::size).collect();
+        let sizes = map(cells.len(), &|cell| cells[cell].size());
         self.places = vec![(0, NO_SHIFT); reports.sorted.len()];
         for group in reports.groups() {
             let sizes = group.iter().map(|&(_, cell, _)| sizes[cell as usize]);

@@ -13,6 +13,7 @@ use crate::complex::cell_surface::CellSurface;
 use crate::complex::identify::NumberedVertices;
 use crate::complex::vertex_key::{Shift, displacement};
 use crate::geometry::label::Label;
+use crate::parallel::map;
 
 /// A vertex where a cell sees it: its number, and in the bits above 32 its shift.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -190,7 +191,8 @@ pub(crate) fn least_first(corners: &[LoopCorner]) -> Vec<LoopCorner> {
 /// The facets of all cells by the numbers of their vertices.
 #[must_use]
 pub(crate) fn numbered_loops(cells: &[CellSurface], vertices: &NumberedVertices) -> Vec<CellLoops> {
-    let of_cell = |(cell, surface): (usize, &CellSurface)| {
+    let of_cell = |cell: usize| {
+        let surface = &cells[cell];
         let mut loops = CellLoops::default();
         let mut ring = Vec::new();
         for (label, corners) in surface.facets() {
@@ -203,7 +205,7 @@ pub(crate) fn numbered_loops(cells: &[CellSurface], vertices: &NumberedVertices)
         }
         loops
     };
-    cells.par_iter().enumerate().map(of_cell).collect()
+    map(cells.len(), &of_cell)
 }
 
 /// Removes the vertices that have two edges only, until there are none.

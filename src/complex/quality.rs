@@ -4,10 +4,10 @@
 //! patches of a period as coupled ones.
 
 use nalgebra::{Point3, Vector3};
-use rayon::prelude::*;
 
 use crate::complex::face_geometry::{MeshGeometry, NO_AREA};
 use crate::mesh::poly_mesh::{CellFaces, PolyMesh};
+use crate::parallel::map;
 
 /// The sum of a cell's areas may be this share of their sizes (`closedThreshold_`).
 const CLOSED: f64 = 1e-6;
@@ -73,14 +73,11 @@ impl MeshQuality {
     #[must_use]
     pub(crate) fn of(mesh: &PolyMesh, cells: &CellFaces, geometry: &MeshGeometry) -> Self {
         let beyond = Beyond::new(mesh, geometry);
-        let faces: Vec<FaceQuality> = (0..mesh.face_count())
-            .into_par_iter()
-            .map(|face| face_quality(mesh, geometry, &beyond, face))
-            .collect();
-        let all: Vec<CellQuality> = (0..mesh.cell_count)
-            .into_par_iter()
-            .map(|cell| cell_quality(geometry, cells, cell))
-            .collect();
+        let faces: Vec<FaceQuality> = map(mesh.face_count(), &|face| {
+            face_quality(mesh, geometry, &beyond, face)
+        });
+        let all: Vec<CellQuality> =
+            map(mesh.cell_count, &|cell| cell_quality(geometry, cells, cell));
         let mut quality = Self {
             volume: geometry.cell_volumes.iter().sum(),
             flatness_min: 1.0,
@@ -130,10 +127,8 @@ impl MeshQuality {
 #[must_use]
 pub(crate) fn face_values(mesh: &PolyMesh, geometry: &MeshGeometry) -> (Vec<f64>, Vec<f64>) {
     let beyond = Beyond::new(mesh, geometry);
-    let faces = (0..mesh.face_count()).into_par_iter();
-    let faces: Vec<FaceQuality> = faces
-        .map(|face| face_quality(mesh, geometry, &beyond, face))
-        .collect();
+    let quality = |face| face_quality(mesh, geometry, &beyond, face);
+    let faces: Vec<FaceQuality> = map(mesh.face_count(), &quality);
     let angles = faces.iter().filter_map(|face| face.cosine);
     let angles = angles.map(|(cosine, _)| cosine.clamp(-1.0, 1.0).acos().to_degrees());
     let skewness = faces.iter().map(|face| face.skewness);

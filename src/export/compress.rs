@@ -11,10 +11,10 @@ use std::path::Path;
 
 use flate2::Compression;
 use flate2::write::ZlibEncoder;
-use rayon::prelude::*;
 use tempfile::tempfile_in;
 
 use crate::export::atomic_write;
+use crate::parallel::map_runs;
 
 /// Bytes of a block before it is packed.
 const BLOCK: usize = 1 << 18;
@@ -110,8 +110,8 @@ fn pack_array(source: &mut impl Read, target: &mut File) -> io::Result<()> {
         (&mut rest)
             .take((count * BLOCK) as u64)
             .read_to_end(&mut raw)?;
-        let packed: Vec<Vec<u8>> =
-            (raw.par_chunks(BLOCK).map(deflated)).collect::<io::Result<_>>()?;
+        let packed = map_runs(raw.len(), BLOCK, |run| deflated(&raw[run]));
+        let packed = packed.into_iter().collect::<io::Result<Vec<_>>>()?;
         if packed.len() != count {
             return Err(io::ErrorKind::UnexpectedEof.into());
         }

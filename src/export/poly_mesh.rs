@@ -8,10 +8,9 @@ use std::io::{self, Write};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use rayon::prelude::*;
-
 use crate::export::atomic_write;
 use crate::mesh::poly_mesh::{MeshPatch, PolyMesh};
+use crate::parallel::map_runs;
 
 /// The files of a mesh, relative to the case.
 pub(crate) const MESH_FILES: [&str; 5] = [
@@ -102,9 +101,8 @@ fn write_list(
     count: usize,
     entry: impl Fn(usize, &mut Vec<u8>) -> io::Result<()> + Sync,
 ) -> Result<(), CaseError> {
-    let chunk = |first: usize| text_of(first..count.min(first + CHUNK), &entry);
-    let firsts: Vec<usize> = (0..count).step_by(CHUNK).collect();
-    let chunks: io::Result<Vec<Vec<u8>>> = firsts.into_par_iter().map(chunk).collect();
+    let chunks = map_runs(count, CHUNK, |run| text_of(run, &entry));
+    let chunks: io::Result<Vec<Vec<u8>>> = chunks.into_iter().collect();
     write_file(folder, name, class, note, |file| {
         write!(file, "{count}\n(\n")?;
         for chunk in chunks? {

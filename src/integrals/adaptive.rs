@@ -10,6 +10,7 @@ use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
 
 use crate::geometry::moments::Moments;
+use crate::parallel::{map, map_runs};
 
 /// Bounds of the errors of moments measured from a point: of ∫ρ, of the length of ∫ρ y, and of any
 /// entry of the inertia tensor's integral.
@@ -224,7 +225,7 @@ pub(crate) fn integrate<P: AdaptivePiece>(
     while pieces.len() < LEAST.min(goal.most / 2) {
         pieces = pieces.iter().flat_map(P::halves).collect();
     }
-    let mut estimates: Vec<Estimate> = pieces.par_iter().map(estimate).collect();
+    let mut estimates = map(pieces.len(), &|place| estimate(&pieces[place]));
     let mut before = (pieces.len(), f64::INFINITY);
     loop {
         let sum = total(&estimates, goal.signs);
@@ -244,17 +245,14 @@ pub(crate) fn integrate<P: AdaptivePiece>(
             };
         }
         let worst = worst(&estimates, &scales, &goal);
-        let halved: Vec<[(P, Estimate); 2]> = worst
-            .par_iter()
-            .map(|&place| {
-                let parts = pieces[place as usize].halves();
-                let own = parts.map(|part| {
-                    let own = estimate(&part);
-                    (part, own)
-                });
-                with_change(own, &estimates[place as usize])
-            })
-            .collect();
+        let halved = map(worst.len(), &|rank| {
+            let place = worst[rank] as usize;
+            let own = pieces[place].halves().map(|part| {
+                let own = estimate(&part);
+                (part, own)
+            });
+            with_change(own, &estimates[place])
+        });
         for (place, [first, second]) in worst.into_iter().zip(halved) {
             (pieces[place as usize], estimates[place as usize]) = first;
             pieces.push(second.0);
@@ -324,9 +322,9 @@ fn total(estimates: &[Estimate], signs: Signs) -> Estimate {
         let squares = squares.plus(&next.errors.squared());
         (joined(&sum, next), squares)
     };
-    let mut sums: Vec<(Estimate, MomentErrors)> = (estimates.par_chunks(RUN))
-        .map(|run| run.iter().fold(Default::default(), add))
-        .collect();
+    let mut sums: Vec<(Estimate, MomentErrors)> = map_runs(estimates.len(), RUN, |run| {
+        estimates[run].iter().fold(Default::default(), add)
+    });
     while sums.len() > 1 {
         let pairs = sums.chunks(2);
         sums = pairs

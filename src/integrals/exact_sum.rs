@@ -4,7 +4,7 @@
 //! integer in 64, so that 2²⁹ numbers fit before carries are passed on (Neal, *Fast exact summation using
 //! small and large superaccumulators*, 2015).
 
-use rayon::prelude::*;
+use crate::parallel::{RUN, map_runs};
 
 /// Words of the integer: 66 hold any number, and four more 2¹²⁸ of them.
 const WORDS: usize = 70;
@@ -14,9 +14,6 @@ const MOST_PENDING: u32 = 1 << 29;
 
 /// Bits of a fraction, without the leading one.
 const FRACTION: usize = 52;
-
-/// Numbers that one task adds.
-const RUN: usize = 4096;
 
 /// A sum, exactly.
 #[derive(Clone, Debug)]
@@ -76,8 +73,8 @@ impl ExactSum {
         self.special[kind] += 1;
     }
 
-    /// The sum of both.
-    pub(crate) fn merged(mut self, mut other: Self) -> Self {
+    /// Adds another sum's numbers.
+    pub(crate) fn merge(&mut self, mut other: Self) {
         self.carry();
         other.carry();
         for (word, more) in self.words.iter_mut().zip(other.words) {
@@ -87,7 +84,6 @@ impl ExactSum {
             *count += more;
         }
         self.pending = 2;
-        self
     }
 
     /// All words below 2³² and not negative, but for the last.
@@ -191,24 +187,22 @@ pub(crate) fn exact_sums<T: Sync, const K: usize>(
     items: &[T],
     numbers: impl Fn(&T) -> [f64; K] + Sync,
 ) -> [ExactSum; K] {
-    let of_run = |run: &[T]| {
+    let runs = map_runs(items.len(), RUN, |run| {
         let mut sums: [ExactSum; K] = std::array::from_fn(|_| ExactSum::default());
-        for item in run {
+        for item in &items[run] {
             for (sum, number) in sums.iter_mut().zip(numbers(item)) {
                 sum.add(number);
             }
         }
         sums
-    };
-    let join = |one: [ExactSum; K], other: [ExactSum; K]| {
-        let mut others = other.into_iter();
-        one.map(|sum| match others.next() {
-            Some(more) => sum.merged(more),
-            None => sum,
-        })
-    };
-    let nothing = || std::array::from_fn(|_| ExactSum::default());
-    items.par_chunks(RUN).map(of_run).reduce(nothing, join)
+    });
+    let mut sums: [ExactSum; K] = std::array::from_fn(|_| ExactSum::default());
+    for run in runs {
+        for (sum, more) in sums.iter_mut().zip(run) {
+            sum.merge(more);
+        }
+    }
+    sums
 }
 
 #[cfg(test)]

@@ -22,7 +22,7 @@ where
     halves(0..count, leaf)
 }
 
-fn halves<T>(range: Range<usize>, leaf: &(impl Fn(Range<usize>) -> T + Sync)) -> T
+fn halves<T>(range: Range<usize>, leaf: &(dyn Fn(Range<usize>) -> T + Sync)) -> T
 where
     T: Add<Output = T> + Send,
 {

@@ -130,12 +130,11 @@ impl Polynomial {
         if let Some(formula) = &self.formula {
             return Self::of_terms(formula.about(origin));
         }
-        let shifted: [Self; 3] = [0, 1, 2].map(|axis| {
-            let mut exponents = [0; 3];
-            exponents[axis] = 1;
-            Self::constant(origin[axis]) + Self::monomial(1.0, exponents)
-        });
-        self.substituted(&shifted)
+        let mut table = DenseTerms::of(&self.terms);
+        for axis in 0..3 {
+            table.shift(axis, origin[axis]);
+        }
+        Self::of_terms(table.terms())
     }
 
     /// The same function of y with x = `rotation` y.
@@ -168,6 +167,53 @@ impl Polynomial {
     #[must_use]
     pub fn power(&self, exponent: u32) -> Self {
         (0..exponent).fold(Self::constant(1.0), |product, _| product * self.clone())
+    }
+}
+
+/// The coefficients of all powers up to the highest of each axis, z's next to each other.
+struct DenseTerms {
+    lengths: [usize; 3],
+    coefficients: Vec<f64>,
+}
+
+impl DenseTerms {
+    fn of(terms: &BTreeMap<Exponents, f64>) -> Self {
+        let mut lengths = [1; 3];
+        for powers in terms.keys() {
+            for axis in 0..3 {
+                lengths[axis] = lengths[axis].max(powers[axis] as usize + 1);
+            }
+        }
+        let [_, y, z] = lengths;
+        let mut coefficients = vec![0.0; lengths.iter().product()];
+        for (&[a, b, c], value) in terms {
+            coefficients[(a as usize * y + b as usize) * z + c as usize] = *value;
+        }
+        Self {
+            lengths,
+            coefficients,
+        }
+    }
+
+    /// Puts `by` + x in place of a coordinate x: Horner's scheme, once for every power.
+    fn shift(&mut self, axis: usize, by: f64) {
+        let length = self.lengths[axis];
+        let stride: usize = self.lengths[axis + 1..].iter().product();
+        for block in self.coefficients.chunks_exact_mut(stride * length) {
+            for lowest in 0..length {
+                for at in (lowest * stride..(length - 1) * stride).rev() {
+                    block[at] += by * block[at + stride];
+                }
+            }
+        }
+    }
+
+    fn terms(&self) -> BTreeMap<Exponents, f64> {
+        let [_, y, z] = self.lengths;
+        let numbered = self.coefficients.iter().enumerate();
+        let terms = numbered.filter(|(_, value)| **value != 0.0);
+        let powers = |at: usize| [at / (y * z), at / z % y, at % z].map(|power| power as u32);
+        terms.map(|(at, value)| (powers(at), *value)).collect()
     }
 }
 

@@ -14,7 +14,6 @@
 //! sheets which differ by rounding count as one.
 
 use nalgebra::{Point3, Vector3};
-use rayon::prelude::*;
 
 use crate::geometry::bounds::Bounds;
 use crate::geometry::bvh::Bvh;
@@ -25,6 +24,7 @@ use crate::mesh::edges::{EdgeTable, NO_PARTNER};
 use crate::mesh::report::Overlap;
 use crate::mesh::surface::{SurfaceMesh, triangle_area};
 use crate::mesh::winding::winding;
+use crate::parallel::map;
 
 /// Triangles nearer than this many roundings of the greatest coordinate touch.
 const TOUCH: f64 = 8.0 * f64::EPSILON;
@@ -115,12 +115,10 @@ impl Search {
             }
         }
         let mut parts = self.patches(edges, &cuts);
-        let touched = cuts.par_iter().enumerate();
-        let pieces = touched.map(|(triangle, cuts)| match &cuts[..] {
+        let of_touched = map(cuts.len(), &|triangle| match &cuts[triangle][..] {
             [] => Vec::new(),
             cuts => self.pieces(triangle as u32, cuts),
         });
-        let of_touched: Vec<Vec<Part>> = pieces.collect();
         parts.extend(of_touched.into_iter().flatten());
         parts
     }

@@ -4,11 +4,11 @@
 //! is then painted white by one path. So the section's outline stays sharp at any size.
 
 use nalgebra::{Point2, Point3, Vector3};
-use rayon::prelude::*;
 
 use crate::geometry::bounds::Bounds;
 use crate::geometry::shell::Shell;
 use crate::mesh::surface::SurfaceMesh;
+use crate::parallel::map;
 use crate::plot::axis::Axis;
 use crate::plot::color::{Color, ColorScale};
 use crate::plot::figure::{Anchor, Figure, Shape, Stroke};
@@ -181,13 +181,13 @@ impl Raster {
             )
         };
         let places: Vec<_> = (0..rows * columns).map(place).collect();
-        let value = |place: &Point2<f64>| (input.density)(&input.cut.lifted(place));
-        let known: Vec<f64> = places.par_iter().map(value).collect();
+        let value = |place: usize| (input.density)(&input.cut.lifted(&places[place]));
+        let known: Vec<f64> = map(places.len(), &value);
         let values = (0..known.len()).map(|k| with_neighbors(&known, columns, k));
         Self {
             columns,
             values: values.collect(),
-            inside: places.par_iter().map(|at| holds(contours, at)).collect(),
+            inside: map(places.len(), &|place| holds(contours, &places[place])),
         }
     }
 

@@ -8,9 +8,9 @@
 //!   the squared Euclidean distance it is D/(D+2) m r², r the radius of the ball.
 //! - Every energy is a number that 64 bits hold.
 
-use rayon::prelude::*;
 use thiserror::Error;
 
+use crate::parallel::map_runs;
 use crate::relax::optimum::optimal_energy;
 
 /// The relative rounding that sums of volumes and energies may have.
@@ -202,22 +202,29 @@ impl DomainTotals {
     /// As [`CellsError`] says.
     pub(crate) fn check<const D: usize>(
         &self,
-        cells: impl IndexedParallelIterator<Item = CellFigures> + Clone,
+        count: usize,
+        cells: &(dyn Fn(usize) -> CellFigures + Sync),
         kind: EnergyKind,
         cause: impl FnOnce() -> Option<String>,
     ) -> Result<(), CellsError> {
-        let add = |(volumes, energies): CellFigures, (volume, energy): CellFigures| {
-            (volumes + volume, energies + energy)
-        };
         // Whoever adds a run, its sum is the same.
-        let runs = cells.clone().fold_chunks(RUN, || (0.0, 0.0), add);
-        let runs: Vec<CellFigures> = runs.collect();
-        let (volume, energy) = runs.into_iter().fold((0.0, 0.0), add);
-        let count = cells.len();
-        let are_possible = cells.clone().all(|(volume, _)| self.is_possible(volume));
-        if are_possible && self.is_filled(volume) {
-            let of_cell = |(site, cell)| Self::out_of_range(site, cell, kind);
-            let refused = cells.clone().enumerate().find_map_first(of_cell);
+        let runs = map_runs(count, RUN, |run| {
+            let (mut sums, mut impossible, mut refused) = ((0.0, 0.0), None, None);
+            for site in run {
+                let cell = cells(site);
+                sums = (sums.0 + cell.0, sums.1 + cell.1);
+                if impossible.is_none() && !self.is_possible(cell.0) {
+                    impossible = Some((site, cell.0));
+                }
+                refused = refused.or_else(|| Self::out_of_range(site, cell, kind));
+            }
+            (sums, impossible, refused)
+        });
+        let add = |sums: CellFigures, run: &CellFigures| (sums.0 + run.0, sums.1 + run.1);
+        let (volume, energy) = runs.iter().map(|run| &run.0).fold((0.0, 0.0), add);
+        let impossible = runs.iter().find_map(|run| run.1);
+        if impossible.is_none() && self.is_filled(volume) {
+            let refused = runs.into_iter().find_map(|run| run.2);
             refused.map_or(Ok(()), Err)?;
         }
         let sums = CellSums {
@@ -225,7 +232,10 @@ impl DomainTotals {
             volume,
             energy,
         };
-        self.check_sums::<D>(&sums, are_possible, kind, || self.fault(cells, cause))
+        self.check_sums::<D>(&sums, impossible.is_none(), kind, || match impossible {
+            Some((site, volume)) => format!("the cell of site {site} has the volume {volume}"),
+            None => cause().unwrap_or_else(|| "no single cell is at fault".to_owned()),
+        })
     }
 
     /// Checks what cells are together, each of which has a possible volume or not.
@@ -289,19 +299,6 @@ impl DomainTotals {
     pub(crate) fn is_possible(&self, volume: f64) -> bool {
         (-ROUNDING * self.volume..=(1.0 + ROUNDING) * self.volume).contains(&volume)
     }
-
-    /// The first cell that is none, or what `cause` says.
-    fn fault(
-        &self,
-        cells: impl IndexedParallelIterator<Item = CellFigures>,
-        cause: impl FnOnce() -> Option<String>,
-    ) -> String {
-        let numbered = cells.enumerate();
-        match numbered.find_first(|(_, (volume, _))| !self.is_possible(*volume)) {
-            Some((site, (volume, _))) => format!("the cell of site {site} has the volume {volume}"),
-            None => cause().unwrap_or_else(|| "no single cell is at fault".to_owned()),
-        }
-    }
 }
 
 /// ∫ |y|² over the ball (the disc, for D = 2) of this volume about the origin.
@@ -360,8 +357,12 @@ mod tests {
     #[test]
     fn faults_are_told_with_the_first_cell() {
         let check = |cells: &[CellFigures]| {
-            let cells = cells.par_iter().copied();
-            CUBE.check::<3>(cells, EnergyKind::Chebyshev(1), || None)
+            CUBE.check::<3>(
+                cells.len(),
+                &|site| cells[site],
+                EnergyKind::Chebyshev(1),
+                || None,
+            )
         };
         let half = 0.2;
         assert_eq!(check(&[(0.5, half), (0.5, half)]), Ok(()));

@@ -25,10 +25,10 @@
 use std::collections::BTreeMap;
 
 use nalgebra::{Matrix3, Point3, Rotation3, Unit, Vector3};
-use rayon::prelude::*;
 
 use crate::domain::facet_kind::FacetKind;
 use crate::domain::{domain::Domain, shape::PieceScratch};
+use crate::parallel::map;
 use crate::voronoi::cell::Cell;
 use crate::voronoi::diagram::{Diagram, DiagramError};
 
@@ -113,14 +113,10 @@ pub(crate) fn boundary_frames(
     let equivalents = equivalents();
     let mut frames: Vec<Rotation3<f64>> = spread(&cells, &equivalents);
     for _ in 0..SWEEPS {
-        frames = cells
-            .par_iter()
-            .zip(&frames)
-            .map(|(cell, frame)| {
-                let known = |site: u32| frames.get(site as usize);
-                step(cell, frame, known, &equivalents)
-            })
-            .collect();
+        frames = map(cells.len(), &|site| {
+            let known = |site: u32| frames.get(site as usize);
+            step(&cells[site], &frames[site], known, &equivalents)
+        });
     }
     Ok(frames)
 }

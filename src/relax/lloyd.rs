@@ -12,8 +12,8 @@
 //! of 3 to 20 moves and the same safeguard, was measured to gain less.)
 
 use nalgebra::Point;
-use rayon::prelude::*;
 
+use crate::parallel::{RUN, map, map_runs};
 use crate::relax::relaxation_space::{CellResult, EnergySpec, RelaxationSpace};
 
 /// How many times as far as Lloyd's a lengthened move goes. Measured over 50 and 150 moves from 1000
@@ -41,7 +41,7 @@ pub(crate) fn lloyd_move<const D: usize, S: RelaxationSpace<D>>(
     spec: EnergySpec,
     is_accelerated: bool,
 ) -> Result<EvaluatedSites<D>, S::Error> {
-    let targets: Vec<_> = cells.par_iter().map(|cell| cell.target).collect();
+    let targets = map(cells.len(), &|site| cells[site].target);
     if !is_accelerated {
         return evaluate(space, targets, spec);
     }
@@ -74,10 +74,11 @@ pub(crate) fn evaluate<const D: usize, S: RelaxationSpace<D>>(
     spec: EnergySpec,
 ) -> Result<EvaluatedSites<D>, S::Error> {
     let cells = space.assess(&sites, spec)?;
-    let evaluations = cells
-        .par_iter()
-        .map(|cell| u64::from(cell.evaluations))
-        .sum();
+    let evaluations = map_runs(cells.len(), RUN, |run| {
+        let counts = cells[run].iter().map(|cell| u64::from(cell.evaluations));
+        counts.sum::<u64>()
+    });
+    let evaluations = evaluations.into_iter().sum();
     Ok(EvaluatedSites {
         sites,
         cells,

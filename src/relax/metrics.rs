@@ -28,7 +28,7 @@ pub(crate) const FACET_SHARE: f64 = 0.05;
 pub(crate) const ALIGNED: f64 = 0.985;
 
 /// The figures of one cell.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "scene", derive(Serialize))]
 pub struct CellMetrics<const D: usize> {
     /// The volume (L^D).

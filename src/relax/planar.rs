@@ -1,14 +1,14 @@
 //! Relaxation in the plane: the cells of a planar domain's sites.
 
 use nalgebra::{Point2, Vector2};
-use rayon::prelude::*;
 use thiserror::Error;
 
 use crate::domain::planar::PlaneDomain;
 use crate::domain::planar_density::PlaneDensity;
 use crate::domain::shape::displacement;
 use crate::geometry::bounds::Bounds;
-use crate::relax::cell_check::{CellsError, DomainTotals, EnergyKind};
+use crate::parallel::map;
+use crate::relax::cell_check::{CellFigures, CellsError, DomainTotals, EnergyKind};
 use crate::relax::metrics::{BothTessellations, CellMetrics};
 use crate::relax::objective::sum_of;
 use crate::relax::optimum::{EnergyOptimum, EnergyReference};
@@ -49,8 +49,8 @@ impl Plane {
     ) -> Result<Vec<CellMetrics<2>>, PlaneError> {
         self.check_scale(sites.len(), spec)?;
         let cells = self.map(sites, |cell| cell.metrics(spec))?;
-        let figures = cells.par_iter().map(|cell| (cell.volume, cell.energy));
-        self.totals().check::<2>(figures, spec.kind(), || None)?;
+        let figures = |site: usize| (cells[site].volume, cells[site].energy);
+        self.check(sites, &figures, spec.kind())?;
         let mut numbered = cells.iter().enumerate();
         numbered.try_for_each(|(site, cell)| cell.check(site))?;
         Ok(cells)
@@ -94,10 +94,20 @@ impl Plane {
     ) -> Result<Vec<Answer>, PlaneDiagramError> {
         let diagram = PlaneDiagram::new(&self.domain, sites)?;
         let domain = &self.domain;
-        let cells = diagram.cells.par_iter();
-        Ok(cells
-            .map(|cell| of_cell(CellInPlane { domain, cell }))
-            .collect())
+        let of_site = |site: usize| {
+            let cell = &diagram.cells[site];
+            of_cell(CellInPlane { domain, cell })
+        };
+        Ok(map(diagram.cells.len(), &of_site))
+    }
+
+    fn check(
+        &self,
+        sites: &[Point2<f64>],
+        cells: &(dyn Fn(usize) -> CellFigures + Sync),
+        kind: EnergyKind,
+    ) -> Result<(), CellsError> {
+        self.totals().check::<2>(sites.len(), cells, kind, || None)
     }
 
     /// What bounds the energies of any cells.
@@ -190,8 +200,8 @@ impl RelaxationSpace<2> for Plane {
     ) -> Result<Vec<CellResult<2>>, PlaneError> {
         self.check_scale(sites.len(), spec)?;
         let results = self.map(sites, |cell| cell.assess(spec))?;
-        let figures = results.par_iter().map(|cell| (cell.volume, cell.energy));
-        self.totals().check::<2>(figures, spec.kind(), || None)?;
+        let figures = |site: usize| (results[site].volume, results[site].energy);
+        self.check(sites, &figures, spec.kind())?;
         Ok(results)
     }
 
@@ -211,8 +221,8 @@ impl RelaxationSpace<2> for Plane {
             })
         });
         let terms = terms.map_err(in_plane)?;
-        let figures = terms.par_iter().map(|cell| (cell.volume, cell.energy));
-        self.totals().check::<2>(figures, kind, || None)?;
+        let figures = |site: usize| (terms[site].volume, terms[site].energy);
+        self.check(sites, &figures, kind)?;
         Ok(sum_of(&terms))
     }
 

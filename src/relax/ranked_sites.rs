@@ -196,7 +196,7 @@ impl<'a> RankedSites<'a> {
     }
 
     /// What `of_cell` says of the own sites' cells, with as wide a halo as they need.
-    pub(crate) fn map_own<Memory: Default, Answer: Send>(
+    pub(crate) fn map_own<Memory: Default + Send, Answer: Send>(
         &mut self,
         of_cell: impl Fn(&mut Memory, &Cell<'_>) -> Answer + Sync,
     ) -> Result<Vec<Answer>, RanksError> {
@@ -250,7 +250,7 @@ impl<'a> RankedSites<'a> {
 
     /// Gives `add` what `of_cell` says of the own sites' cells in their order, `held` at a time. The sites lie where
     /// [`map_own`](Self::map_own) was asked last, so that halos are wide enough.
-    pub(crate) fn stream_own<Memory: Default, Answer: Send>(
+    pub(crate) fn stream_own<Memory: Default + Send, Answer: Send>(
         &mut self,
         held: usize,
         of_cell: impl Fn(&mut Memory, &Cell<'_>) -> Answer + Sync,

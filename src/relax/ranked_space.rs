@@ -7,10 +7,10 @@
 use std::sync::Mutex;
 
 use nalgebra::{Point3, SVector, Vector3};
-use rayon::prelude::*;
 
 use crate::geometry::bounds::Bounds;
 use crate::integrals::exact_sum::exact_sums;
+use crate::parallel::map;
 use crate::relax::cell_check::{CellsError, EnergyKind};
 use crate::relax::evaluate_cell::CellMemory;
 use crate::relax::objective::{CellTerms, ObjectiveScratch};
@@ -68,7 +68,7 @@ impl<'a> RankedSpace<'a> {
     }
 
     /// What `of_cell` says of all cells, each built by one rank, as `W` words.
-    fn map<Memory: Default, const W: usize>(
+    fn map<Memory: Default + Send, const W: usize>(
         &self,
         all: &[Point3<f64>],
         of_cell: impl Fn(&mut Memory, &Cell<'_>) -> [u64; W] + Sync,
@@ -103,11 +103,7 @@ impl<'a> RankedSpace<'a> {
         cells: &[CellTerms<3>],
     ) -> Vec<Vector3<f64>> {
         let place_of = |number: u64| share.own.numbers.binary_search(&number).ok();
-        let places: Vec<_> = share
-            .known
-            .par_iter()
-            .map(|&number| place_of(number))
-            .collect();
+        let places = map(share.known.len(), &|known| place_of(share.known[known]));
         let pushes = self.pushes(all, share, (cells, &places));
         let mut others = pushes.into_iter().peekable();
         let mut gradients = vec![Vector3::zeros(); cells.len()];
@@ -247,8 +243,8 @@ impl RelaxationSpace<3> for RankedSpace<'_> {
             words_of_result(&memory.assess(domain, cell, spec))
         })?;
         let cells: Vec<_> = words.into_iter().map(result_of_words).collect();
-        let figures = cells.par_iter().map(|cell| (cell.volume, cell.energy));
-        self.space.check(sites, figures, spec.kind())?;
+        let figures = |site: usize| (cells[site].volume, cells[site].energy);
+        self.space.check(sites, &figures, spec.kind())?;
         Ok(cells)
     }
 
@@ -261,10 +257,8 @@ impl RelaxationSpace<3> for RankedSpace<'_> {
         self.space.totals().check_scale::<3>(sites.len(), kind)?;
         let cells = self.terms(sites, order).map_err(RelaxationError::Space)?;
         let number = |cell: &[u64; 6], place: usize| f64::from_bits(cell[place]);
-        let figures = cells
-            .par_iter()
-            .map(|cell| (number(cell, 2), number(cell, 0)));
-        self.space.check(sites, figures, kind)?;
+        let figures = |site: usize| (number(&cells[site], 2), number(&cells[site], 0));
+        self.space.check(sites, &figures, kind)?;
         let [energy, chebyshev] = exact_sums(&cells, |cell| [number(cell, 0), number(cell, 1)]);
         let energies: Vec<f64> = cells.iter().map(|cell| number(cell, 0)).collect();
         let gradient = cells

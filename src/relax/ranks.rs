@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use thiserror::Error;
 
 use crate::integrals::exact_sum::ExactSum;
+use crate::parallel::map;
 use crate::relax::cell_check::CellsError;
 use crate::relax::space::SpaceError;
 use crate::voronoi::diagram::DiagramError;
@@ -82,13 +83,13 @@ impl SomeSites {
         let all = parts.iter().flat_map(|part| part.as_chunks::<4>().0);
         let mut all: Vec<&[u64; 4]> = all.collect();
         all.par_sort_unstable_by_key(|words| words[0]);
-        let position = |words: &&[u64; 4]| {
+        let position = |words: &[u64; 4]| {
             let [x, y, z] = [1, 2, 3].map(|axis| f64::from_bits(words[axis]));
             Point3::new(x, y, z)
         };
         Self {
-            numbers: all.par_iter().map(|words| words[0]).collect(),
-            positions: all.par_iter().map(position).collect(),
+            numbers: map(all.len(), &|place| all[place][0]),
+            positions: map(all.len(), &|place| position(all[place])),
         }
     }
 }

@@ -1,16 +1,13 @@
 //! Records of a run: one line of its log per move.
 
 use nalgebra::Point;
-use rayon::prelude::*;
 #[cfg(feature = "scene")]
 use serde::{Deserialize, Serialize};
 
 use crate::integrals::exact_sum::{ExactSum, exact_sums};
+use crate::parallel::{RUN, map_runs};
 use crate::relax::optimum::{EnergyOptimum, EnergyReference, optimal_side};
 use crate::relax::relaxation_space::{CellResult, ObjectiveValue, RelaxationSpace};
-
-/// Sites whose ways one task adds at least.
-const LEAST_TASK: usize = 1024;
 
 /// The state of a run after `iteration` moves: one flat JSON object of `log.jsonl`.
 ///
@@ -136,18 +133,21 @@ impl MovementSums {
         sites: &[Point<f64, D>],
         targets: &[Point<f64, D>],
     ) -> Self {
-        let pairs = sites.par_iter().zip(targets).with_min_len(LEAST_TASK);
-        let add = |mut sums: Self, (site, target)| {
-            let distance = space.displacement(site, target).norm();
-            sums.total.add(distance);
-            sums.max = sums.max.max(distance);
+        let runs = map_runs(sites.len(), RUN, |run| {
+            let mut sums = Self::default();
+            for (site, target) in sites[run.clone()].iter().zip(&targets[run]) {
+                let distance = space.displacement(site, target).norm();
+                sums.total.add(distance);
+                sums.max = sums.max.max(distance);
+            }
             sums
-        };
-        let join = |one: Self, other: Self| Self {
-            total: one.total.merged(other.total),
-            max: one.max.max(other.max),
-        };
-        pairs.fold(Self::default, add).reduce(Self::default, join)
+        });
+        let mut sums = Self::default();
+        for run in runs {
+            sums.total.merge(run.total);
+            sums.max = sums.max.max(run.max);
+        }
+        sums
     }
 }
 
@@ -169,13 +169,14 @@ impl Totals {
     #[must_use]
     pub fn of_cells<const D: usize>(cells: &[CellResult<D>]) -> Self {
         let [energy, chebyshev] = exact_sums(cells, |cell| [cell.energy, cell.chebyshev]);
+        let largest = map_runs(cells.len(), RUN, |run| {
+            let energies = cells[run].iter().map(|cell| cell.energy);
+            energies.fold(0.0, f64::max)
+        });
         Self {
             count: cells.len(),
             energy: energy.value(),
-            energy_max: cells
-                .par_iter()
-                .map(|cell| cell.energy)
-                .reduce(|| 0.0, f64::max),
+            energy_max: largest.into_iter().fold(0.0, f64::max),
             chebyshev: chebyshev.value(),
         }
     }

@@ -1,10 +1,9 @@
 //! Relaxation in space: the L2 or L∞ cells of a domain's sites, each with its own axes of distance.
 
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use nalgebra::{Point3, Vector3};
-use rayon::prelude::*;
 use thiserror::Error;
 
 use crate::domain::{
@@ -16,7 +15,7 @@ use crate::domain::{
 use crate::geometry::bounds::Bounds;
 use crate::geometry::label::Label;
 use crate::geometry::shell::Shell;
-use crate::relax::cell_check::{CellsError, DomainTotals, EnergyKind};
+use crate::relax::cell_check::{CellFigures, CellsError, DomainTotals, EnergyKind};
 use crate::relax::evaluate_cell::CellMemory;
 use crate::relax::frames::Frames;
 use crate::relax::linf::{LinfCells, turned};
@@ -58,7 +57,7 @@ pub struct Space {
     cells: Norm,
     /// The domain in the frame of L∞ cells, if they have one.
     turned: Option<ConvexPolyhedron>,
-    stop: StopFlag,
+    pub(crate) stop: StopFlag,
 }
 
 impl Space {
@@ -205,8 +204,8 @@ impl Space {
                 memory.metrics(self.domain(), cell, spec)
             })?,
         };
-        let figures = cells.par_iter().map(|cell| (cell.volume, cell.energy));
-        self.check(sites, figures, spec.kind())?;
+        let figures = |site: usize| (cells[site].volume, cells[site].energy);
+        self.check(sites, &figures, spec.kind())?;
         let mut numbered = cells.iter().enumerate();
         numbered.try_for_each(|(site, cell)| cell.check(site))?;
         Ok(cells)
@@ -226,17 +225,17 @@ impl Space {
     pub(crate) fn check(
         &self,
         sites: &[Point3<f64>],
-        cells: impl IndexedParallelIterator<Item = (f64, f64)> + Clone,
+        cells: &(dyn Fn(usize) -> CellFigures + Sync),
         kind: EnergyKind,
     ) -> Result<(), CellsError> {
-        self.totals().check::<3>(cells, kind, || {
+        self.totals().check::<3>(sites.len(), cells, kind, || {
             let diagram = Diagram::borrowed(self.domain(), sites).ok()?;
             Some(diagram.check().err()?.to_string())
         })
     }
 
     /// What `of_cell` says of the cells of chosen sites, in ascending order, and how far each asks for others (L).
-    pub(crate) fn of_chosen<Memory: Default, Answer: Send>(
+    pub(crate) fn of_chosen<Memory: Default + Send, Answer: Send>(
         &self,
         sites: &[Point3<f64>],
         chosen: &[usize],
@@ -258,31 +257,49 @@ impl Space {
     }
 
     /// As [`Diagram::map`], where every site has a frame.
-    fn map<Memory: Default, Answer: Send>(
+    fn map<Memory: Default + Send, Answer: Send>(
         &self,
         sites: &[Point3<f64>],
         of_cell: impl Fn(&mut Memory, Cell<'_>) -> Answer + Sync,
     ) -> Result<Vec<Answer>, SpaceError> {
+        Ok(self.diagram(sites)?.map(of_cell)?)
+    }
+
+    /// Nothing, until the flag of [`Space::stop_by`] is raised.
+    ///
+    /// # Errors
+    /// [`DiagramError::Stopped`].
+    pub(crate) fn check_stop(&self) -> Result<(), SpaceError> {
+        let stop = self.stop.as_ref();
+        match stop.is_some_and(|flag| flag.load(Ordering::Relaxed)) {
+            true => Err(DiagramError::Stopped.into()),
+            false => Ok(()),
+        }
+    }
+
+    /// The diagram of sites that all have frames.
+    fn diagram<'a>(&'a self, sites: &'a [Point3<f64>]) -> Result<Diagram<'a>, SpaceError> {
+        self.check_stop()?;
         if let Some(frames) = self.frames.count()
             && frames != sites.len()
         {
             let sites = sites.len();
             return Err(SpaceError::Frames { frames, sites });
         }
-        let diagram = Diagram::borrowed(self.domain(), sites)?;
-        Ok(diagram.with_stop(&self.stop).map(of_cell)?)
+        Ok(Diagram::borrowed(self.domain(), sites)?.with_stop(&self.stop))
     }
 
-    /// The same for cells that are prepared in their frames.
-    fn map_loaded<Answer: Send>(
+    /// As [`Diagram::map_copied`] for cells that are prepared in their frames.
+    fn map_loaded<Answer: Copy + Send + Sync>(
         &self,
         sites: &[Point3<f64>],
         of_cell: impl Fn(&mut CellMemory, &Cell<'_>) -> Answer + Sync,
     ) -> Result<Vec<Answer>, SpaceError> {
-        self.map(sites, |memory: &mut CellMemory, cell| {
+        let of_cell = |memory: &mut CellMemory, cell: Cell<'_>| {
             memory.load_in_frame(self.domain(), &cell, self.frames.of(cell.site));
             of_cell(memory, &cell)
-        })
+        };
+        Ok(self.diagram(sites)?.map_copied(of_cell)?)
     }
 }
 
@@ -378,8 +395,8 @@ impl RelaxationSpace<3> for Space {
                 memory.assess(self.domain(), cell, spec)
             })?,
         };
-        let figures = cells.par_iter().map(|cell| (cell.volume, cell.energy));
-        self.check(sites, figures, spec.kind())?;
+        let figures = |site: usize| (cells[site].volume, cells[site].energy);
+        self.check(sites, &figures, spec.kind())?;
         Ok(cells)
     }
 
@@ -393,16 +410,16 @@ impl RelaxationSpace<3> for Space {
         if let Some(cells) = self.linf(sites) {
             let value = cells.objective(order).map_err(SpaceError::Diagram);
             let (value, volumes) = value.map_err(RelaxationError::Space)?;
-            let energies = value.energies.par_iter().copied();
-            self.check(sites, volumes.into_par_iter().zip(energies), kind)?;
+            let figures = |site: usize| (volumes[site], value.energies[site]);
+            self.check(sites, &figures, kind)?;
             return Ok(value);
         }
         let terms = self.map(sites, |scratch: &mut ObjectiveScratch, cell| {
             scratch.terms(self.domain(), &self.frames, &cell, order)
         });
         let terms = terms.map_err(RelaxationError::Space)?;
-        let figures = terms.par_iter().map(|cell| (cell.volume, cell.energy));
-        self.check(sites, figures, kind)?;
+        let figures = |site: usize| (terms[site].volume, terms[site].energy);
+        self.check(sites, &figures, kind)?;
         Ok(sum_of(&terms))
     }
 

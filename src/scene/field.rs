@@ -4,7 +4,6 @@ use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
 use nalgebra::Point3;
-use rayon::prelude::*;
 use thiserror::Error as ThisError;
 
 use crate::domain::error::DomainError;
@@ -29,6 +28,7 @@ use crate::mass::tet_values::TetValues;
 use crate::mass::weigh::{WeighError, bounds, weigh};
 use crate::mesh::tets::TetMesh;
 use crate::mesh::validate::Solid;
+use crate::parallel::map;
 use crate::scene::error::Error;
 use crate::scene::field_file::{FieldBounds, FieldDensity, FieldFile, FieldFormula};
 use crate::scene::field_text::{FieldText, FieldTextError};
@@ -375,8 +375,10 @@ fn sampled<'a>(
         return Err(WeighError::VertexOfSurface.into());
     };
     let field = FormulaField::new(formula, || boundary(solid));
-    let vertices = sound.mesh().vertices.par_iter();
-    let values = vertices.map(|vertex| field.at(vertex, &mut 0)).collect();
+    let vertices = &sound.mesh().vertices;
+    let values = map(vertices.len(), &|vertex| {
+        field.at(&vertices[vertex], &mut 0)
+    });
     Ok((sound.mesh(), values))
 }
 

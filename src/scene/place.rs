@@ -8,21 +8,23 @@
 
 use std::cmp::Ordering;
 use std::fmt;
+use std::sync::atomic;
 
 use nalgebra::Point;
-use rayon::slice::ParallelSliceMut;
 
 use crate::domain::domain::Domain;
 use crate::domain::planar::PlaneDomain;
 use crate::domain::random_points::{source_in_plane, source_in_solid};
 use crate::geometry::bounds::Bounds;
 use crate::geometry::random::{PointSource, Random, points_inside};
+use crate::parallel::{RUN, map, map_runs};
 use crate::scene::description::Scene;
 use crate::scene::error::Error;
 use crate::scene::memory;
 use crate::scene::numbers::point;
 use crate::scene::site_file;
 use crate::scene::sites::{Grid, Random as RandomSites, Sites};
+use crate::voronoi::diagram::StopFlag;
 
 /// Makes a source of points closer to a domain than its bounding box is, if there is one.
 type Closer<'a, const D: usize> = Box<dyn Fn() -> Option<PointSource<'static, D>> + Sync + 'a>;
@@ -42,6 +44,8 @@ pub struct SiteRegion<'a, const D: usize> {
     pub(crate) volume: Option<f64>,
     /// For domains that fill next to nothing of their bounding box.
     pub(crate) closer: Closer<'a, D>,
+    /// Ends checks early: they then refuse nothing, and what stands on them ends as well.
+    pub(crate) stop: StopFlag,
 }
 
 impl<const D: usize> SiteRegion<'_, D> {
@@ -54,6 +58,7 @@ impl<const D: usize> SiteRegion<'_, D> {
             contains: Box::new(move |point| bounds.contains(point)),
             volume: None,
             closer: Box::new(|| None),
+            stop: None,
         }
     }
 
@@ -66,6 +71,7 @@ impl<const D: usize> SiteRegion<'_, D> {
             contains: Box::new(|point| domain.contains(point)),
             volume: (!domain.is_box()).then(|| domain.volume()),
             closer: Box::new(|| source_in_solid(domain.shape())),
+            stop: None,
         }
     }
 
@@ -78,6 +84,7 @@ impl<const D: usize> SiteRegion<'_, D> {
             contains: Box::new(|point| domain.contains(point)),
             volume: None,
             closer: Box::new(|| source_in_plane(domain)),
+            stop: None,
         }
     }
 
@@ -85,6 +92,11 @@ impl<const D: usize> SiteRegion<'_, D> {
     #[must_use]
     pub fn holds(&self, point: &Point<f64, D>) -> bool {
         (self.contains)(point)
+    }
+
+    fn is_stopped(&self) -> bool {
+        let stop = self.stop.as_ref();
+        stop.is_some_and(|stop| stop.load(atomic::Ordering::Relaxed))
     }
 
     /// The image of `point` on the lower wall where it lies on the upper wall of a periodic axis.
@@ -343,39 +355,76 @@ fn inside<const D: usize>(
     sites: &[Point<f64, D>],
     region: &SiteRegion<'_, D>,
 ) -> Result<(), Error> {
-    let outside = |&index: &usize| !region.holds(&sites[index]);
-    let mut strays = (0..sites.len()).filter(outside);
+    let strays = map_runs(sites.len(), RUN, |run| {
+        let of_run = if region.is_stopped() { 0..0 } else { run };
+        let mut strays = of_run.filter(|&index| !region.holds(&sites[index]));
+        strays.next().map(|first| (first, strays.count()))
+    });
+    let mut strays = strays.into_iter().flatten();
     match strays.next() {
-        Some(index) => Err(Error::Outside {
+        Some((index, others)) => Err(Error::Outside {
             index,
             point: shown(&sites[index]),
-            others: strays.count(),
+            others: others + strays.map(|(_, others)| 1 + others).sum::<usize>(),
         }),
         None => Ok(()),
     }
 }
+
+/// About so many sites are compared by one task.
+const SITES_PER_BUCKET: usize = 1 << 16;
+
+/// The most tasks: each reads what all sites' coordinates mix to.
+const MOST_BUCKETS: usize = 256;
 
 fn distinct<const D: usize>(
     sites: &[Point<f64, D>],
     region: &SiteRegion<'_, D>,
 ) -> Result<(), Error> {
     let key = |index: usize| region.canonical(&sites[index]);
-    let mut order: Vec<usize> = (0..sites.len()).collect();
-    order.par_sort_unstable_by(|&a, &b| lexicographic(&key(a), &key(b)).then(a.cmp(&b)));
-    let duplicates = || {
-        order
-            .windows(2)
-            .filter(|pair| lexicographic(&key(pair[0]), &key(pair[1])) == Ordering::Equal)
-    };
-    match duplicates().min_by_key(|pair| pair[1]) {
-        Some(pair) => Err(Error::Duplicate {
-            first: pair[0],
-            second: pair[1],
-            point: shown(&sites[pair[1]]),
-            others: duplicates().count() - 1,
+    let mixed = map(sites.len(), &|index| mixed(&key(index)));
+    let buckets = sites.len().div_ceil(SITES_PER_BUCKET).min(MOST_BUCKETS);
+    let pairs = map(buckets, &|bucket| {
+        let is_mine = |&index: &usize| mixed[index] % buckets as u64 == bucket as u64;
+        let mut mine: Vec<usize> = if region.is_stopped() {
+            Vec::new()
+        } else {
+            (0..sites.len()).filter(is_mine).collect()
+        };
+        mine.sort_unstable_by(|&a, &b| {
+            let order = mixed[a].cmp(&mixed[b]);
+            let order = order.then_with(|| lexicographic(&key(a), &key(b)));
+            order.then(a.cmp(&b))
+        });
+        let is_twin = |&[a, b]: &[usize; 2]| {
+            mixed[a] == mixed[b] && lexicographic(&key(a), &key(b)) == Ordering::Equal
+        };
+        let pairs = mine.windows(2).map(|pair| [pair[0], pair[1]]);
+        pairs.filter(is_twin).collect::<Vec<_>>()
+    })
+    .concat();
+    match pairs.iter().min_by_key(|pair| pair[1]) {
+        Some(&[first, second]) => Err(Error::Duplicate {
+            first,
+            second,
+            point: shown(&sites[second]),
+            others: pairs.len() - 1,
         }),
         None => Ok(()),
     }
+}
+
+/// The same number for equal points, different ones for nearly all others (Steele, Lea & Flood, *Fast splittable
+/// pseudorandom number generators*, 2014).
+fn mixed<const D: usize>(point: &Point<f64, D>) -> u64 {
+    point.iter().fold(0, |sum, value| {
+        // −0 becomes 0.
+        let mut bits = sum ^ (value + 0.0).to_bits();
+        bits = bits.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        bits = (bits ^ (bits >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        bits ^ (bits >> 31)
+    })
 }
 
 /// Compares finite points axis by axis; −0 equals 0.
@@ -424,6 +473,7 @@ mod tests {
             contains: Box::new(triangle),
             volume: None,
             closer: Box::new(|| None),
+            stop: None,
         };
         let sites = random_sites(500, 1, &region).expect("half of the square is room");
         assert_eq!(sites.len(), 500);

@@ -96,6 +96,8 @@ pub fn run_until(
         let (space, notes) = space(scene)?;
         let space = space.stop_by(flag);
         let sites = space.place(scene)?;
+        let stopped = space.check_stop();
+        stopped.map_err(|error| Error::Relax(Box::new(error)))?;
         check_memory(scene, sites.len())?;
         let mut checkpoint = Checkpoint::at_start(sites);
         let ended = relax(&space, scene, &mut checkpoint, &mut |record, sites, _| {
@@ -210,7 +212,10 @@ impl RunSpace<2> for Plane {
 
 impl RunSpace<3> for Space {
     fn region(&self) -> SiteRegion<'_, 3> {
-        SiteRegion::<3>::of_solid(self.domain())
+        SiteRegion {
+            stop: self.stop.clone(),
+            ..SiteRegion::<3>::of_solid(self.domain())
+        }
     }
 
     fn placed(&self, scene: &Scene) -> Result<PlacedSites<3>, Error> {

@@ -102,7 +102,7 @@ fn no_move_ends_above_lloyds_own() {
         normal: -Vector3::ith(axis, 1.0),
         offset: 0.0,
     }));
-    let ring = validate_surface(&torus(1.0, 0.4, 24, 12)).unwrap().0;
+    let ring = validate_surface(&torus(1.0, 0.4, 16, 8)).unwrap().0;
     let density = "1 + 7*x^2".parse().unwrap();
     let spaces = [
         Space::new(Box::new(Cuboid::unit())),
@@ -152,14 +152,13 @@ fn no_move_in_the_plane_ends_above_lloyds_own() {
 #[test]
 fn half_the_moves_end_lower() {
     let space = Space::new(Box::new(Cuboid::unit()));
-    for seed in [1, 2, 3] {
-        let given = sites_in(&space, 300, seed);
-        let last = |options: &Plan| run(&space, &given, options).pop().unwrap().0;
-        let plain = last(&options(60, LINF, false));
-        let accelerated = last(&options(27, LINF, true));
-        assert!(accelerated.energy_percent < plain.energy_percent);
-        // Each move looks at two diagrams, its own and the lengthened one.
-        // Measured: 3.05 evaluations a move.
-        assert!(accelerated.evaluations < 3.66 * 27.0);
-    }
+    let seed = 1;
+    let given = sites_in(&space, 300, seed);
+    let last = |options: &Plan| run(&space, &given, options).pop().unwrap().0;
+    let plain = last(&options(60, LINF, false));
+    let accelerated = last(&options(27, LINF, true));
+    assert!(accelerated.energy_percent < plain.energy_percent);
+    // Each move looks at two diagrams, its own and the lengthened one.
+    // Measured: 3.05 evaluations a move.
+    assert!(accelerated.evaluations < 3.66 * 27.0);
 }

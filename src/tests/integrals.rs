@@ -188,7 +188,7 @@ fn agrees(got: f64, exact: &Rational, scale: f64, what: &str) {
 #[test]
 fn random_monomials_over_random_tetrahedra_have_their_rational_values() {
     let mut random = ChaCha8Rng::seed_from_u64(5);
-    for case in 0..40 {
+    for case in 0..20 {
         let mut corners = [(); 4].map(|()| random_point(&mut random));
         if tetrahedron::volume(&corners) < 0.0 {
             corners.swap(0, 1);
@@ -352,12 +352,11 @@ fn monomials_of_degree_nine_over_random_polyhedra_have_their_rational_values() {
     let jacobian = (corners[1] - corners[0])
         .cross(&(corners[2] - corners[0]))
         .norm();
-    for e in [[3, 3, 3], [0, 4, 5]] {
-        let exact = rational_solid(&vertices, &triangles, e);
-        agrees(solid.of(e), &exact, 1.0, &format!("solid {e:?}"));
-        let exact = structure_product(&exact_corners, e);
-        agrees(facet.of(e) / jacobian, &exact, 1.0, &format!("facet {e:?}"));
-    }
+    let e = [3; 3];
+    let exact = rational_solid(&vertices, &triangles, e);
+    agrees(solid.of(e), &exact, 1.0, &format!("solid {e:?}"));
+    let exact = structure_product(&exact_corners, e);
+    agrees(facet.of(e) / jacobian, &exact, 1.0, &format!("facet {e:?}"));
     let tet = MonomialIntegrals::over_solid(&vertices[..4], &[[0, 1, 2, 3]], 5);
     let volume = tetrahedron::volume(&[0, 1, 2, 3].map(|k| vertices[k]));
     close(tet.of([0; 3]), volume, 1e-14, "a tetrahedron");

@@ -84,29 +84,28 @@ fn within(value: f64, (low, high): (f64, f64), what: &str) {
 
 #[test]
 fn a_thousand_random_sites_follow_the_reference_curve() {
-    for seed in [1, 2] {
-        let mut sites = random_sites(1000, seed);
-        let records = run(&unit(), &mut sites, &options(50, LINF));
-        let percent = |k: usize| records[k].energy_percent;
-        within(percent(0), (124.0, 131.0), "iteration 0");
-        within(percent(1), (112.4, 113.8), "iteration 1");
-        within(percent(10), (104.5, 105.4), "iteration 10");
-        within(percent(50), (102.3, 102.8), "iteration 50");
-        within(records[1].movement_percent, (12.0, 13.8), "first movement");
-        within(records[50].movement_percent, (0.15, 0.35), "last movement");
-        let figures = Metrics::of(
-            1.0,
-            &unit().optimum(),
-            &unit().metrics(&sites, LINF).unwrap(),
-        );
-        within(figures.cubeness, (0.75, 0.81), "cubeness");
-        within(figures.axis_aligned_area, (0.37, 0.47), "axis-aligned area");
-        within(
-            figures.energy_percent,
-            (percent(50) - 1e-9, percent(50) + 1e-9),
-            "measure",
-        );
-    }
+    let seed = 1;
+    let mut sites = random_sites(1000, seed);
+    let records = run(&unit(), &mut sites, &options(50, LINF));
+    let percent = |k: usize| records[k].energy_percent;
+    within(percent(0), (124.0, 131.0), "iteration 0");
+    within(percent(1), (112.4, 113.8), "iteration 1");
+    within(percent(10), (104.5, 105.4), "iteration 10");
+    within(percent(50), (102.3, 102.8), "iteration 50");
+    within(records[1].movement_percent, (12.0, 13.8), "first movement");
+    within(records[50].movement_percent, (0.15, 0.35), "last movement");
+    let figures = Metrics::of(
+        1.0,
+        &unit().optimum(),
+        &unit().metrics(&sites, LINF).unwrap(),
+    );
+    within(figures.cubeness, (0.75, 0.81), "cubeness");
+    within(figures.axis_aligned_area, (0.37, 0.47), "axis-aligned area");
+    within(
+        figures.energy_percent,
+        (percent(50) - 1e-9, percent(50) + 1e-9),
+        "measure",
+    );
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! The Voronoi diagram of all sites: validated input, cells visited in parallel, results in site order.
 
 use std::borrow::Cow;
+use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
 
@@ -9,17 +10,13 @@ use rayon::prelude::*;
 use thiserror::Error;
 
 use crate::domain::domain::Domain;
+use crate::parallel::{Memories, map, map_runs};
 use crate::voronoi::cell::{Cell, CellBuilder};
 use crate::voronoi::kd_tree::tree::KdTree;
 use crate::voronoi::search::Duplicate;
-use crate::voronoi::site_order::bring_into_order;
 
-/// The least number of cells of a thread's task: enough to outweigh its memory, few enough to balance.
+/// The cells of a thread's task: enough to outweigh its memory, few enough to balance.
 const CELLS_PER_TASK: usize = 64;
-
-/// How many cells are visited before their results are appended to the others: many, since threads then
-/// wait for each other, few compared with all.
-const CELLS_PER_BATCH: usize = 1 << 15;
 
 /// How many cells' results are kept at a time when they are streamed: enough for all threads, some
 /// megabytes for results of the size of a cell.
@@ -207,6 +204,9 @@ impl<'a> Diagram<'a> {
     /// # Errors
     /// [`DiagramError::Stopped`].
     pub(crate) fn tree(&self) -> Result<&KdTree, DiagramError> {
+        if self.is_stopped() {
+            return Err(DiagramError::Stopped);
+        }
         let tree = self.tree.get_or_init(|| {
             let wrapped = self.sites.par_iter().map(|site| self.domain.wrap(site));
             KdTree::new(wrapped, self.domain.periods(), &|| self.is_stopped())
@@ -295,40 +295,27 @@ impl<'a> Diagram<'a> {
         }
         let tree = self.tree()?;
         let places = tree.places_of_sites();
-        let chosen = chosen.par_iter().map(|&site| places[site]);
-        let mut order: Vec<(u32, usize)> = chosen.zip(0..usize::MAX).collect();
+        let chosen = chosen.iter().map(|&site| places[site]);
+        let mut order: Vec<(u32, usize)> = chosen.zip(0..).collect();
         // Pairs, not numbers by their places: those are scattered in memory.
         order.par_sort_unstable();
-        let of_block = |builder: &mut CellBuilder, entries: &[(u32, usize)]| {
+        let memories = Memories::<CellBuilder>::default();
+        let of_block = |entries: Range<usize>| {
+            let entries = &order[entries];
             let mut block = Block::default();
-            for &(place, _) in entries {
-                let place = place as usize;
-                let cell = self.unless_stopped(|| builder.build(self.domain, tree, place))?;
-                push(&mut block, cell);
-            }
+            memories.lend(|builder| {
+                for &(place, _) in entries {
+                    let place = place as usize;
+                    let cell = self.unless_stopped(|| builder.build(self.domain, tree, place))?;
+                    push(&mut block, cell);
+                }
+                Ok(())
+            })?;
             let numbers: Vec<usize> = entries.iter().map(|&(_, number)| number).collect();
             Ok((numbers, block))
         };
-        let blocks = order.par_chunks(size);
-        let blocks = blocks.map_init(CellBuilder::default, of_block);
-        self.first_error(blocks.collect())
-    }
-
-    /// All results, or the error of the least pair of duplicates.
-    fn first_error<T>(&self, results: Vec<Result<T, Halt>>) -> Result<Vec<T>, DiagramError> {
-        let mut all = Vec::with_capacity(results.len());
-        let mut duplicates = Vec::new();
-        for result in results {
-            match result {
-                Ok(result) => all.push(result),
-                Err(Halt::Stopped) => return Err(DiagramError::Stopped),
-                Err(Halt::Duplicate(pair)) => duplicates.push(pair),
-            }
-        }
-        match duplicates.into_iter().min() {
-            Some(least) => Err(self.duplicate(least)),
-            None => Ok(all),
-        }
+        let blocks = map_runs(order.len(), size, of_block);
+        all_or_least(blocks).map_err(|halt| self.error(halt))
     }
 
     /// The site whose cell holds a point, the first of several; `None` outside the domain, and of a
@@ -347,7 +334,7 @@ impl<'a> Diagram<'a> {
     ///
     /// # Errors
     /// [`DiagramError::Duplicate`] for the first pair of sites in one place.
-    pub(crate) fn map<Scratch: Default, T: Send>(
+    pub(crate) fn map<Scratch: Default + Send, T: Send>(
         &self,
         of_cell: impl Fn(&mut Scratch, Cell<'_>) -> T + Sync,
     ) -> Result<Vec<T>, DiagramError> {
@@ -358,38 +345,56 @@ impl<'a> Diagram<'a> {
         })
     }
 
+    /// As [`Diagram::map`] for results that are copied into the sites' order, which all threads do together.
+    pub(crate) fn map_copied<Scratch: Default + Send, T: Copy + Send + Sync>(
+        &self,
+        of_cell: impl Fn(&mut Scratch, Cell<'_>) -> T + Sync,
+    ) -> Result<Vec<T>, DiagramError> {
+        let (domain, tree) = (self.domain, self.tree()?);
+        let one = |(builder, scratch): &mut (CellBuilder, Scratch), place| {
+            let cell = builder.build(domain, tree, place)?;
+            Ok(of_cell(scratch, cell))
+        };
+        let (runs, places) = (self.runs_of_places(one)?, tree.places_of_sites());
+        let of_site = |site: usize| {
+            let place = places[site] as usize;
+            runs[place / CELLS_PER_TASK][place % CELLS_PER_TASK]
+        };
+        Ok(map(self.len(), &of_site))
+    }
+
     /// Computes `one` for every place of the tree, in parallel, and returns the results in site order.
-    pub(crate) fn map_places<Memory: Default, T: Send>(
+    pub(crate) fn map_places<Memory: Default + Send, T: Send>(
         &self,
         one: impl Fn(&mut Memory, usize) -> Result<T, Duplicate> + Sync,
     ) -> Result<Vec<T>, DiagramError> {
-        let tree = self.tree()?;
-        let one = |memory: &mut Memory, place| self.unless_stopped(|| one(memory, place));
-        let mut results = Vec::with_capacity(self.len());
-        let mut duplicate = None;
-        let mut batch: Vec<Result<T, Halt>> = Vec::new();
-        for first in (0..self.len()).step_by(CELLS_PER_BATCH) {
-            let end = self.len().min(first + CELLS_PER_BATCH);
-            (first..end)
-                .into_par_iter()
-                .with_min_len(CELLS_PER_TASK)
-                .map_init(Memory::default, &one)
-                .collect_into_vec(&mut batch);
-            for result in batch.drain(..) {
-                match result {
-                    Ok(result) => results.push(result),
-                    Err(Halt::Stopped) => return Err(DiagramError::Stopped),
-                    Err(Halt::Duplicate(pair)) => {
-                        duplicate = Some(duplicate.map_or(pair, |least| pair.min(least)));
-                    }
-                }
+        let runs = self.runs_of_places(one)?;
+        let mut results: Vec<Option<T>> = Vec::new();
+        results.resize_with(self.len(), || None);
+        let sites = self.tree()?.sites().chunks(CELLS_PER_TASK);
+        for (run, sites) in runs.into_iter().zip(sites) {
+            if self.is_stopped() {
+                return Err(DiagramError::Stopped);
+            }
+            for (result, &site) in run.into_iter().zip(sites) {
+                results[site as usize] = Some(result);
             }
         }
-        if let Some(duplicate) = duplicate {
-            return Err(self.duplicate(duplicate));
-        }
-        let sorted = bring_into_order(&mut results, tree.sites().to_vec(), &|| self.is_stopped());
-        sorted.map(|()| results).ok_or(DiagramError::Stopped)
+        Ok(results.into_iter().flatten().collect())
+    }
+
+    /// Computes `one` for every place of the tree, in parallel; the results in runs of [`CELLS_PER_TASK`].
+    fn runs_of_places<Memory: Default + Send, T: Send>(
+        &self,
+        one: impl Fn(&mut Memory, usize) -> Result<T, Duplicate> + Sync,
+    ) -> Result<Vec<Vec<T>>, DiagramError> {
+        let memories = Memories::<Memory>::default();
+        let runs = map_runs(self.len(), CELLS_PER_TASK, |places| {
+            memories.lend(|memory| {
+                all_or_least(places.map(|place| self.unless_stopped(|| one(memory, place))))
+            })
+        });
+        all_or_least(runs).map_err(|halt| self.error(halt))
     }
 
     /// Computes what `one` computes unless the work is stopped.
@@ -406,7 +411,7 @@ impl<'a> Diagram<'a> {
     ///
     /// # Errors
     /// What `take` returns, and [`DiagramError::Duplicate`] for sites in one place.
-    pub(crate) fn stream<Scratch: Default, T: Send, Failure: From<DiagramError>>(
+    pub(crate) fn stream<Scratch: Default + Send, T: Send, Failure: From<DiagramError>>(
         &self,
         of_cell: impl Fn(&mut Scratch, Cell<'_>) -> T + Sync,
         take: impl FnMut(usize, T) -> Result<(), Failure>,
@@ -421,21 +426,22 @@ impl<'a> Diagram<'a> {
 
     /// Computes `one` for every place of the tree and passes the results to `take` as
     /// [`Diagram::stream`] does.
-    pub(crate) fn stream_places<Memory: Default, T: Send, Failure: From<DiagramError>>(
+    pub(crate) fn stream_places<Memory: Default + Send, T: Send, Failure: From<DiagramError>>(
         &self,
         one: impl Fn(&mut Memory, usize) -> Result<T, Duplicate> + Sync,
         mut take: impl FnMut(usize, T) -> Result<(), Failure>,
     ) -> Result<(), Failure> {
         let places = self.tree()?.places_of_sites();
-        let of_place =
-            |memory: &mut Memory, &place: &u32| self.unless_stopped(|| one(memory, place as usize));
+        let memories = Memories::<Memory>::default();
         for (chunk, places) in places.chunks(CELLS_PER_CHUNK).enumerate() {
-            let results: Vec<Result<T, Halt>> = places
-                .par_iter()
-                .with_min_len(CELLS_PER_TASK)
-                .map_init(Memory::default, of_place)
-                .collect();
-            for (site, result) in (chunk * CELLS_PER_CHUNK..).zip(results) {
+            let runs = map_runs(places.len(), CELLS_PER_TASK, |run| {
+                memories.lend(|memory| {
+                    let places = places[run].iter().map(|&place| place as usize);
+                    let results = places.map(|place| self.unless_stopped(|| one(memory, place)));
+                    results.collect::<Vec<Result<T, Halt>>>()
+                })
+            });
+            for (site, result) in (chunk * CELLS_PER_CHUNK..).zip(runs.into_iter().flatten()) {
                 take(site, result.map_err(|halt| self.error(halt))?)?;
             }
         }
@@ -473,4 +479,18 @@ fn refused_site(domain: &dyn Domain, site: usize, point: &Point3<f64>) -> Option
     } else {
         None
     }
+}
+
+/// All results, or why there are none: that the work was stopped, or the least pair of duplicates.
+fn all_or_least<T>(results: impl IntoIterator<Item = Result<T, Halt>>) -> Result<Vec<T>, Halt> {
+    let mut all = Vec::new();
+    let mut least: Option<Duplicate> = None;
+    for result in results {
+        match result {
+            Ok(result) => all.push(result),
+            Err(Halt::Stopped) => return Err(Halt::Stopped),
+            Err(Halt::Duplicate(pair)) => least = Some(least.map_or(pair, |least| pair.min(least))),
+        }
+    }
+    least.map_or(Ok(all), |least| Err(Halt::Duplicate(least)))
 }

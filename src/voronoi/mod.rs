@@ -15,4 +15,3 @@ pub(crate) mod planar;
 
 mod kd_tree;
 mod search;
-mod site_order;

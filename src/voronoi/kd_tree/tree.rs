@@ -8,12 +8,14 @@
 
 use std::cmp::Ordering;
 use std::ops::Range;
+use std::sync::atomic::{self, AtomicU32};
 
 use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
 use wide::f64x2;
 
 use crate::geometry::bounds::Bounds;
+use crate::parallel::{RUN, map, map_runs};
 
 /// The most sites of a leaf. Fewer cost more steps through the tree, more are tested without effect.
 const LEAF: usize = 12;
@@ -69,8 +71,8 @@ impl KdTree {
             depth,
             pairs: vec![ChildBoxes::default(); 1 << depth],
             bounds: Bounds::empty(),
-            sites: entries.par_iter().map(|entry| entry.site).collect(),
-            positions: entries.par_iter().map(|entry| entry.position).collect(),
+            sites: map(entries.len(), &|place| entries[place].site),
+            positions: map(entries.len(), &|place| entries[place].position),
             images: images(periods),
             radius_ratio_squared: 0.0,
         };
@@ -88,11 +90,13 @@ impl KdTree {
 
     /// Per site: its place.
     pub(crate) fn places_of_sites(&self) -> Vec<u32> {
-        let mut places = vec![0; self.len()];
-        for (place, &site) in self.sites.iter().enumerate() {
-            places[site as usize] = place as u32;
-        }
-        places
+        let places: Vec<AtomicU32> = map(self.len(), &|_| AtomicU32::new(0));
+        map_runs(self.len(), RUN, |run| {
+            for place in run {
+                places[self.sites[place] as usize].store(place as u32, atomic::Ordering::Relaxed);
+            }
+        });
+        places.into_iter().map(AtomicU32::into_inner).collect()
     }
 
     /// The index in the caller's order of the site in `place`.

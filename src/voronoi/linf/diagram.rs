@@ -11,7 +11,7 @@ impl Diagram<'_> {
     ///
     /// # Errors
     /// [`DiagramError::Duplicate`] for the first pair of sites in one place.
-    pub(crate) fn map_linf<Scratch: Default, T: Send>(
+    pub(crate) fn map_linf<Scratch: Default + Send, T: Send>(
         &self,
         ties: Ties,
         of_cell: impl Fn(&mut Scratch, LinfCell<'_>) -> T + Sync,

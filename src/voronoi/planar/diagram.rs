@@ -19,7 +19,6 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use nalgebra::{Point2, Point3, Vector2};
-use rayon::prelude::*;
 use thiserror::Error;
 use voronator::VoronoiDiagram;
 use voronator::delaunator::Point;
@@ -30,6 +29,7 @@ use crate::domain::planar::PlaneDomain;
 use crate::geometry::half_plane::HalfPlane;
 use crate::geometry::label::Label;
 use crate::geometry::polygon::ConvexPolygon;
+use crate::parallel::map;
 use crate::voronoi::linf::cone::exact_displacement;
 use crate::voronoi::planar::grid::PlaneGrid;
 use crate::voronoi::planar::linf::{PlaneLinfCell, box_about, within};
@@ -199,15 +199,15 @@ fn cut_by_neighbors(
     sites: &[Point2<f64>],
     neighbors: &[Vec<usize>],
 ) -> PlaneDiagram {
-    let cells = (0..sites.len()).into_par_iter().map(|index| {
+    let cell = |index: usize| {
         let mut cell = Cutting::new(domain, sites, index);
         for &other in &neighbors[index] {
             cell.cut(other, [0; 3]);
         }
         cell.finish()
-    });
+    };
     PlaneDiagram {
-        cells: cells.collect(),
+        cells: map(sites.len(), &cell),
     }
 }
 
@@ -215,11 +215,9 @@ fn cut_by_rings(domain: &PlaneDomain, sites: &[Point2<f64>]) -> PlaneDiagram {
     let images = images(domain, sites);
     let positions: Vec<_> = images.iter().map(|image| image.position).collect();
     let grid = PlaneGrid::new(&positions);
-    let cells = (0..sites.len())
-        .into_par_iter()
-        .map(|index| cell_by_rings(domain, sites, (&grid, &images), index));
+    let cell = |index: usize| cell_by_rings(domain, sites, (&grid, &images), index);
     PlaneDiagram {
-        cells: cells.collect(),
+        cells: map(sites.len(), &cell),
     }
 }
 
@@ -255,7 +253,7 @@ fn linf_diagram(domain: &PlaneDomain, sites: &[Point2<f64>], wins_ties: bool) ->
         }
     };
     PlaneDiagram {
-        cells: (0..sites.len()).into_par_iter().map(cell).collect(),
+        cells: map(sites.len(), &cell),
     }
 }
 

@@ -1,0 +1,88 @@
+//! Loops over numbers on all threads.
+//!
+//! A parallel iterator is compiled anew for every closure: hundreds of them took a sixth of the time of building
+//! this library. Here threads share numbers only, once for all loops, and what is generic is a plain loop inside.
+
+use std::ops::Range;
+use std::sync::{Mutex, PoisonError};
+
+use rayon::prelude::*;
+
+/// Numbers of a task that takes little for each.
+pub(crate) const RUN: usize = 4096;
+
+/// Calls `task` with every number below `count`.
+pub(crate) fn for_each(count: usize, task: &(dyn Fn(usize) + Sync)) {
+    (0..count).into_par_iter().for_each(task);
+}
+
+/// What `one` gives for every number below `count`, in their order.
+pub(crate) fn map<T: Send>(count: usize, one: &(dyn Fn(usize) -> T + Sync)) -> Vec<T> {
+    let mut results = Vec::new();
+    let numbers = (0..count).into_par_iter();
+    numbers.map(one).collect_into_vec(&mut results);
+    results
+}
+
+/// What `of_run` gives for runs of `length` numbers that follow each other below `count`, the last one shorter.
+pub(crate) fn map_runs<T: Send>(
+    count: usize,
+    length: usize,
+    of_run: impl Fn(Range<usize>) -> T + Sync,
+) -> Vec<T> {
+    let slots = (0..count.div_ceil(length)).map(|_| Mutex::new(None));
+    let slots: Vec<Mutex<Option<T>>> = slots.collect();
+    for_each(slots.len(), &|run| {
+        let result = of_run(run * length..count.min((run + 1) * length));
+        *slots[run].lock().unwrap_or_else(PoisonError::into_inner) = Some(result);
+    });
+    let slots = slots.into_iter().map(Mutex::into_inner);
+    let results = slots.filter_map(|slot| slot.unwrap_or_else(PoisonError::into_inner));
+    results.collect()
+}
+
+/// Memory that is made once for every thread and handed from task to task.
+#[derive(Debug, Default)]
+pub(crate) struct Memories<M>(Mutex<Vec<M>>);
+
+impl<M: Default> Memories<M> {
+    /// Lets `work` use one that nobody else uses.
+    pub(crate) fn lend<T>(&self, work: impl FnOnce(&mut M) -> T) -> T {
+        let mut memory = self.free(Vec::pop).unwrap_or_default();
+        let result = work(&mut memory);
+        self.free(|free| free.push(memory));
+        result
+    }
+
+    fn free<T>(&self, change: impl FnOnce(&mut Vec<M>) -> T) -> T {
+        change(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_number_has_its_result_in_order() {
+        for count in [0, 1, 63, 64, 65, 1000] {
+            let numbers: Vec<usize> = (0..count).collect();
+            assert_eq!(map(count, &|number| number), numbers);
+            let runs = map_runs(count, 64, |run| run);
+            assert_eq!(runs.len(), count.div_ceil(64));
+            assert!(runs.iter().all(|run| run.len() <= 64));
+            assert_eq!(runs.into_iter().flatten().collect::<Vec<_>>(), numbers);
+        }
+    }
+
+    #[test]
+    fn memory_is_used_again() {
+        let memories = Memories::<Vec<usize>>::default();
+        memories.lend(|memory| memory.push(1));
+        memories.lend(|memory| {
+            memory.push(2);
+            memories.lend(|other| assert!(other.is_empty()));
+            assert_eq!(*memory, [1, 2]);
+        });
+    }
+}
