@@ -338,11 +338,20 @@ impl<'a> Diagram<'a> {
         &self,
         of_cell: impl Fn(&mut Scratch, Cell<'_>) -> T + Sync,
     ) -> Result<Vec<T>, DiagramError> {
-        let (domain, tree) = (self.domain, self.tree()?);
-        self.map_places(|(builder, scratch): &mut (CellBuilder, Scratch), place| {
+        self.map_places(self.built(self.tree()?, of_cell))
+    }
+
+    /// What `of_cell` says of the cell in a place.
+    fn built<Scratch, T>(
+        &self,
+        tree: &KdTree,
+        of_cell: impl Fn(&mut Scratch, Cell<'_>) -> T + Sync,
+    ) -> impl Fn(&mut (CellBuilder, Scratch), usize) -> Result<T, Duplicate> + Sync {
+        let domain = self.domain;
+        move |(builder, scratch), place| {
             let cell = builder.build(domain, tree, place)?;
             Ok(of_cell(scratch, cell))
-        })
+        }
     }
 
     /// As [`Diagram::map`] for results that are copied into the sites' order, which all threads do together.
@@ -350,12 +359,9 @@ impl<'a> Diagram<'a> {
         &self,
         of_cell: impl Fn(&mut Scratch, Cell<'_>) -> T + Sync,
     ) -> Result<Vec<T>, DiagramError> {
-        let (domain, tree) = (self.domain, self.tree()?);
-        let one = |(builder, scratch): &mut (CellBuilder, Scratch), place| {
-            let cell = builder.build(domain, tree, place)?;
-            Ok(of_cell(scratch, cell))
-        };
-        let (runs, places) = (self.runs_of_places(one)?, tree.places_of_sites());
+        let tree = self.tree()?;
+        let runs = self.runs_of_places(self.built(tree, of_cell))?;
+        let places = tree.places_of_sites();
         let of_site = |site: usize| {
             let place = places[site] as usize;
             runs[place / CELLS_PER_TASK][place % CELLS_PER_TASK]
@@ -416,12 +422,7 @@ impl<'a> Diagram<'a> {
         of_cell: impl Fn(&mut Scratch, Cell<'_>) -> T + Sync,
         take: impl FnMut(usize, T) -> Result<(), Failure>,
     ) -> Result<(), Failure> {
-        let (domain, tree) = (self.domain, self.tree()?);
-        let one = |(builder, scratch): &mut (CellBuilder, Scratch), place| {
-            let cell = builder.build(domain, tree, place)?;
-            Ok(of_cell(scratch, cell))
-        };
-        self.stream_places(one, take)
+        self.stream_places(self.built(self.tree()?, of_cell), take)
     }
 
     /// Computes `one` for every place of the tree and passes the results to `take` as
