@@ -41,6 +41,17 @@ pub(crate) fn map_runs<T: Send>(
     results.collect()
 }
 
+/// What `one` gives for every part, which it may change, in their order.
+pub(crate) fn map_parts<P: Send, T: Send>(
+    parts: Vec<P>,
+    one: &(dyn Fn(&mut P) -> T + Sync),
+) -> Vec<T> {
+    let parts: Vec<Mutex<P>> = parts.into_iter().map(Mutex::new).collect();
+    map(parts.len(), &|part| {
+        one(&mut parts[part].lock().unwrap_or_else(PoisonError::into_inner))
+    })
+}
+
 /// Memory that is made once for every thread and handed from task to task.
 #[derive(Debug, Default)]
 pub(crate) struct Memories<M>(Mutex<Vec<M>>);

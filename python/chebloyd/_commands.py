@@ -11,13 +11,15 @@ import json
 import math
 import os
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from ._meshes import Files, Mesh
 from ._native import native
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
 
 
 class Report(dict[str, Any]):

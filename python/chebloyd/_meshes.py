@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import json
 import os
-import tempfile
 from pathlib import Path
 from types import TracebackType
-from typing import Any, Protocol, TypeAlias, runtime_checkable
+from typing import TYPE_CHECKING, Any, Protocol, TypeAlias, runtime_checkable
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+
+if TYPE_CHECKING:
+    import tempfile
+
+    from numpy.typing import ArrayLike, NDArray
 
 
 @runtime_checkable
@@ -50,6 +53,8 @@ class Files:
     def path(self, name: str) -> Path:
         """A new file of this name."""
         if self._folder is None:
+            import tempfile  # here: most calls need no folder, and it takes time to import
+
             self._folder = tempfile.TemporaryDirectory(prefix="chebloyd-")
         self._count += 1
         folder = Path(self._folder.name, str(self._count))

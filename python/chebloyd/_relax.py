@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
 
 from ._commands import Report, command
 from ._meshes import Files
@@ -28,6 +27,7 @@ from ._scene import (
 
 if TYPE_CHECKING:
     import pandas
+    from numpy.typing import ArrayLike, NDArray
 
 #: Called with every record and its sites (n, 3); ``False`` ends the run.
 Callback = Callable[[dict[str, Any], Sites], "bool | None"]

@@ -6,7 +6,6 @@
 //! node covers follows from its number alone. Sites are stored in leaf order, so that work on one
 //! after the other is local in memory; a site's *place* is its position in that order.
 
-use std::cmp::Ordering;
 use std::ops::Range;
 use std::sync::atomic::{self, AtomicU32};
 
@@ -16,6 +15,7 @@ use wide::f64x2;
 
 use crate::geometry::bounds::Bounds;
 use crate::parallel::{RUN, map, map_runs};
+use crate::voronoi::kd_tree::sort::{SortEntry, sort, start};
 
 /// The most sites of a leaf. Fewer cost more steps through the tree, more are tested without effect.
 const LEAF: usize = 12;
@@ -28,9 +28,6 @@ const INITIAL_CANDIDATES: f64 = 36.0;
 
 /// The density of sites is estimated from boxes of at least so many.
 const DENSITY_SAMPLE: usize = 32;
-
-/// Halves larger than this are sorted by two threads.
-const PARALLEL_SORT: usize = 1 << 12;
 
 /// A k-d tree over sites.
 #[derive(Clone, Debug)]
@@ -267,61 +264,6 @@ impl ChildBoxes {
             min: Point3::from(self.min.map(|end| ends(end)[0].min(ends(end)[1]))),
             max: Point3::from(self.max.map(|end| ends(end)[0].max(ends(end)[1]))),
         }
-    }
-}
-
-/// A site while it is being sorted.
-#[derive(Clone, Copy, Debug)]
-struct SortEntry {
-    position: Point3<f64>,
-    site: u32,
-}
-
-impl SortEntry {
-    /// The order of coordinates, and of sites where they are equal.
-    #[inline(always)]
-    fn order_along(&self, axis: usize, other: &Self) -> Ordering {
-        let [before, after] = [self, other].map(|entry| entry.position[axis]);
-        // Written so that the common case, whether the first is less, needs no branch.
-        if (before < after) | (before <= after) & (self.site < other.site) {
-            Ordering::Less
-        } else if self.site == other.site {
-            Ordering::Equal
-        } else {
-            Ordering::Greater
-        }
-    }
-}
-
-/// The first of `total` places that node `number` of a level with 2^level nodes covers.
-fn start(total: usize, number: u64, level: u32) -> usize {
-    ((total as u64 * number) >> level) as usize
-}
-
-/// Brings the entries of node `number` of a level, of `total` in all, into leaf order, unless that is
-/// stopped.
-fn sort(
-    entries: &mut [SortEntry],
-    total: usize,
-    (number, level): (u64, u32),
-    (depth, is_stopped): (u32, &(impl Fn() -> bool + Sync)),
-) {
-    if level == depth || entries.len() > PARALLEL_SORT && is_stopped() {
-        return;
-    }
-    let extent = Bounds::of(entries.iter().map(|entry| &entry.position)).extent();
-    let axis = extent.imax();
-    let half = start(total, 2 * number + 1, level + 1) - start(total, number, level);
-    entries.select_nth_unstable_by(half, |a, b| a.order_along(axis, b));
-    let (low, high) = entries.split_at_mut(half);
-    let whole = (depth, is_stopped);
-    let mut low = || sort(low, total, (2 * number, level + 1), whole);
-    let mut high = || sort(high, total, (2 * number + 1, level + 1), whole);
-    if half > PARALLEL_SORT {
-        rayon::join(low, high);
-    } else {
-        low();
-        high();
     }
 }
 
