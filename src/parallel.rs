@@ -52,6 +52,16 @@ pub(crate) fn map_parts<P: Send, T: Send>(
     })
 }
 
+/// Memory larger than this is given back by a thread of the pool (bytes).
+const DISCARDED_BEHIND: usize = 1 << 18;
+
+/// Frees memory. The system takes tenths of a second for gigabytes, and the caller goes on meanwhile.
+pub(crate) fn discard<T: Send + 'static>(memory: Vec<T>) {
+    if memory.capacity() * size_of::<T>() > DISCARDED_BEHIND {
+        rayon::spawn(move || drop(memory));
+    }
+}
+
 /// Memory that is made once for every thread and handed from task to task.
 #[derive(Debug, Default)]
 pub(crate) struct Memories<M>(Mutex<Vec<M>>);

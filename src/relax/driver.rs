@@ -11,6 +11,7 @@ use std::time::Instant;
 use nalgebra::Point;
 
 use crate::minimize::problem::Termination;
+use crate::parallel::{discard, map};
 use crate::relax::descent::{DescentOptions, begin, descend, sites_of};
 use crate::relax::lloyd::{EvaluatedSites, evaluate, lloyd_move};
 use crate::relax::multilevel::{coarsened, sites_of_level};
@@ -226,7 +227,9 @@ impl<const D: usize, S: RelaxationSpace<D>> Driver<'_, '_, D, S> {
                 .map_err(RelaxationError::Space)?,
         };
         let is_accelerated = self.plan.is_accelerated;
-        let moved = lloyd_move(space, self.sites, &cells, spec, is_accelerated)
+        let targets = map(cells.len(), &|site| cells[site].target);
+        discard(cells);
+        let moved = lloyd_move(space, self.sites, targets, spec, is_accelerated)
             .map_err(RelaxationError::Space)?;
         self.state.descent = None;
         self.state.moves += 1;
@@ -380,7 +383,7 @@ impl<const D: usize, S: RelaxationSpace<D>> Driver<'_, '_, D, S> {
         } else {
             Movement::default()
         };
-        *self.sites = sites;
+        discard(std::mem::replace(self.sites, sites));
         self.iteration += 1;
         self.show(totals, movement, lengthened)
     }

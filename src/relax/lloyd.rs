@@ -13,7 +13,7 @@
 
 use nalgebra::Point;
 
-use crate::parallel::{RUN, map, map_runs};
+use crate::parallel::{RUN, map_runs};
 use crate::relax::relaxation_space::{CellResult, EnergySpec, RelaxationSpace};
 
 /// How many times as far as Lloyd's a lengthened move goes. Measured over 50 and 150 moves from 1000
@@ -32,16 +32,15 @@ pub(crate) struct EvaluatedSites<const D: usize> {
     pub(crate) is_lengthened: bool,
 }
 
-/// The sites after Lloyd's move from `sites`, whose cells are `cells`; with `is_accelerated` after
-/// the lengthened move, if that ends no higher.
+/// The sites after Lloyd's move from `sites` to `targets`; with `is_accelerated` after the lengthened move,
+/// if that ends no higher.
 pub(crate) fn lloyd_move<const D: usize, S: RelaxationSpace<D>>(
     space: &S,
     sites: &[Point<f64, D>],
-    cells: &[CellResult<D>],
+    targets: Vec<Point<f64, D>>,
     spec: EnergySpec,
     is_accelerated: bool,
 ) -> Result<EvaluatedSites<D>, S::Error> {
-    let targets = map(cells.len(), &|site| cells[site].target);
     if !is_accelerated {
         return evaluate(space, targets, spec);
     }

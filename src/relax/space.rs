@@ -290,7 +290,7 @@ impl Space {
     }
 
     /// As [`Diagram::map_copied`] for cells that are prepared in their frames.
-    fn map_loaded<Answer: Copy + Send + Sync>(
+    fn map_loaded<Answer: Copy + Send + Sync + 'static>(
         &self,
         sites: &[Point3<f64>],
         of_cell: impl Fn(&mut CellMemory, &Cell<'_>) -> Answer + Sync,

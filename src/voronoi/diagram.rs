@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use thiserror::Error;
 
 use crate::domain::domain::Domain;
-use crate::parallel::{Memories, map, map_runs};
+use crate::parallel::{Memories, discard, map, map_runs};
 use crate::voronoi::cell::{Cell, CellBuilder};
 use crate::voronoi::kd_tree::tree::KdTree;
 use crate::voronoi::search::Duplicate;
@@ -355,7 +355,7 @@ impl<'a> Diagram<'a> {
     }
 
     /// As [`Diagram::map`] for results that are copied into the sites' order, which all threads do together.
-    pub(crate) fn map_copied<Scratch: Default + Send, T: Copy + Send + Sync>(
+    pub(crate) fn map_copied<Scratch: Default + Send, T: Copy + Send + Sync + 'static>(
         &self,
         of_cell: impl Fn(&mut Scratch, Cell<'_>) -> T + Sync,
     ) -> Result<Vec<T>, DiagramError> {
@@ -366,7 +366,10 @@ impl<'a> Diagram<'a> {
             let place = places[site] as usize;
             runs[place / CELLS_PER_TASK][place % CELLS_PER_TASK]
         };
-        Ok(map(self.len(), &of_site))
+        let results = map(self.len(), &of_site);
+        discard(runs);
+        discard(places);
+        Ok(results)
     }
 
     /// Computes `one` for every place of the tree, in parallel, and returns the results in site order.

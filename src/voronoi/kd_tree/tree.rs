@@ -14,7 +14,7 @@ use rayon::prelude::*;
 use wide::f64x2;
 
 use crate::geometry::bounds::Bounds;
-use crate::parallel::{RUN, map, map_runs};
+use crate::parallel::{RUN, discard, map, map_runs};
 use crate::voronoi::kd_tree::sort::{SortEntry, sort, start};
 
 /// The most sites of a leaf. Fewer cost more steps through the tree, more are tested without effect.
@@ -66,14 +66,14 @@ impl KdTree {
         }
         let mut tree = Self {
             depth,
-            pairs: vec![ChildBoxes::default(); 1 << depth],
+            pairs: map(1 << depth, &|_| ChildBoxes::default()),
             bounds: Bounds::empty(),
             sites: map(entries.len(), &|place| entries[place].site),
             positions: map(entries.len(), &|place| entries[place].position),
             images: images(periods),
             radius_ratio_squared: 0.0,
         };
-        drop(entries);
+        discard(entries);
         tree.enclose();
         let sampled = tree.len() as f64 / f64::from(1 << tree.density_level());
         tree.radius_ratio_squared = (INITIAL_CANDIDATES / sampled).powf(2.0 / 3.0) * 0.125;
@@ -235,6 +235,14 @@ impl KdTree {
         }
         self.bounds = lowest[1].both();
         self.pairs = lowest;
+    }
+}
+
+impl Drop for KdTree {
+    fn drop(&mut self) {
+        discard(std::mem::take(&mut self.pairs));
+        discard(std::mem::take(&mut self.sites));
+        discard(std::mem::take(&mut self.positions));
     }
 }
 
