@@ -11,7 +11,7 @@ use crate::test_dir::{LONG, SMALL, TestDir, assert_all_in};
 fn a_run_goes_on_where_it_ended() {
     let dir = TestDir::new();
     let relax = |rest: &[&str]| {
-        let mut arguments = vec!["relax", "--count", "60", "--seed", "5"];
+        let mut arguments = vec!["relax", "--count", "60", "--seed", "5", "--no-pictures"];
         arguments.extend(rest);
         dir.stdout(&arguments);
     };
@@ -44,7 +44,14 @@ fn a_run_goes_on_where_it_ended() {
 #[test]
 fn a_resumed_run_can_stop_by_tolerance() {
     let dir = TestDir::new();
-    dir.stdout(&["relax", "--count", "30", "--iterations", "3"]);
+    dir.stdout(&[
+        "relax",
+        "--count",
+        "30",
+        "--iterations",
+        "3",
+        "--no-pictures",
+    ]);
     dir.stdout(&[
         "relax",
         "--resume",
@@ -71,7 +78,7 @@ fn a_resumed_run_can_stop_by_tolerance() {
 fn a_killed_run_goes_on_from_its_last_complete_record() {
     use std::os::unix::process::ExitStatusExt;
     let dir = TestDir::new();
-    let mut whole = vec!["relax", "--out", "whole"];
+    let mut whole = vec!["relax", "--out", "whole", "--no-pictures"];
     whole.extend(LONG);
     dir.stdout(&whole);
 
@@ -87,7 +94,7 @@ fn a_killed_run_goes_on_from_its_last_complete_record() {
     log.extend(b"{\"iteration\":");
     dir.write("killed/log.jsonl", log);
 
-    dir.stdout(&["relax", "--resume", "--out", "killed"]);
+    dir.stdout(&["relax", "--resume", "--out", "killed", "--no-pictures"]);
     assert_eq!(dir.read("whole/sites.csv"), dir.read("killed/sites.csv"));
     assert_eq!(dir.records("whole"), dir.records("killed"));
     assert_eq!(dir.json("killed/run.json")["ended"], "iterations");
@@ -138,14 +145,23 @@ fn ctrl_c_finishes_the_iteration_and_leaves_complete_files() {
 
     // What was left is exactly what a run of so many iterations leaves, and can go on.
     let count = done.to_string();
-    let mut whole = vec!["relax", "--out", "whole"];
+    let mut whole = vec!["relax", "--out", "whole", "--no-pictures"];
     whole.extend(LONG);
-    whole[8] = &count;
+    whole[9] = &count;
     dir.stdout(&whole);
     assert_eq!(dir.read("whole/sites.csv"), dir.read("r/sites.csv"));
     let more = (done + 2).to_string();
-    dir.stdout(&["relax", "--resume", "--out", "r", "--iterations", &more]);
-    dir.stdout(&["relax", "--resume", "--out", "whole", "--iterations", &more]);
+    for out in ["r", "whole"] {
+        dir.stdout(&[
+            "relax",
+            "--resume",
+            "--out",
+            out,
+            "--no-pictures",
+            "--iterations",
+            &more,
+        ]);
+    }
     assert_eq!(dir.read("whole/sites.csv"), dir.read("r/sites.csv"));
     assert_eq!(dir.records("whole"), dir.records("r"));
 }
@@ -221,7 +237,7 @@ fn longer_runs_begin_like_shorter_ones() {
     ] {
         let dir = TestDir::new();
         let relax = |out: &str, rest: &[&str]| {
-            let mut arguments = vec!["relax", "--out", out];
+            let mut arguments = vec!["relax", "--no-pictures", "--out", out];
             arguments.extend(rest);
             dir.stdout(&arguments);
         };
@@ -258,6 +274,7 @@ fn an_annealing_that_was_cut_short_goes_on_with_its_rounds() {
         "anneal",
         "--iterations",
         "190",
+        "--no-pictures",
     ]);
     let before = round();
     let best = |run: &Value| run["final"]["energy_mean"].as_f64().expect("a number");
