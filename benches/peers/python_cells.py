@@ -9,6 +9,7 @@ grew by at its peak, lines are those of the user's code below.
 
 import inspect
 import json
+import os
 import resource
 import subprocess
 import sys
@@ -94,6 +95,7 @@ def scipy_(points):
 CASES = {
     "chebloyd": chebloyd_,
     "chebloyd, shapes=False": chebloyd_without_shapes,
+    "chebloyd without AVX2": chebloyd_,
     "pyvoro2": pyvoro2_,
     "multivoro": multivoro_,
     "freud": freud_,
@@ -130,7 +132,11 @@ def main(counts):
             )
             try:
                 done = subprocess.run(
-                    [sys.executable, __file__, "--case", name, str(count)], capture_output=True, text=True, timeout=LIMIT
+                    [sys.executable, __file__, "--case", name, str(count)],
+                    capture_output=True,
+                    text=True,
+                    timeout=LIMIT,
+                    env=os.environ | ({"CHEBLOYD_CPU": "baseline"} if "without AVX2" in name else {}),
                 )
                 found = json.loads(done.stdout) if done.returncode == 0 else {"missing": done.stderr.strip()[-60:]}
             except subprocess.TimeoutExpired:

@@ -161,7 +161,9 @@ def test_the_lock_is_free():
 
 
 INTERRUPTED = """
-import chebloyd, numpy, os, threading, time
+import chebloyd, numpy, os, signal, threading, time
+# A process in the background may have been told to ignore it.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 rng = numpy.random.default_rng(1)
 sites = rng.random(({count}, 3))
 print("go", flush=True)
