@@ -1,7 +1,7 @@
 """The wheel's build backend: maturin's, which on x86-64 builds the native half twice.
 
 `chebloyd/_baseline` runs on every processor, `chebloyd/_v3` on those with AVX2, where it takes a fifth less
-time; `chebloyd/_native.py` chooses when it is imported. MATURIN_PEP517_ARGS="--profile dev" builds faster and
+time; `chebloyd/_native.py` chooses at the first use. MATURIN_PEP517_ARGS="--profile dev" builds faster and
 runs slower.
 """
 

@@ -1,4 +1,4 @@
-"""The native half that this processor runs fastest: chosen when the package is imported.
+"""The native half that this processor runs fastest: chosen at the package's first use.
 
 The environment variable CHEBLOYD_CPU forces a choice: ``baseline`` runs everywhere, ``v3`` needs AVX2.
 Results are the same to the last bit.
