@@ -129,6 +129,7 @@ pub mod export;
 #[cfg(feature = "scene")]
 pub mod scene;
 
+mod arrays;
 mod balance;
 #[cfg(feature = "cli")]
 mod cli;

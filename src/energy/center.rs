@@ -10,6 +10,7 @@ use std::ops::ControlFlow;
 
 use nalgebra::{SVector, Vector3};
 
+use crate::arrays::MapEach;
 use crate::energy::evaluation::{EnergyScratch, SignedPiece, energy_jet};
 use crate::energy::prediction::predict;
 use crate::geometry::bounds::Bounds;
@@ -160,7 +161,7 @@ impl<const D: usize> CenterSearch<D> {
             group: D,
             ..LbfgsbOptions::default()
         };
-        let [lower, upper] = [self.bounds.min, self.bounds.max].map(|end| end.coords / length);
+        let [lower, upper] = [self.bounds.min, self.bounds.max].map_each(|end| end.coords / length);
         let found = lbfgsb(
             &mut objective,
             LbfgsbState::unevaluated(&[0.0; D]),

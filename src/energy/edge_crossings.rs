@@ -7,6 +7,7 @@
 use nalgebra::Vector3;
 use wide::f64x4;
 
+use crate::arrays::MapEach;
 use crate::energy::sector::{InterfaceEnd, Sector, SegmentEnd};
 
 /// Where an edge crosses into another sector.
@@ -50,8 +51,8 @@ impl SignedCoordinates {
 
 /// All crossings of the edge between two displacements from the center, in order.
 pub(crate) fn edge_crossings(ends: [&Vector3<f64>; 2]) -> impl Iterator<Item = EdgeCrossing> {
-    let [mut sector, goal] = ends.map(Sector::of);
-    let [a, b] = ends.map(SignedCoordinates::of);
+    let [mut sector, goal] = ends.map_each(Sector::of);
+    let [a, b] = ends.map_each(SignedCoordinates::of);
     let mut start = 0.0;
     std::iter::from_fn(move || {
         if sector == goal {
@@ -71,10 +72,10 @@ impl EdgeCrossing {
         let end = InterfaceEnd::crossing(sector, to);
         let (interface, is_start) = (end.interface(), end.is_start());
         let (left, third) = (interface.sectors().0, interface.third_axis());
-        let [from, until] = [a, b].map(|end| end.on_interface(sector, third));
+        let [from, until] = [a, b].map_each(|end| end.on_interface(sector, third));
         let gain = b.distance(to) - a.distance(to) - b.distance(sector) + a.distance(sector);
         let scale = if is_start { 1.0 } else { -1.0 } / gain;
-        let [one, other] = [a, b].map(|end| end.on_interface(left, third));
+        let [one, other] = [a, b].map_each(|end| end.on_interface(left, third));
         let at = [
             from[0] + share * (until[0] - from[0]),
             from[1] + share * (until[1] - from[1]),
@@ -106,7 +107,7 @@ fn next_sector(
     let slope = b.distance(sector) - value;
     let others = sector.adjacent();
     // Which one comes first cannot be predicted by a processor: so it is selected without a branch.
-    let meets = others.map(|other| {
+    let meets = others.map_each(|other| {
         let other_value = a.distance(other);
         let gain = b.distance(other) - other_value - slope;
         let meet = (value - other_value) / gain;

@@ -15,6 +15,7 @@
 
 use wide::f64x4;
 
+use crate::arrays::MapEach;
 use crate::energy::prepared::CenteredPiece;
 use crate::energy::sector::Sector;
 use crate::geometry::brep::Edge;
@@ -35,7 +36,7 @@ impl QuadSectors {
     /// [`Sector::of`] of four displacements, by axis.
     #[inline(always)]
     pub(crate) fn of(displacements: &[f64x4; 3]) -> Self {
-        let [x, y, z] = displacements.each_ref().map(|all| all.abs());
+        let [x, y, z] = displacements.each_ref().map_each(|all| all.abs());
         let is_y = y.simd_gt(x);
         let is_z = z.simd_gt(x.fast_max(y));
         let coordinate = is_z.select(
@@ -86,7 +87,7 @@ impl QuadSectors {
     /// The axes that belong neither to these sectors nor to others.
     #[inline(always)]
     pub(crate) fn third_axes(&self, others: &Self) -> ThirdAxes {
-        let [y, other_y] = [self, others].map(|four| four.is_y ^ four.is_y & four.is_z);
+        let [y, other_y] = [self, others].map_each(|four| four.is_y ^ four.is_y & four.is_z);
         let (z, other_z) = (self.is_z, others.is_z);
         ThirdAxes {
             is_y_taken: y | other_y,
@@ -106,7 +107,7 @@ impl QuadSectors {
     #[inline(always)]
     pub(crate) fn codes(&self, shift: usize) -> f64x4 {
         let bits = |number: usize| f64x4::splat(f64::from_bits((number as u64) << shift));
-        let axes = self.of_axis([0, 1, 2].map(bits));
+        let axes = self.of_axis([0, 1, 2].map_each(bits));
         axes | self.is_negative & bits(Sector::OPPOSITE)
     }
 }
@@ -222,8 +223,8 @@ pub(crate) struct DoubleCrossings {
 impl<'a> EdgeQuad<'a> {
     #[inline(always)]
     pub(crate) fn new(view: &CenteredPiece<'_>, edges: &'a [Edge; BLOCK]) -> Self {
-        let a = view.quad_vertices(edges.map(|edge| edge.from));
-        let b = view.quad_vertices(edges.map(|edge| edge.to));
+        let a = view.quad_vertices(edges.map_each(|edge| edge.from));
+        let b = view.quad_vertices(edges.map_each(|edge| edge.to));
         let sectors = [QuadSectors::of(&a), QuadSectors::of(&b)];
         let [from, to] = &sectors;
         let own = [from.own_distance(), to.own_distance()];
@@ -231,7 +232,8 @@ impl<'a> EdgeQuad<'a> {
         let are_parted = from.differ(to);
         Self {
             edges,
-            ends: [(a, own[0]), (b, own[1])].map(|(at, distances)| PointQuad { at, distances }),
+            ends: [(a, own[0]), (b, own[1])]
+                .map_each(|(at, distances)| PointQuad { at, distances }),
             sectors,
             are_parted,
             are_resolved: are_parted & crossings.are_valid & crossings.are_undisturbed,
@@ -253,8 +255,8 @@ impl<'a> EdgeQuad<'a> {
                 heights,
             }
         };
-        let left = side(self.edges.map(|edge| edge.left));
-        let mut right = side(self.edges.map(|edge| edge.right));
+        let left = side(self.edges.map_each(|edge| edge.left));
+        let mut right = side(self.edges.map_each(|edge| edge.right));
         // From the right the edge runs the other way.
         right.doubled_areas = -right.doubled_areas;
         [left, right]
@@ -322,7 +324,7 @@ impl QuadCrossings {
         let shares = are_resolved.select(self.shares, f64x4::ONE);
         let between = |axis: usize| start.at[axis] + shares * (end.at[axis] - start.at[axis]);
         let point = PointQuad {
-            at: [0, 1, 2].map(between),
+            at: [0, 1, 2].map_each(between),
             distances: are_resolved.select(self.at[0], end.distances),
         };
         (point, shares)
@@ -351,7 +353,7 @@ impl DoubleCrossings {
         } = quad;
         let [distance, third, ..] = direct.at;
         let between = from.third_axes(to).sectors(third);
-        let [a_between, b_between] = [a, b].map(|end| between.distance(end));
+        let [a_between, b_between] = [a, b].map_each(|end| between.distance(end));
         let into = QuadCrossings::new([a, b], [from, &between], [from.own_distance(), b_between]);
         let out = QuadCrossings::new([a, b], [&between, to], [a_between, to.own_distance()]);
         let is_positive = |number: f64x4| number.simd_ge(f64x4::ZERO);

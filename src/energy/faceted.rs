@@ -8,6 +8,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use crate::arrays::MapEach;
 use crate::integrals::simplex::linear_power;
 use crate::minimize::problem::Evaluation;
 
@@ -160,7 +161,7 @@ fn add_part(total: &mut Evaluation<3>, part: &[PartCorner], direction: Direction
     for pair in part[1..].windows(2) {
         let [a, b] = [&pair[0].at, &pair[1].at];
         let volume = first.dot(&a.cross(b)) / 6.0;
-        let distances = [first, a, b].map(|at| direction.distance(at));
+        let distances = [first, a, b].map_each(|at| direction.distance(at));
         let values = [0.0, distances[0], distances[1], distances[2]];
         total.value += linear_power(volume, &values, order);
         total.gradient -= toward * (p * linear_power(volume, &values, order - 1));
@@ -181,7 +182,7 @@ fn add_part(total: &mut Evaluation<3>, part: &[PartCorner], direction: Direction
         let across = toward - beyond.vector();
         // Its area over √2. Both sectors count it, half each.
         let share = corner.at.cross(&next.at).dot(&across) / 8.0;
-        let distances = [&corner.at, &next.at].map(|at| direction.distance(at));
+        let distances = [&corner.at, &next.at].map_each(|at| direction.distance(at));
         let weight = p * linear_power(share, &[0.0, distances[0], distances[1]], order - 1);
         total.hessian += across * across.transpose() * weight;
     }

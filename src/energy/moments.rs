@@ -3,6 +3,7 @@
 use nalgebra::Vector3;
 use wide::f64x4;
 
+use crate::arrays::MapEach;
 use crate::energy::edge_crossings_simd::{EdgeQuad, SideQuad};
 use crate::energy::prepared::{CenteredPiece, PreparedPiece};
 use crate::geometry::moments::Moments;
@@ -16,7 +17,7 @@ impl PreparedPiece {
         let view = CenteredPiece { piece, center };
         let volumes = self.edges.blocks().iter().map(|edges| {
             let sides = EdgeQuad::new(&view, edges).sides(&view);
-            let [left, right] = sides.each_ref().map(SideQuad::six_volumes);
+            let [left, right] = sides.each_ref().map_each(SideQuad::six_volumes);
             left + right
         });
         sum(volumes.fold(f64x4::ZERO, |all, some| all + some)) / 6.0
@@ -29,7 +30,8 @@ impl PreparedPiece {
         let view = CenteredPiece { piece, center };
         let mut moments = Moments::default();
         for edge in self.edges.blocks().as_flattened() {
-            let [a, b] = [edge.from, edge.to].map(|vertex| self.vertices.vector(vertex as usize));
+            let [a, b] =
+                [edge.from, edge.to].map_each(|vertex| self.vertices.vector(vertex as usize));
             let (sum, squares) = (a + b, a * a.transpose() + b * b.transpose());
             for (facet, fan) in [(edge.left, a.cross(&b)), (edge.right, b.cross(&a))] {
                 let facet = view.facet(facet as usize);

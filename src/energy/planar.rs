@@ -22,6 +22,7 @@
 
 use nalgebra::{Point2, Vector2};
 
+use crate::arrays::MapEach;
 use crate::geometry::polygon::ConvexPolygon;
 use crate::integrals::simplex::linear_power;
 use crate::minimize::problem::Evaluation;
@@ -122,7 +123,7 @@ fn diagonal_crossings(start: &Vector2<f64>, end: &Vector2<f64>) -> [Option<Vecto
         (Some(r), Some(f)) if f < r => (falling, rising),
         _ => (rising, falling),
     };
-    [first, second].map(|share| share.map(|t| start + (end - start) * t))
+    [first, second].map_each(|share| share.map(|t| start + (end - start) * t))
 }
 
 /// Where a linear function with these values at the ends of a segment vanishes, if it changes

@@ -20,6 +20,7 @@
 use nalgebra::Vector3;
 use wide::{f64x4, i32x4};
 
+use crate::arrays::MapEach;
 use crate::energy::edge_crossings_simd::QuadSectors;
 use crate::energy::prepared::{CenteredPiece, PreparedPiece};
 use crate::energy::sector::{DIAGONAL_ENDS, Interface, InterfaceEnd, ORIENTATION, PAIRS};
@@ -50,9 +51,9 @@ pub(crate) fn predict(
 /// Whether all vertices are in the same sectors about two centers.
 #[inline]
 fn keep_sectors(piece: &PreparedPiece, centers: [&Vector3<f64>; 2]) -> bool {
-    let views = centers.map(|center| CenteredPiece { piece, center });
+    let views = centers.map_each(|center| CenteredPiece { piece, center });
     let moved = piece.vertices.blocks().fold(f64x4::ZERO, |moved, block| {
-        let [from, to] = views.map(|view| QuadSectors::of(&view.displacements(&block)));
+        let [from, to] = views.map_each(|view| QuadSectors::of(&view.displacements(&block)));
         moved | from.differ(&to)
     });
     moved.to_bitmask() == 0
@@ -61,7 +62,7 @@ fn keep_sectors(piece: &PreparedPiece, centers: [&Vector3<f64>; 2]) -> bool {
 /// By how much the reaches of diagonals shrink: n·δ / n·ρ for the facet of each (L).
 #[inline]
 fn reach_losses(piece: &PreparedPiece, step: &Vector3<f64>, hits: &DiagonalHits) -> [f64; 8] {
-    let step = [step.x, step.y, step.z].map(f64x4::splat);
+    let step = [step.x, step.y, step.z].map_each(f64x4::splat);
     by_diagonal(&piece.facets, hits.facets, |[x, y, z, _], along| {
         (x * step[0] + y * step[1] + z * step[2]) / along
     })
@@ -82,17 +83,18 @@ fn area_changes(
     let is_inside = is_inside.fold(true, |all, (loss, reach)| all & (loss < reach));
     let mut stays = f64x4::splat(f64::from_bits(u64::MAX));
     for (first, pair) in (0..).step_by(AxisPair::SIZE).zip(&AXIS_PAIRS) {
-        let [left, right, third] = pair.axes.map(|axis| f64x4::splat(step[axis % 3]));
-        let [left_signs, right_signs] = pair.signs.map(f64x4::new);
+        let [left, right, third] = pair.axes.map_each(|axis| f64x4::splat(step[axis % 3]));
+        let [left_signs, right_signs] = pair.signs.map_each(f64x4::new);
         let within = [left * left_signs, third];
         let across = within[0] - right * right_signs;
         let at_diagonal = |end: usize| {
-            let loss = f64x4::new(pair.diagonals[end].map(|diagonal| losses[diagonal % 8]));
+            let loss = f64x4::new(pair.diagonals[end].map_each(|diagonal| losses[diagonal % 8]));
             [loss, loss * f64x4::new(pair.along[end])]
         };
-        let facets = (pair.diagonals).map(|quad| quad.map(|diagonal| hits.facets[diagonal % 8]));
+        let facets =
+            (pair.diagonals).map_each(|quad| quad.map_each(|diagonal| hits.facets[diagonal % 8]));
         let beside = |end: usize| {
-            let at = [0, 1, 2, 3].map(|lane| {
+            let at = [0, 1, 2, 3].map_each(|lane| {
                 let interface = Interface::of_number(first + lane);
                 let key = InterfaceEnd::of(interface, end == 0);
                 ends.end(facets[end][lane] as usize, key).0
@@ -109,10 +111,10 @@ fn area_changes(
         let (start, end) = (at_diagonal(0), at_diagonal(1));
         let joined = determinants(minus(start, within), u) + determinants(v, minus(end, within));
         let velocities = [0, 1, 2, 3]
-            .map(|lane: usize| velocity_determinants[(first + lane) % Interface::SLOTS]);
+            .map_each(|lane: usize| velocity_determinants[(first + lane) % Interface::SLOTS]);
         let orientation = f64x4::new(pair.orientation);
         let [one, other] =
-            facets.map(|quad| f64x4::from(i32x4::new(quad.map(|facet| facet as i32))));
+            facets.map_each(|quad| f64x4::from(i32x4::new(quad.map_each(|facet| facet as i32))));
         let is_direct = one.simd_eq(other);
         let area = is_direct.select(
             orientation * determinants(start, end),

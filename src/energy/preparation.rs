@@ -2,6 +2,7 @@
 
 use nalgebra::{Point3, Rotation3, Vector3};
 
+use crate::arrays::MapEach;
 use crate::energy::prepared::{Bits, CHUNK, EdgeWords, PreparedPiece};
 use crate::geometry::brep::{Brep, Edge, Piece};
 use crate::geometry::half_space::HalfSpace;
@@ -98,7 +99,7 @@ impl PreparedPiece {
     fn assign_sparse(&mut self, piece: &SmallPolyhedron) {
         let lists = Lists::of(piece);
         self.vertices.assign(lists.slots.numbers().map(|slot| {
-            let [x, y, z] = [&piece.x, &piece.y, &piece.z].map(|axis| axis[slot % SLOTS]);
+            let [x, y, z] = [&piece.x, &piece.y, &piece.z].map_each(|axis| axis[slot % SLOTS]);
             [x, y, z, x]
         }));
         let planes = lists.planes.numbers();
@@ -108,8 +109,8 @@ impl PreparedPiece {
         );
         self.assign_edges(piece, |[ends, sides]| {
             [
-                ends.map(|slot| u32::from(lists.vertices[usize::from(slot) % SLOTS])),
-                sides.map(|plane| u32::from(lists.facets[usize::from(plane)])),
+                ends.map_each(|slot| u32::from(lists.vertices[usize::from(slot) % SLOTS])),
+                sides.map_each(|plane| u32::from(lists.facets[usize::from(plane)])),
             ]
         });
     }
@@ -119,7 +120,9 @@ impl PreparedPiece {
         let count = piece.alive.count_ones() as usize;
         (self.vertices).assign_axes([&piece.x, &piece.y, &piece.z], count);
         self.assign_facets(piece.planes.iter(), piece.labels.iter());
-        self.assign_edges(piece, |pairs| pairs.map(|pair| pair.map(u32::from)));
+        self.assign_edges(piece, |pairs| {
+            pairs.map_each(|pair| pair.map_each(u32::from))
+        });
     }
 
     /// Copies the facets, with normals scaled to unit length except where they are zero.
@@ -161,7 +164,7 @@ fn upward(next: &[[u32; 3]], first: u32) -> Bits {
     let mut bits = 0;
     for (row, ends) in next.iter().take(VERTICES).enumerate() {
         let from = first + row as u32;
-        let [a, b, c] = ends.map(|end| u64::from(from < end));
+        let [a, b, c] = ends.map_each(|end| u64::from(from < end));
         bits |= (a | b << 1 | c << 2) << (3 * row);
     }
     Bits(bits)

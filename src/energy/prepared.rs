@@ -8,6 +8,7 @@ use std::fmt;
 use nalgebra::{Rotation3, Vector3};
 use wide::f64x4;
 
+use crate::arrays::MapEach;
 use crate::geometry::brep::Edge;
 use crate::geometry::label::Label;
 use crate::geometry::small_polyhedron::{BLOCK, EDGES};
@@ -60,9 +61,9 @@ impl Rows {
         self.rows.clear();
         let [x, y, z] = axes.map(|axis| axis.as_chunks::<BLOCK>().0.iter());
         for ((x, y), z) in x.zip(y).zip(z).take(count.div_ceil(BLOCK)) {
-            let [x, y, z] = [x, y, z].map(|along| f64x4::new(*along));
+            let [x, y, z] = [x, y, z].map_each(|along| f64x4::new(*along));
             let rows = f64x4::transpose([x, y, z, x]);
-            self.rows.extend(rows.map(f64x4::to_array));
+            self.rows.extend(rows.map_each(f64x4::to_array));
         }
         self.rows.truncate(count);
         self.pad();
@@ -98,7 +99,7 @@ impl Rows {
     /// Four rows, transposed.
     #[inline(always)]
     pub(crate) fn quad(&self, numbers: [u32; BLOCK]) -> [f64x4; 4] {
-        f64x4::transpose(numbers.map(|number| f64x4::new(self.rows[number as usize])))
+        f64x4::transpose(numbers.map_each(|number| f64x4::new(self.rows[number as usize])))
     }
 
     /// All rows, four at a time and transposed.
@@ -112,8 +113,8 @@ impl Rows {
     #[inline]
     pub(crate) fn map(&mut self, change: impl Fn([f64x4; 4]) -> [f64x4; 4]) {
         for rows in self.rows.as_chunks_mut::<BLOCK>().0 {
-            let changed = change(f64x4::transpose(rows.map(f64x4::new)));
-            *rows = f64x4::transpose(changed).map(f64x4::to_array);
+            let changed = change(f64x4::transpose(rows.map_each(f64x4::new)));
+            *rows = f64x4::transpose(changed).map_each(f64x4::to_array);
         }
     }
 

@@ -11,6 +11,7 @@
 //! summed over a consistent subdivision even where rounding alone decides the sector of a vertex, as
 //! it does at every corner of a cube about its center.
 
+use crate::arrays::MapEach;
 use nalgebra::Vector3;
 use wide::f64x4;
 
@@ -35,7 +36,7 @@ impl Sector {
     pub(crate) fn of(displacement: &Vector3<f64>) -> Self {
         // Numbers without sign are ordered as their bits are, and those are compared faster.
         const SIGN: u64 = 1 << 63;
-        let [x, y, z] = [displacement.x, displacement.y, displacement.z].map(f64::to_bits);
+        let [x, y, z] = [displacement.x, displacement.y, displacement.z].map_each(f64::to_bits);
         let number = |axis: u64, along: u64| axis | (along >> 63) << 2;
         let (mut sector, mut largest) = (number(0, x), x & !SIGN);
         if y & !SIGN > largest {
@@ -110,7 +111,7 @@ impl Sector {
 /// By axis: ∫ in the negative sector minus ∫ in the positive one, of integrals by sector.
 pub(crate) fn negative_minus_positive(integrals: &[f64; Sector::SLOTS]) -> Vector3<f64> {
     let difference = |axis: usize| integrals[axis + Sector::OPPOSITE] - integrals[axis];
-    Vector3::from([0, 1, 2].map(difference))
+    Vector3::from([0, 1, 2].map_each(difference))
 }
 
 /// Where two sectors of different axes meet: four times the number of the pair of axes (xy, xz, yz),
@@ -211,7 +212,7 @@ impl Interface {
     /// and the numbers of their pairs of axes.
     #[inline(always)]
     pub(crate) fn lanes(quad: [Self; 4]) -> [f64x4; 4] {
-        f64x4::transpose(quad.map(|interface| f64x4::new(LANES[interface.number()])))
+        f64x4::transpose(quad.map_each(|interface| f64x4::new(LANES[interface.number()])))
     }
 
     /// Its place in tables.

@@ -5,6 +5,7 @@
 
 use wide::{f64x4, u32x8};
 
+use crate::arrays::MapEach;
 use crate::energy::prepared::{Bits, CHUNK, CenteredPiece, FacetView, Rows};
 use crate::energy::sector::{
     DiagonalEnds, Interface, InterfaceEnd, InterfacePoint, SegmentEnd, diagonal_ray,
@@ -252,7 +253,8 @@ impl SegmentEnds {
         Segment {
             facet,
             interface,
-            ends: [false, true].map(|is_end| ends[InterfaceEnd::of(interface, is_end).number()]),
+            ends: [false, true]
+                .map_each(|is_end| ends[InterfaceEnd::of(interface, is_end).number()]),
         }
     }
 
@@ -275,7 +277,7 @@ impl SegmentEnds {
             return Some(Segment {
                 facet: one.facet as u32,
                 interface: one.end.interface(),
-                ends: [start, end].map(|end| SegmentEnd::off_edges(&end.point)),
+                ends: [start, end].map_each(|end| SegmentEnd::off_edges(&end.point)),
             });
         }
         None
@@ -285,7 +287,7 @@ impl SegmentEnds {
 /// How far along the diagonals their facets are pierced, if all are from inside (L).
 #[inline]
 fn reaches(view: &CenteredPiece<'_>, facets: [u32; 8]) -> Option<[f64; 8]> {
-    let center = [view.center.x, view.center.y, view.center.z].map(f64x4::splat);
+    let center = [view.center.x, view.center.y, view.center.z].map_each(f64x4::splat);
     let reaches = by_diagonal(&view.piece.facets, facets, |[x, y, z, offset], along| {
         let height = offset - (x * center[0] + y * center[1] + z * center[2]);
         let outside = f64x4::splat(-1.0);
@@ -303,11 +305,11 @@ pub(crate) fn by_diagonal(
     facets: [u32; 8],
     of: impl Fn([f64x4; 4], f64x4) -> f64x4,
 ) -> [f64; 8] {
-    let [[a, b, c, d], [e, f, g, h]] = [0, 4].map(|first| {
-        let quad = [0, 1, 2, 3].map(|lane| first + lane);
-        let lanes = planes.quad(quad.map(|diagonal: usize| facets[diagonal]));
-        let rays = quad.map(|diagonal| diagonal_ray(diagonal as u8));
-        let ray = |axis: usize| f64x4::new(rays.map(|ray| ray[axis]));
+    let [[a, b, c, d], [e, f, g, h]] = [0, 4].map_each(|first| {
+        let quad = [0, 1, 2, 3].map_each(|lane| first + lane);
+        let lanes = planes.quad(quad.map_each(|diagonal: usize| facets[diagonal]));
+        let rays = quad.map_each(|diagonal| diagonal_ray(diagonal as u8));
+        let ray = |axis: usize| f64x4::new(rays.map_each(|ray| ray[axis]));
         let along = lanes[0] * ray(0) + lanes[1] * ray(1) + lanes[2] * ray(2);
         of(lanes, along).to_array()
     });

@@ -10,6 +10,7 @@ use std::ops::{Add, Sub};
 use nalgebra::{Matrix3, Vector3};
 use wide::f64x4;
 
+use crate::arrays::MapEach;
 use crate::energy::edge_crossings_simd::{PartQuad, SideQuad};
 use crate::energy::prepared::CenteredPiece;
 use crate::energy::sector::{Interface, InterfacePoint, PAIRS, SegmentEnd};
@@ -44,12 +45,13 @@ impl SurfaceSums for LinearSums {
     #[inline(always)]
     fn add_parts<const N: usize>(&mut self, sides: &[SideQuad; 2], parts: &[PartQuad; N]) {
         let [left, right] = sides;
-        let volumes = [left, right].map(SideQuad::six_volumes);
+        let volumes = [left, right].map_each(SideQuad::six_volumes);
         let weights = [volumes[0] * left.heights, volumes[1] * right.heights];
         let both = volumes[0] + volumes[1];
         // The corners at the anchors times six times the volumes.
-        let anchors = [0, 1, 2]
-            .map(|axis: usize| weights[0] * left.normals[axis] + weights[1] * right.normals[axis]);
+        let anchors = [0, 1, 2].map_each(|axis: usize| {
+            weights[0] * left.normals[axis] + weights[1] * right.normals[axis]
+        });
         for part in parts {
             let distances = part.ends[0].distances + part.ends[1].distances;
             let volume = part.shares * both;
@@ -61,12 +63,13 @@ impl SurfaceSums for LinearSums {
 
     #[inline(always)]
     fn add_segments(&mut self, view: &CenteredPiece<'_>, segments: &[Segment; BLOCK]) {
-        let [u, v] = [0, 1].map(|end: usize| f64x4::transpose(segments.map(|one| one.ends[end].0)));
+        let [u, v] =
+            [0, 1].map_each(|end: usize| f64x4::transpose(segments.map(|one| one.ends[end].0)));
         let [left_sign, right_sign, orientation, pairs] =
-            Interface::lanes(segments.map(|one| one.interface));
+            Interface::lanes(segments.map_each(|one| one.interface));
         let determinant = orientation * (u[0] * v[1] - u[1] * v[0]);
         let velocities = orientation * (u[2] * v[3] - u[3] * v[2]);
-        let ([x, y, z], height) = view.quad_facets(segments.map(|one| one.facet));
+        let ([x, y, z], height) = view.quad_facets(segments.map_each(|one| one.facet));
         // The pairs of axes are xy, xz and yz.
         let left = pairs.simd_gt(f64x4::ONE).select(y, x) * left_sign;
         let right = pairs.simd_gt(f64x4::ZERO).select(z, y) * right_sign;
@@ -97,7 +100,7 @@ fn add_by_axis(volumes: &mut [f64x4; 3], part: &PartQuad, volume: f64x4) {
 /// those over the segments of an interface, for its first sector and against its second.
 #[inline(always)]
 fn by_axis(parts: &[f64x4; 3], on_interface: impl Fn(usize) -> f64) -> Vector3<f64> {
-    let mut volumes = parts.map(sum);
+    let mut volumes = parts.map_each(sum);
     for (pair, (i, j)) in PAIRS.into_iter().enumerate() {
         let sums = |place: usize| on_interface(OF_PAIR * pair + place);
         let (same, opposite) = (sums(0) - sums(3), sums(1) - sums(2));
@@ -125,13 +128,13 @@ impl LinearSums {
         let volumes = by_axis(&self.volumes, |interface| {
             self.segments[interface].to_array()[1]
         });
-        let entries = hessian_entries(&self.area_derivatives).map(f64x4::to_array);
-        let third = [0, 1, 2].map(|axis: usize| symmetric(entries.map(|all| -all[axis])));
+        let entries = hessian_entries(&self.area_derivatives).map_each(f64x4::to_array);
+        let third = [0, 1, 2].map_each(|axis: usize| symmetric(entries.map(|all| -all[axis])));
         Jet {
             evaluation: Evaluation {
                 value: (sum(self.value) + on_segments.to_array()[0]) / 24.0,
                 gradient: volumes / -6.0,
-                hessian: symmetric(entries.map(|all| 0.5 * all[3])),
+                hessian: symmetric(entries.map_each(|all| 0.5 * all[3])),
             },
             third: Some(third),
         }
@@ -151,7 +154,7 @@ where
         let (same, opposite) = (area(0) + area(3), area(1) + area(2));
         (same + opposite, opposite - same)
     };
-    let [(xy, beside_xy), (xz, beside_xz), (yz, beside_yz)] = [0, 1, 2].map(pair);
+    let [(xy, beside_xy), (xz, beside_xz), (yz, beside_yz)] = [0, 1, 2].map_each(pair);
     [xy + xz, xy + yz, xz + yz, beside_xy, beside_xz, beside_yz]
 }
 
@@ -167,7 +170,7 @@ fn symmetric([xx, yy, zz, xy, xz, yz]: [f64; 6]) -> Matrix3<f64> {
 
 /// Σ (A/√2) w wᵀ over the interfaces, from 4/√2 times their areas.
 pub(crate) fn hessian_from_areas(areas: &[f64; Interface::SLOTS]) -> Matrix3<f64> {
-    symmetric(hessian_entries(areas).map(|entry| 0.25 * entry))
+    symmetric(hessian_entries(areas).map_each(|entry| 0.25 * entry))
 }
 
 /// The sums for the gradient of the global objective of order 1: volumes by sector and, per facet, its
@@ -207,7 +210,7 @@ impl SurfaceSums for LinearFacetSums<'_> {
                 let share = part.shares * side.doubled_areas * f64x4::splat(1.0 / 6.0);
                 let (weight, anchor) = (share * f64x4::splat(0.25), side.heights * (all + near));
                 for axis in 0..3 {
-                    let ends = [start, end].map(|end| end.at[axis] * (all + end.distances));
+                    let ends = [start, end].map_each(|end| end.at[axis] * (all + end.distances));
                     sums[axis] += weight * (side.normals[axis] * anchor + (ends[0] + ends[1]));
                 }
                 sums[3] += weight * (all * f64x4::splat(4.0));
@@ -233,7 +236,7 @@ impl SurfaceSums for LinearFacetSums<'_> {
             .filter(|one| one.interface != Interface::NONE)
         {
             let (facet, interface) = (view.facet(segment.facet as usize), segment.interface);
-            let [u, v] = segment.ends.map(SegmentEnd::point);
+            let [u, v] = segment.ends.map_each(SegmentEnd::point);
             let (left, right) = interface.sectors();
             let slope = left.distance(&facet.normal) - right.distance(&facet.normal);
             // The anchor lies on the normal through the center: so this is a third of the area of its

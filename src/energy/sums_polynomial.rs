@@ -8,6 +8,7 @@
 
 use nalgebra::{Point3, Vector3};
 
+use crate::arrays::MapEach;
 use crate::energy::edge_crossings_simd::{PartQuad, SideQuad};
 use crate::energy::prepared::{CenteredPiece, PreparedPiece};
 use crate::energy::sector::Sector;
@@ -62,14 +63,14 @@ impl PolynomialTerms {
         let table = Monomials::up_to(degree + order + u32::from(has_facets));
         let places = |dimension: u32, factor: Exponents| -> TermPlaces {
             let place = |term: &Exponents| {
-                let exponents = [0, 1, 2].map(|axis| term[axis] + factor[axis]);
+                let exponents = [0, 1, 2].map_each(|axis| term[axis] + factor[axis]);
                 let place = table.place(exponents).unwrap_or(0);
                 (place, weight(dimension, exponents))
             };
             density.exponents().iter().map(place).collect()
         };
         let by_axis = |dimension: u32, exponent: u32| {
-            [0, 1, 2].map(|axis| places(dimension, power(exponent, axis)))
+            [0, 1, 2].map_each(|axis| places(dimension, power(exponent, axis)))
         };
         let first = |axis: usize, coordinate: usize| {
             let mut factor = power(order, axis);
@@ -77,14 +78,15 @@ impl PolynomialTerms {
             places(2, factor)
         };
         Self {
-            solid: [0, 1, 2].map(|lowered| {
+            solid: [0, 1, 2].map_each(|lowered| {
                 let exponent = order.checked_sub(lowered);
                 exponent.map_or_else(Default::default, |exponent| by_axis(3, exponent))
             }),
             interface: by_axis(2, order - 1),
             facet: has_facets.then(|| FacetPlaces {
                 weight: by_axis(2, order),
-                first: [0, 1, 2].map(|axis| [0, 1, 2].map(|coordinate| first(axis, coordinate))),
+                first: [0, 1, 2]
+                    .map_each(|axis| [0, 1, 2].map_each(|coordinate| first(axis, coordinate))),
             }),
             degree,
             order,
@@ -183,7 +185,7 @@ impl<'a> PolynomialSums<'a> {
             let weight = area * self.mean(&places.weight[axis]);
             let first = places.first[axis]
                 .each_ref()
-                .map(|places| self.mean(places));
+                .map_each(|places| self.mean(places));
             if let Some(facets) = &mut self.facets {
                 facets[triangle.facet.number].add(weight, &(Vector3::from(first) * area));
             }

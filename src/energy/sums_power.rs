@@ -8,6 +8,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use crate::arrays::MapEach;
 use crate::energy::edge_crossings_simd::{PartQuad, SideQuad};
 use crate::energy::prepared::CenteredPiece;
 use crate::energy::sector::{Interface, Sector, negative_minus_positive};
@@ -43,7 +44,7 @@ impl SectorIntegrals {
     /// interfaces (p/√2) ∫ d∞^(p−1) dA · w wᵀ with w = s_i e_i − s_j e_j.
     pub(crate) fn evaluation(&self, order: u32) -> Evaluation<3> {
         let (p, second) = (f64::from(order), &self.second);
-        let bulk = [0, 1, 2].map(|k: usize| second[k] + second[k + Sector::OPPOSITE]);
+        let bulk = [0, 1, 2].map_each(|k: usize| second[k] + second[k + Sector::OPPOSITE]);
         Evaluation {
             value: self.value,
             gradient: self.gradient(order),
@@ -78,7 +79,7 @@ impl<'a> PowerSums<'a> {
         self.integrals.first[sector] += volume * tetrahedron_mean(order - 1, distances);
         if let Some(facets) = &mut self.facets {
             let [a, b, c] = *distances;
-            let weights = distances.map(|distance| {
+            let weights = distances.map_each(|distance| {
                 let sum = complete_homogeneous(order, &[a, b, c, distance]);
                 triangle.doubled_area * sum / rising_product(order)
             });
@@ -113,7 +114,7 @@ impl SurfaceSums for PowerSums<'_> {
             both.iter().for_each(|triangle| self.add(triangle));
             // Over a triangle at the center ∫ d^m dA = A · 2 m!/(m+2)! · h_m.
             let m = f64::from(self.order - 1);
-            let distances = ends.each_ref().map(|end| end.distance);
+            let distances = ends.each_ref().map_each(|end| end.distance);
             let sum = complete_homogeneous(self.order - 1, &distances);
             let mean = sum * 2.0 / ((m + 1.0) * (m + 2.0));
             let determinant = interface.determinant(&ends[0], &ends[1]);

@@ -10,6 +10,7 @@
 use nalgebra::Vector3;
 use wide::f64x4;
 
+use crate::arrays::MapEach;
 use crate::energy::edge_crossings::edge_crossings;
 use crate::energy::edge_crossings_simd::{
     DoubleCrossings, EdgeQuad, PartQuad, PointQuad, QuadSectors, SideQuad, crossing_codes,
@@ -84,7 +85,7 @@ pub(crate) fn sum_over_surface(
     ends.add_diagonals(&view);
     ends.pair();
     for four in array_chunks(ends.paired(), (0, Interface::NONE)) {
-        let segments = four.map(
+        let segments = four.map_each(
             #[inline(always)]
             |key| ends.segment(key),
         );
@@ -114,7 +115,7 @@ fn add_edges(
         *at = quad.crossings.rows();
         *codes = crossing_codes(&quad.sectors).to_array();
         sums.add_parts(&quad.sides(view), &quad.parts());
-        let [parted, one] = [quad.are_parted, quad.are_resolved].map(f64x4::to_bitmask);
+        let [parted, one] = [quad.are_parted, quad.are_resolved].map_each(f64x4::to_bitmask);
         resolved |= u64::from(one) << (block * BLOCK);
         unresolved |= u64::from(parted & !one) << (block * BLOCK);
     }
@@ -155,9 +156,9 @@ fn add_edge(
 ) {
     let edges = [*edge; BLOCK];
     let sides = EdgeQuad::new(view, &edges).sides(view);
-    let [from, to] = [edge.from, edge.to].map(|vertex| view.vertex(vertex));
+    let [from, to] = [edge.from, edge.to].map_each(|vertex| view.vertex(vertex));
     let point = |at: Vector3<f64>, sector: Sector| PointQuad {
-        at: [at.x, at.y, at.z].map(f64x4::splat),
+        at: [at.x, at.y, at.z].map_each(f64x4::splat),
         distances: f64x4::splat(sector.distance(&at)),
     };
     let mut sector = Sector::of(&from);
@@ -165,7 +166,9 @@ fn add_edge(
     let mut add_part = |sector: Sector, share: f64, ends: [PointQuad; 2]| {
         let direction = Vector3::ith(sector.axis(), sector.sign());
         let part = PartQuad {
-            sectors: QuadSectors::of(&[direction.x, direction.y, direction.z].map(f64x4::splat)),
+            sectors: QuadSectors::of(
+                &[direction.x, direction.y, direction.z].map_each(f64x4::splat),
+            ),
             shares: f64x4::new([share, 0.0, 0.0, 0.0]),
             ends,
         };
@@ -227,7 +230,7 @@ impl<'a> Triangle<'a> {
 
 /// One of four vectors given by axis.
 fn lane_of(all: &[f64x4; 3], lane: usize) -> Vector3<f64> {
-    Vector3::from(all.each_ref().map(|along| along.to_array()[lane]))
+    Vector3::from(all.each_ref().map_each(|along| along.to_array()[lane]))
 }
 
 impl SideQuad {
@@ -251,8 +254,8 @@ pub(crate) fn visit_triangles<const N: usize>(
         let (shares, codes) = (part.shares.to_array(), part.sectors.codes(0).to_array());
         for lane in (0..BLOCK).filter(|&lane| shares[lane] != 0.0) {
             let sector = Sector::of_number(codes[lane].to_bits() as usize);
-            let points = part.ends.map(|end| lane_of(&end.at, lane));
-            let distances = part.ends.map(|end| end.distances.to_array()[lane]);
+            let points = part.ends.map_each(|end| lane_of(&end.at, lane));
+            let distances = part.ends.map_each(|end| end.distances.to_array()[lane]);
             for side in sides {
                 let facet = side.facet(lane);
                 let area = shares[lane] * side.doubled_areas.to_array()[lane];
@@ -275,9 +278,9 @@ pub(crate) fn visit_segments(
     {
         let (facet, interface) = (view.facet(segment.facet as usize), segment.interface);
         let (left, right) = interface.sectors();
-        let ends = segment.ends.map(SegmentEnd::point);
-        let points = ends.each_ref().map(|end| interface.displacement(end));
-        let distances = ends.each_ref().map(|end| end.distance);
+        let ends = segment.ends.map_each(SegmentEnd::point);
+        let points = ends.each_ref().map_each(|end| interface.displacement(end));
+        let distances = ends.each_ref().map_each(|end| end.distance);
         let slope = left.distance(&facet.normal) - right.distance(&facet.normal);
         let doubled_area = interface.determinant(&ends[0], &ends[1]) * slope;
         let triangle =

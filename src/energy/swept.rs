@@ -13,6 +13,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use crate::arrays::MapEach;
 use crate::minimize::problem::Evaluation;
 
 /// The way of a section's corner from one height to another.
@@ -104,7 +105,7 @@ impl SweptSolid {
 
 impl PathSums {
     fn add(&mut self, path: &CornerPath, about: [f64; 3]) {
-        let ends = (path.ends).map(|end| [0, 1, 2].map(|axis| end[axis] - about[axis]));
+        let ends = (path.ends).map(|end| [0, 1, 2].map_each(|axis| end[axis] - about[axis]));
         let weight = if path.is_added { 1.0 } else { -1.0 };
         let length = weight * (ends[1][0] - ends[0][0]);
         if is_ahead(&ends) {
@@ -113,7 +114,7 @@ impl PathSums {
         let (shares, count) = turns(&ends);
         let at = |share: f64| {
             let [from, to] = &ends;
-            [0, 1, 2].map(|axis: usize| from[axis] + (to[axis] - from[axis]) * share)
+            [0, 1, 2].map_each(|axis: usize| from[axis] + (to[axis] - from[axis]) * share)
         };
         let (mut share, mut from) = (0.0, PathPoint::of(ends[0]));
         for &next in &shares[..count] {
@@ -147,7 +148,7 @@ impl PathSums {
     /// Adds the integral over an interval in which all are polynomials.
     #[inline]
     fn add_interval(&mut self, ends: [&PathPoint; 2], weight: f64) {
-        let at = [0, 1, 2].map(|axis: usize| 0.5 * (ends[0].at[axis] + ends[1].at[axis]));
+        let at = [0, 1, 2].map_each(|axis: usize| 0.5 * (ends[0].at[axis] + ends[1].at[axis]));
         let middle = PathPoint::of(at);
         let outer = weight / 6.0;
         for axis in 0..3 {

@@ -1,5 +1,6 @@
 //! Axis-aligned boxes.
 
+use crate::arrays::MapEach;
 use nalgebra::{Point, Point3, SVector, Vector3};
 
 /// An axis-aligned box `min ≤ y ≤ max` in `D` dimensions (lengths in L).
@@ -125,9 +126,9 @@ impl Bounds<3> {
     #[must_use]
     pub(crate) fn meets_triangle(&self, corners: &[Point3<f64>; 3]) -> bool {
         let (center, half) = (self.center(), self.extent() / 2.0);
-        let arms = corners.map(|corner| corner - center);
+        let arms = corners.map_each(|corner| corner - center);
         let reaches = |axis: &Vector3<f64>| {
-            let along = arms.map(|arm| arm.dot(axis));
+            let along = arms.map_each(|arm| arm.dot(axis));
             let reach = half.dot(&axis.abs());
             let (least, most) = along
                 .iter()
@@ -137,7 +138,7 @@ impl Bounds<3> {
             least <= reach && most >= -reach
         };
         let axes = [Vector3::x(), Vector3::y(), Vector3::z()];
-        let sides = [0, 1, 2].map(|k| arms[(k + 1) % 3] - arms[k]);
+        let sides = [0, 1, 2].map_each(|k| arms[(k + 1) % 3] - arms[k]);
         axes.iter().all(&reaches)
             && reaches(&sides[0].cross(&sides[1]))
             && (sides.iter()).all(|side| axes.iter().all(|axis| reaches(&side.cross(axis))))

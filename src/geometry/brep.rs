@@ -6,6 +6,7 @@
 
 use nalgebra::{Point3, Vector3};
 
+use crate::arrays::MapEach;
 use crate::geometry::facet_polygons::polygons;
 use crate::geometry::half_space::HalfSpace;
 use crate::geometry::label::Label;
@@ -82,7 +83,7 @@ impl Brep {
     fn triangles(&self) -> impl Iterator<Item = (usize, [Vector3<f64>; 3])> {
         let mut anchors = vec![None; self.facets.len()];
         self.sides().map(move |(facet, side)| {
-            let [a, b] = side.map(|vertex| self.vertices[vertex as usize]);
+            let [a, b] = side.map_each(|vertex| self.vertices[vertex as usize]);
             let facet = facet as usize;
             (facet, [*anchors[facet].get_or_insert(a), a, b])
         })

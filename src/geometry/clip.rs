@@ -12,6 +12,7 @@
 
 use nalgebra::Point3;
 
+use crate::arrays::MapEach;
 use crate::geometry::half_space::HalfSpace;
 use crate::geometry::label::Label;
 use crate::geometry::polyhedron::Polyhedron;
@@ -152,7 +153,7 @@ fn crossing(polyhedron: &Polyhedron, excess: &[f64], cut: usize, slot: usize) ->
     let right = polyhedron.facets[cut][slot];
     let left = polyhedron.facets[cut][(slot + 2) % 3];
     let share = inner / (inner - excess[cut]);
-    let [from, to] = [kept as usize, cut].map(|vertex| polyhedron.vertex(vertex));
+    let [from, to] = [kept as usize, cut].map_each(|vertex| polyhedron.vertex(vertex));
     Some(CutEdge {
         position: from + (to - from) * share,
         kept,

@@ -9,6 +9,7 @@
 
 use nalgebra::{Matrix3, Point3, Rotation3, Vector3};
 
+use crate::arrays::MapEach;
 use crate::geometry::bounds::Bounds;
 use crate::geometry::random::Random;
 
@@ -51,7 +52,7 @@ impl Cover {
         let turn = principal_axes(triangles, &center)?;
         let turned: Vec<[Point3<f64>; 3]> = triangles
             .iter()
-            .map(|corners| corners.map(|corner| (turn.inverse() * (corner - center)).into()))
+            .map(|corners| corners.map_each(|corner| (turn.inverse() * (corner - center)).into()))
             .collect();
         let whole = Bounds::of(turned.iter().flatten());
         let slack = Vector3::repeat(SLACK * whole.extent().amax());

@@ -9,6 +9,7 @@
 
 use std::ops::{Add, Mul, Sub};
 
+use crate::arrays::MapEach;
 use nalgebra::Point3;
 
 /// The sum of both numbers.
@@ -66,7 +67,7 @@ fn two_sum(a: f64, b: f64) -> (f64, f64) {
 /// counter-clockwise seen from the side away from the apex.
 #[must_use]
 pub(crate) fn six_volume(apex: &Point3<f64>, [a, b, c]: [&Point3<f64>; 3]) -> f64 {
-    let arm = |end: &Point3<f64>| [0, 1, 2].map(|k| DoubleDouble::difference(end[k], apex[k]));
+    let arm = |end: &Point3<f64>| [0, 1, 2].map_each(|k| DoubleDouble::difference(end[k], apex[k]));
     let [a, b, c] = [arm(a), arm(b), arm(c)];
     let minor = |i: usize, j: usize| b[i] * c[j] - b[j] * c[i];
     let DoubleDouble(high, low) = a[0] * minor(1, 2) + a[1] * minor(2, 0) + a[2] * minor(0, 1);

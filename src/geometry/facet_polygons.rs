@@ -5,6 +5,7 @@
 //! directions. Each step keeps the sum of the directed edges, so the area vector, and with it the
 //! volume under a closed surface, stays exact even where rounding misleads a choice.
 
+use crate::arrays::MapEach;
 use nalgebra::{Point2, Vector3};
 
 /// The polygons, loops of vertex numbers counter-clockwise about `normal`, that make up the facet
@@ -56,7 +57,7 @@ impl<'a> PlaneProjection<'a> {
 
     /// Twice the signed area of the triangle.
     fn turn(&self, a: u32, b: u32, c: u32) -> f64 {
-        let [a, b, c] = [a, b, c].map(|vertex| self.at(vertex));
+        let [a, b, c] = [a, b, c].map_each(|vertex| self.at(vertex));
         (b - a).perp(&(c - a))
     }
 

@@ -1,5 +1,6 @@
 //! Closed half-spaces n·y ≤ d, and bisectors.
 
+use crate::arrays::MapEach;
 use nalgebra::{Point3, Vector3};
 use wide::f64x4;
 
@@ -59,7 +60,7 @@ impl HalfSpace {
         let length = (x * x + y * y + z * z).sqrt();
         let is_long = length.simd_gt(f64x4::ZERO);
         let scale = is_long.select(f64x4::ONE / length, f64x4::ONE);
-        [x, y, z, offset].map(|all| all * scale)
+        [x, y, z, offset].map_each(|all| all * scale)
     }
 
     /// The half-space moved by `displacement`.

@@ -14,6 +14,7 @@
 use nalgebra::Point3;
 use wide::{f64x4, u8x32};
 
+use crate::arrays::MapEach;
 use crate::geometry::bounds::Bounds;
 use crate::geometry::half_space::HalfSpace;
 use crate::geometry::label::Label;
@@ -120,9 +121,9 @@ impl SmallPolyhedron {
         let end = |byte: usize| u32::from(lists.vertices[usize::from(self.twins[byte] / 4)]);
         let facets = slots
             .clone()
-            .map(|slot| [1, 2, 3].map(|byte| facet(4 * slot + byte)));
+            .map(|slot| [1, 2, 3].map_each(|byte| facet(4 * slot + byte)));
         other.facets.extend(facets);
-        let next = slots.map(|slot| [0, 1, 2].map(|byte| end(4 * slot + byte)));
+        let next = slots.map(|slot| [0, 1, 2].map_each(|byte| end(4 * slot + byte)));
         other.next.extend(next);
     }
 
@@ -142,7 +143,7 @@ impl SmallPolyhedron {
     /// The least axis-aligned box around the vertices and the origin.
     #[must_use]
     pub fn bounds_about_origin(&self) -> Bounds<3> {
-        let axes = [&self.x, &self.y, &self.z].map(|all| all.as_chunks::<BLOCK>().0);
+        let axes = [&self.x, &self.y, &self.z].map_each(|all| all.as_chunks::<BLOCK>().0);
         let (mut min, mut max) = ([f64x4::ZERO; 3], [f64x4::ZERO; 3]);
         let squares = &self.square.as_chunks::<BLOCK>().0[..self.row_count() * (ROW / BLOCK)];
         for (block, square) in squares.iter().enumerate() {
@@ -157,8 +158,8 @@ impl SmallPolyhedron {
         let least = |lanes: f64x4| lanes.to_array().into_iter().fold(0.0, f64::min);
         let most = |lanes: f64x4| lanes.to_array().into_iter().fold(0.0, f64::max);
         Bounds {
-            min: Point3::from(min.map(least)),
-            max: Point3::from(max.map(most)),
+            min: Point3::from(min.map_each(least)),
+            max: Point3::from(max.map_each(most)),
         }
     }
 
@@ -207,7 +208,7 @@ impl Layout {
         self.bytes.clear();
         let vertices = of.facets.iter().zip(&of.next);
         self.bytes.extend(vertices.map(|(facets, next)| {
-            let [a, b, c] = facets.map(|facet| facet as u8);
+            let [a, b, c] = facets.map_each(|facet| facet as u8);
             let twin = |edge: usize| {
                 // The facet on the right of the edge is on the left of its twin, the opposite half-edge.
                 let end = next[edge] as usize;
@@ -362,7 +363,7 @@ impl SmallPolyhedron {
         let used = SLOTS - self.alive.leading_zeros() as usize;
         let rows = rows.take(used.div_ceil(SLOTS_PER_SET));
         rows.flat_map(move |(row, (twins, numbers))| {
-            let [low, high] = [0, 1].map(|half| {
+            let [low, high] = [0, 1].map_each(|half| {
                 let is_upward = u8x32::new(twins[half]).simd_gt(u8x32::new(numbers[half]));
                 u64::from(is_upward.to_bitmask())
             });

@@ -6,6 +6,7 @@
 
 use wide::f64x4;
 
+use crate::arrays::MapEach;
 use crate::geometry::clip::Clip;
 use crate::geometry::half_space::HalfSpace;
 use crate::geometry::label::Label;
@@ -67,13 +68,13 @@ impl SmallPolyhedron {
     /// Computes all slacks and returns the slots where they are negative.
     #[inline]
     fn classify(&self, half_space: &HalfSpace, scratch: &mut SmallClipScratch) -> u64 {
-        let [a, b, c] = [0, 1, 2].map(|axis| f64x4::splat(half_space.normal[axis]));
+        let [a, b, c] = [0, 1, 2].map_each(|axis| f64x4::splat(half_space.normal[axis]));
         let offset = f64x4::splat(half_space.offset);
-        let [x, y, z] = [&self.x, &self.y, &self.z].map(|all| all.as_chunks::<ROW>().0);
+        let [x, y, z] = [&self.x, &self.y, &self.z].map_each(|all| all.as_chunks::<ROW>().0);
         let slack = scratch.slack.as_chunks_mut::<ROW>().0;
         let mut cut = 0;
         for row in 0..self.row_count() {
-            let [x, y, z] = [x[row], y[row], z[row]].map(|all| blocks(&all));
+            let [x, y, z] = [x[row], y[row], z[row]].map_each(|all| blocks(&all));
             for block in 0..ROW / BLOCK {
                 let slacks = offset - (a * x[block] + b * y[block] + c * z[block]);
                 slack[row][BLOCK * block..][..BLOCK].copy_from_slice(&slacks.to_array());

@@ -9,6 +9,7 @@
 use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
 
+use crate::arrays::MapEach;
 use crate::geometry::moments::Moments;
 use crate::parallel::{map, map_runs};
 
@@ -270,7 +271,7 @@ fn with_change<P>(halves: [(P, Estimate); 2], whole: &Estimate) -> [(P, Estimate
     let sum = halves[0].1.moments + halves[1].1.moments;
     let change = Estimate::of_pair(sum, &whole.moments);
     let errors = change.errors.times(CHANGE);
-    halves.map(|(part, own)| {
+    halves.map_each(|(part, own)| {
         let is_more = errors.mass > own.errors.mass;
         let difference = match is_more {
             true => change.difference * CHANGE,

@@ -8,6 +8,7 @@
 
 use nalgebra::{Point3, Vector3};
 
+use crate::arrays::MapEach;
 use crate::geometry::bounds::Bounds;
 use crate::integrals::polynomial::Polynomial;
 
@@ -28,12 +29,12 @@ impl Bernstein {
         let shifted = polynomial.relative_to(&bounds.min);
         let extent = bounds.extent();
         let degree = |axis: usize| shifted.terms().map(|(powers, _)| powers[axis]).max();
-        let counts = [0, 1, 2].map(|axis| degree(axis).unwrap_or(0) as usize + 1);
+        let counts = [0, 1, 2].map_each(|axis| degree(axis).unwrap_or(0) as usize + 1);
         let mut coefficients = vec![0.0; counts.iter().product()];
         for (powers, value) in shifted.terms() {
             let place = powers.iter().zip(&counts);
             let place = place.fold(0, |place, (&power, count)| place * count + power as usize);
-            let [x, y, z] = [0, 1, 2].map(|axis| extent[axis].powi(powers[axis] as i32));
+            let [x, y, z] = [0, 1, 2].map_each(|axis| extent[axis].powi(powers[axis] as i32));
             coefficients[place] = value * (x * y * z);
         }
         let mut bernstein = Self {
@@ -66,12 +67,12 @@ impl Bernstein {
     pub fn corners(&self) -> impl Iterator<Item = (Point3<f64>, f64)> + '_ {
         let Bounds { min, max } = self.bounds;
         (0..8).map(move |corner: usize| {
-            let is_far = [0, 1, 2].map(|axis| corner >> axis & 1 == 1);
+            let is_far = [0, 1, 2].map_each(|axis| corner >> axis & 1 == 1);
             let place = (0..3).fold(0, |place, axis| {
                 let last = self.counts[axis] - 1;
                 place * self.counts[axis] + if is_far[axis] { last } else { 0 }
             });
-            let point = [0, 1, 2].map(|axis| (if is_far[axis] { max } else { min })[axis]);
+            let point = [0, 1, 2].map_each(|axis| (if is_far[axis] { max } else { min })[axis]);
             (Point3::from(point), self.coefficients[place])
         })
     }
@@ -92,7 +93,7 @@ impl Bernstein {
                 most.max(high - low)
             })
         };
-        let rises = Vector3::from([0, 1, 2].map(rise));
+        let rises = Vector3::from([0, 1, 2].map_each(rise));
         rises.imax()
     }
 

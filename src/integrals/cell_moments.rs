@@ -2,6 +2,7 @@
 
 use nalgebra::Point3;
 
+use crate::arrays::MapEach;
 use crate::geometry::moments::Moments;
 use crate::integrals::lanes::{CONSTANT, Lanes, Sums, WIDTH, gathered, named, six_volumes, splat};
 use crate::integrals::pairwise::sum_by_halves;
@@ -23,7 +24,7 @@ pub(crate) fn of_cells(
         let mut sums = Sums::default();
         let blocks = tets[range.clone()].chunks(WIDTH);
         for (block, densities) in blocks.zip(densities[range].chunks(WIDTH)) {
-            let corners = named(block).map(|named| gathered(vertices, named, &apex));
+            let corners = named(block).map_each(|named| gathered(vertices, named, &apex));
             let mut lanes = [0.0; WIDTH];
             lanes[..densities.len()].copy_from_slice(densities);
             sums.add_constant(six_volumes(&corners) * Lanes::from(lanes), &corners);

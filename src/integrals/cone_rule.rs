@@ -6,6 +6,7 @@
 
 use nalgebra::Point3;
 
+use crate::arrays::MapEach;
 use crate::geometry::moments::Moments;
 use crate::integrals::adaptive::{
     AdaptivePiece, Estimate, add_mass, gauss_legendre, halved, longest_edge,
@@ -41,12 +42,12 @@ impl ConePiece {
 impl AdaptivePiece for ConePiece {
     fn halves(&self) -> [Self; 2] {
         let [low, high] = self.range;
-        let arms = self.corners.map(|corner| corner - self.apex);
+        let arms = self.corners.map_each(|corner| corner - self.apex);
         let length = (high - low) * (arms[0] + arms[1] + arms[2]).norm() / 3.0;
         let width = high * longest_edge(&self.corners).1.sqrt();
         if length > SLENDER * width {
             let middle = 0.5 * (low + high);
-            return [[low, middle], [middle, high]].map(|range| Self { range, ..*self });
+            return [[low, middle], [middle, high]].map_each(|range| Self { range, ..*self });
         }
         halved(&self.corners).map(|corners| Self { corners, ..*self })
     }
@@ -101,7 +102,7 @@ impl ConeRule {
         origin: &Point3<f64>,
         density: &mut impl FnMut(&Point3<f64>) -> f64,
     ) -> Moments {
-        let arms = piece.corners.map(|corner| corner - piece.apex);
+        let arms = piece.corners.map_each(|corner| corner - piece.apex);
         let double_area = arms[0].dot(&arms[1].cross(&arms[2]));
         let [low, high] = piece.range;
         let mut moments = Moments::default();

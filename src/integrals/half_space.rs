@@ -20,6 +20,7 @@ use std::ops::{Add, Range};
 
 use nalgebra::{Matrix3, Point3, Vector3};
 
+use crate::arrays::MapEach;
 use crate::geometry::bounds::Bounds;
 use crate::geometry::double_double::six_volume;
 use crate::geometry::moments::Moments;
@@ -193,7 +194,7 @@ impl<'a> CuttableSolid<'a> {
             let mut sum = ThreeMoments::default();
             for triangle in range {
                 let corners = self.corners(triangle, &apex);
-                let heights = corners.map(|corner| {
+                let heights = corners.map_each(|corner| {
                     if clips {
                         plane.normal.dot(&corner)
                     } else {
@@ -222,7 +223,7 @@ impl<'a> CuttableSolid<'a> {
             let mut sum = Moments::default();
             for triangle in range {
                 let corners = self.corners(triangle, &apex);
-                let heights = corners.map(|corner| plane.normal.dot(&corner));
+                let heights = corners.map_each(|corner| plane.normal.dot(&corner));
                 if let Some([e, f]) = ClippedPolygon::of(&corners, &heights).edge {
                     add_section(&mut sum, &unit, &e, &f);
                 }
@@ -247,20 +248,20 @@ impl<'a> CuttableSolid<'a> {
     }
 
     fn corners(&self, triangle: usize, apex: &Point3<f64>) -> [Vector3<f64>; 3] {
-        self.triangles[triangle].map(|vertex| self.vertices[vertex as usize] - apex)
+        self.triangles[triangle].map_each(|vertex| self.vertices[vertex as usize] - apex)
     }
 
     /// The sums over some triangles, from the apex.
     fn leaf(&self, range: Range<usize>, apex: &Point3<f64>, normal: &Vector3<f64>) -> Moments {
         let (from, across) = (
             splat(apex),
-            [normal.x, normal.y, normal.z].map(Lanes::splat),
+            [normal.x, normal.y, normal.z].map_each(Lanes::splat),
         );
         let (mut sums, mut clipped) = (Sums::default(), Moments::default());
         for block in self.triangles[range].chunks(WIDTH) {
             let named = named(block);
-            let corners = named.map(|named| gathered(self.vertices, named, &from));
-            let heights = corners.each_ref().map(|corner| dot(corner, &across));
+            let corners = named.map_each(|named| gathered(self.vertices, named, &from));
+            let heights = corners.each_ref().map_each(|corner| dot(corner, &across));
             let low = heights[0].fast_min(heights[1]).fast_min(heights[2]);
             let high = heights[0].fast_max(heights[1]).fast_max(heights[2]);
             if !high.simd_gt(Lanes::ZERO).any() {
@@ -280,7 +281,7 @@ impl<'a> CuttableSolid<'a> {
                 let corner =
                     |k: usize| Vector3::from_fn(|axis, _| corners[k][axis].as_array()[lane]);
                 let corners = [corner(0), corner(1), corner(2)];
-                let heights = heights.map(|height| height.as_array()[lane]);
+                let heights = heights.map_each(|height| height.as_array()[lane]);
                 for part in ClippedPolygon::of(&corners, &heights).triangles() {
                     add_cone(&mut clipped, self.six_volume(&part), &part);
                 }
@@ -294,7 +295,7 @@ impl<'a> CuttableSolid<'a> {
         match self.precision {
             Precision::Single => a.dot(&b.cross(c)),
             Precision::Double => {
-                let [a, b, c] = [a, b, c].map(|corner| Point3::from(*corner));
+                let [a, b, c] = [a, b, c].map_each(|corner| Point3::from(*corner));
                 six_volume(&Point3::origin(), [&a, &b, &c])
             }
         }

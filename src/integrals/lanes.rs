@@ -11,6 +11,7 @@
 use nalgebra::Point3;
 use wide::f64x4;
 
+use crate::arrays::MapEach;
 use crate::geometry::moments::Moments;
 use crate::geometry::simd::{cross, dot, sum};
 
@@ -120,13 +121,13 @@ pub fn named<const K: usize>(block: &[[u32; K]]) -> [[usize; WIDTH]; K] {
     let point = [block[0][0]; K];
     let at = |lane: usize| block.get(lane).unwrap_or(&point);
     let lanes = [at(0), at(1), at(2), at(3)];
-    std::array::from_fn(|corner| lanes.map(|simplex| simplex[corner] as usize))
+    std::array::from_fn(|corner| lanes.map_each(|simplex| simplex[corner] as usize))
 }
 
 /// The positions of four vertices relative to `origin`, by component.
 #[inline(always)]
 pub fn gathered(vertices: &[Point3<f64>], named: [usize; WIDTH], origin: &LanePoint) -> LanePoint {
-    let [a, b, c, d] = named.map(|vertex| &vertices[vertex]);
+    let [a, b, c, d] = named.map_each(|vertex| &vertices[vertex]);
     [
         Lanes::from([a.x, b.x, c.x, d.x]) - origin[0],
         Lanes::from([a.y, b.y, c.y, d.y]) - origin[1],
@@ -137,7 +138,7 @@ pub fn gathered(vertices: &[Point3<f64>], named: [usize; WIDTH], origin: &LanePo
 /// The same point in every lane.
 #[must_use]
 pub fn splat(point: &Point3<f64>) -> LanePoint {
-    [point.x, point.y, point.z].map(Lanes::splat)
+    [point.x, point.y, point.z].map_each(Lanes::splat)
 }
 
 /// Six times the signed volumes of tetrahedra: a · (b × c) with the fourth corner at 0 for `K` = 3;
@@ -149,7 +150,7 @@ pub fn six_volumes<const K: usize>(corners: &[LanePoint; K]) -> Lanes {
     match corners.as_slice() {
         [a, b, c] => dot(a, &cross(b, c)),
         [a, others @ ..] if others.len() == 3 => {
-            let edge = |k: usize| [0, 1, 2].map(|axis| others[k][axis] - a[axis]);
+            let edge = |k: usize| [0, 1, 2].map_each(|axis| others[k][axis] - a[axis]);
             dot(&edge(0), &cross(&edge(1), &edge(2)))
         }
         _ => Lanes::ZERO,

@@ -22,6 +22,7 @@
 use nalgebra::{Point3, Vector3};
 use std::ops::Add;
 
+use crate::arrays::MapEach;
 use crate::geometry::brep::Piece;
 use crate::geometry::double_double::six_volume;
 use crate::geometry::moments::Moments;
@@ -48,7 +49,7 @@ pub struct LinearDensity {
 pub fn area(vertices: &[Point3<f64>], triangles: &[[u32; 3]]) -> f64 {
     0.5 * sum_by_halves(triangles.len(), &|range| {
         triangles[range].iter().fold(0.0, |sum, triangle| {
-            let [a, b, c] = triangle.map(|vertex| vertices[vertex as usize]);
+            let [a, b, c] = triangle.map_each(|vertex| vertices[vertex as usize]);
             sum + (b - a).cross(&(c - a)).norm()
         })
     })
@@ -119,14 +120,15 @@ pub fn at_vertices(
     densities: &[f64],
     origin: &Point3<f64>,
 ) -> Moments {
-    let density_at = |named: [usize; WIDTH]| Lanes::from(named.map(|vertex| densities[vertex]));
+    let density_at =
+        |named: [usize; WIDTH]| Lanes::from(named.map_each(|vertex| densities[vertex]));
     summed(
         vertices,
         tets,
         origin,
         LINEAR,
         |sums, six, corners, named| {
-            let values = named.map(density_at);
+            let values = named.map_each(density_at);
             sums.add_linear(six, corners, &values, Lanes::ZERO);
         },
     )
@@ -193,7 +195,7 @@ fn triangles_of(piece: Piece<'_>) -> (Vec<Point3<f64>>, Vec<[u32; 3]>) {
     let (mut corners, mut triangles) = (Vec::new(), Vec::new());
     piece.visit_triangles(|triangle| {
         let first = corners.len() as u32;
-        corners.extend(triangle.map(Point3::from));
+        corners.extend(triangle.map_each(Point3::from));
         triangles.push([first, first + 1, first + 2]);
     });
     (corners, triangles)
@@ -324,7 +326,7 @@ impl Precision {
     ) -> Lanes {
         match self {
             Self::Single => six_volumes(corners),
-            Self::Double => Lanes::from([0, 1, 2, 3].map(|lane| {
+            Self::Double => Lanes::from([0, 1, 2, 3].map_each(|lane| {
                 let corner = |k: usize| &vertices[named[k][lane]];
                 match K {
                     3 => six_volume(origin, [corner(0), corner(1), corner(2)]),
@@ -387,7 +389,9 @@ fn by_monomials<const K: usize>(
     Moments::from_ten(TEN.map(|ten| {
         let terms = density.terms();
         terms
-            .map(|(term, value)| value * integral([0, 1, 2].map(|axis| term[axis] + ten[axis])))
+            .map(|(term, value)| {
+                value * integral([0, 1, 2].map_each(|axis| term[axis] + ten[axis]))
+            })
             .sum()
     }))
 }

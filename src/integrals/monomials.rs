@@ -9,6 +9,7 @@ use std::ops::Add;
 
 use nalgebra::{Point3, Vector3};
 
+use crate::arrays::MapEach;
 use crate::geometry::bounds::Bounds;
 use crate::geometry::simd::{cross, dot, sum};
 use crate::integrals::formula::Formula;
@@ -119,7 +120,7 @@ fn surface_sums(
         let mut sums = vec![Lanes::ZERO; monomials.exponents().len()];
         let mut table = Vec::new();
         for block in triangles[range].chunks(WIDTH) {
-            let corners = named(block).map(|named| gathered(vertices, named, &apex));
+            let corners = named(block).map_each(|named| gathered(vertices, named, &apex));
             let doubled_areas = doubled_areas(&corners, side);
             monomials.coefficients(&corners, &mut table);
             for (sum, coefficient) in sums.iter_mut().zip(&table) {
@@ -132,11 +133,11 @@ fn surface_sums(
 
 /// Twice the areas of four triangles, with the sign they show to `side` if there is one.
 fn doubled_areas([a, b, c]: &[LanePoint; 3], side: Option<&Vector3<f64>>) -> Lanes {
-    let edge = |to: &LanePoint| [0, 1, 2].map(|axis| to[axis] - a[axis]);
+    let edge = |to: &LanePoint| [0, 1, 2].map_each(|axis| to[axis] - a[axis]);
     let normals = cross(&edge(b), &edge(c));
     let areas = dot(&normals, &normals).sqrt();
     let Some(side) = side else { return areas };
     let shown = dot(&normals, &splat(&Point3::from(*side))).to_array();
     let sign = |shown: f64| if shown == 0.0 { 0.0 } else { shown.signum() };
-    areas * Lanes::from(shown.map(sign))
+    areas * Lanes::from(shown.map_each(sign))
 }

@@ -5,6 +5,7 @@
 
 use nalgebra::{Point2, Vector2};
 
+use crate::arrays::MapEach;
 use crate::geometry::polygon::ConvexPolygon;
 use crate::integrals::polynomial::Polynomial;
 use crate::integrals::series::{Monomials, weight};
@@ -23,7 +24,7 @@ impl PlaneMonomials {
     #[must_use]
     pub(crate) fn up_to(highest: u32) -> Self {
         let monomials = Monomials::in_plane(highest);
-        let weights = [1, 2].map(|dimension| {
+        let weights = [1, 2].map_each(|dimension| {
             let exponents = monomials.exponents().iter();
             exponents.map(|&powers| weight(dimension, powers)).collect()
         });
@@ -36,7 +37,7 @@ impl PlaneMonomials {
 
     /// Takes the simplex with these corners, or that of the origin and these.
     pub(crate) fn fill(&mut self, corners: [&Vector2<f64>; 2]) {
-        let corners = corners.map(|corner| [corner.x, corner.y, 0.0]);
+        let corners = corners.map_each(|corner| [corner.x, corner.y, 0.0]);
         self.monomials.coefficients(&corners, &mut self.table);
     }
 

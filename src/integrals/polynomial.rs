@@ -3,6 +3,7 @@
 //! A polynomial that was read from text keeps it as a `Formula`, so that far from the origin, where its
 //! terms cancel each other, it is expanded and evaluated by the operations that the text names.
 
+use crate::arrays::MapEach;
 use crate::integrals::formula::{Formula, Step};
 use crate::integrals::series::{Exponents, Monomials, degree};
 use nalgebra::{Point3, Rotation3, Vector3};
@@ -141,7 +142,7 @@ impl Polynomial {
     #[must_use]
     pub fn rotated(&self, rotation: &Rotation3<f64>) -> Self {
         let rows: [Self; 3] =
-            [0, 1, 2].map(|axis| Self::linear(0.0, &rotation.matrix().row(axis).transpose()));
+            [0, 1, 2].map_each(|axis| Self::linear(0.0, &rotation.matrix().row(axis).transpose()));
         self.substituted(&rows)
     }
 
@@ -212,7 +213,7 @@ impl DenseTerms {
         let [_, y, z] = self.lengths;
         let numbered = self.coefficients.iter().enumerate();
         let terms = numbered.filter(|(_, value)| **value != 0.0);
-        let powers = |at: usize| [at / (y * z), at / z % y, at % z].map(|power| power as u32);
+        let powers = |at: usize| [at / (y * z), at / z % y, at % z].map_each(|power| power as u32);
         terms.map(|(at, value)| (powers(at), *value)).collect()
     }
 }

@@ -13,6 +13,7 @@
 
 use nalgebra::Point3;
 
+use crate::arrays::MapEach;
 use crate::geometry::moments::Moments;
 use crate::integrals::adaptive::{
     AdaptiveIntegral, AdaptivePiece, Estimate, Goal, MomentErrors, gauss_legendre, halved,
@@ -60,14 +61,14 @@ impl Radial {
     ) -> AdaptiveIntegral {
         let from = |corner: Point3<f64>| Point3::from(corner - self.point);
         let pieces = triangles
-            .map(|corners| RadialPiece(corners.map(from)))
+            .map(|corners| RadialPiece(corners.map_each(from)))
             .collect();
-        let rules = [7, 5].map(gauss_legendre);
+        let rules = [7, 5].map_each(gauss_legendre);
         let arm = self.point - origin;
         integrate(pieces, goal, &|piece: &RadialPiece| {
-            let both = rules.each_ref().map(|rule| self.over(piece, rule));
+            let both = rules.each_ref().map_each(|rule| self.over(piece, rule));
             let errors = MomentErrors::between(&both[0], &both[1]).moved(arm.norm());
-            let [better, lower] = both.map(|moments| moments.translated(&arm));
+            let [better, lower] = both.map_each(|moments| moments.translated(&arm));
             Estimate {
                 errors,
                 ..Estimate::of_pair(better, &lower)
@@ -109,7 +110,7 @@ impl RadialKind {
         match self {
             Self::Sine { k } => {
                 let sines = sine_integrals(k * radius);
-                [0, 1, 2].map(|n| sines[n] + 1.0 / (3 + n) as f64)
+                [0, 1, 2].map_each(|n| sines[n] + 1.0 / (3 + n) as f64)
             }
             Self::Linear { breaks } => linear_integrals(breaks, radius),
         }

@@ -13,6 +13,7 @@
 //! and loses no digits where coordinates share a sign. A corner at the origin leaves the series
 //! as it is, which is why a cone costs no more than its base.
 
+use crate::arrays::MapEach;
 use nalgebra::Vector3;
 use std::collections::HashMap;
 use std::ops::{Add, Mul};
@@ -74,7 +75,7 @@ impl Monomials {
         let divided = exponents
             .iter()
             .map(|&monomial| {
-                [0, 1, 2].map(|axis| {
+                [0, 1, 2].map_each(|axis| {
                     let mut lower = monomial;
                     lower[axis] = lower[axis].wrapping_sub(1);
                     places.get(&lower).copied().unwrap_or(exponents.len())

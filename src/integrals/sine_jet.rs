@@ -14,6 +14,7 @@ use std::ops::{Add, Range};
 
 use nalgebra::{Point3, Vector3};
 
+use crate::arrays::MapEach;
 use crate::geometry::moments::Moments;
 use crate::integrals::adaptive::gauss_legendre;
 use crate::integrals::pairwise::sum_by_halves;
@@ -36,7 +37,7 @@ impl Add for SineJet {
     fn add(self, other: Self) -> Self {
         Self {
             volume: self.volume + other.volume,
-            normal: [0, 1, 2].map(|axis| self.normal[axis] + other.normal[axis]),
+            normal: [0, 1, 2].map_each(|axis| self.normal[axis] + other.normal[axis]),
             height: self.height + other.height,
         }
     }
@@ -53,7 +54,7 @@ pub(crate) fn sine_jet(
     let (rule, kind) = (gauss_legendre(nodes), RadialKind::Sine { k });
     sum_by_halves(triangles.len(), &|range: Range<usize>| {
         let parts = triangles[range].iter().map(|triangle| {
-            let corners = triangle.map(|vertex| vertices[vertex as usize] - point);
+            let corners = triangle.map_each(|vertex| vertices[vertex as usize] - point);
             of_triangle(&corners, &kind, &rule)
         });
         parts.fold(SineJet::default(), |sum, part| sum + part)
@@ -71,7 +72,7 @@ fn of_triangle([a, b, c]: &[Vector3<f64>; 3], kind: &RadialKind, rule: &[(f64, f
             let weight = along * across * u;
             let radius = place.norm();
             let square = place * place.transpose();
-            let [g0, g1, g2] = kind.along_ray(radius).map(|g| weight * height * g);
+            let [g0, g1, g2] = kind.along_ray(radius).map_each(|g| weight * height * g);
             volume.mass += g0;
             volume.first += place * g1;
             volume.second += square * g2;
@@ -83,7 +84,7 @@ fn of_triangle([a, b, c]: &[Vector3<f64>; 3], kind: &RadialKind, rule: &[(f64, f
     }
     SineJet {
         volume,
-        normal: [0, 1, 2].map(|axis| surface * normal[axis]),
+        normal: [0, 1, 2].map_each(|axis| surface * normal[axis]),
         height: surface * height,
     }
 }

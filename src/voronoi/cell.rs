@@ -7,6 +7,7 @@ use std::cell::{OnceCell, RefCell};
 
 use nalgebra::{Point, Point3, Vector3};
 
+use crate::arrays::MapEach;
 use crate::domain::domain::Domain;
 use crate::domain::facet_kind::FacetKind;
 use crate::domain::shape::PieceScratch;
@@ -180,7 +181,7 @@ impl<'a> Cell<'a> {
     /// axes any image of the box may hold it.
     #[must_use]
     pub fn is_certified(&self, known: &Bounds<3>) -> bool {
-        let known = [known.min, known.max].map(|corner| corner.coords.into());
+        let known = [known.min, known.max].map_each(|corner| corner.coords.into());
         let (bounds, periods) = (self.domain.bounds(), self.domain.periods());
         holds_ball(&bounds, &periods, &self.position, self.reach(), &known)
     }
@@ -208,7 +209,7 @@ pub(crate) fn holds_ball<const D: usize>(
     known: &[[f64; D]; 2],
 ) -> bool {
     (0..D).all(|axis| {
-        let ([low, high], center) = (known.map(|corner| corner[axis]), site[axis]);
+        let ([low, high], center) = (known.map_each(|corner| corner[axis]), site[axis]);
         match periods[axis] {
             Some(period) => {
                 high - low >= period

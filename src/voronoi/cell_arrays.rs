@@ -6,6 +6,7 @@
 use nalgebra::{Point2, Point3, Vector3};
 use rayon::prelude::*;
 
+use crate::arrays::MapEach;
 use crate::domain::domain::Domain;
 use crate::domain::facet_kind::FacetKind;
 use crate::domain::planar::PlaneDomain;
@@ -236,7 +237,7 @@ impl Cells {
         self.radii.push(reach);
         let known = query.known.as_ref();
         self.certified.push(known.is_none_or(|known| {
-            let known = [known.min, known.max].map(|end| [end.x, end.y]);
+            let known = [known.min, known.max].map_each(|end| [end.x, end.y]);
             holds_ball(
                 &domain.bounds(),
                 &domain.periods(),
@@ -265,7 +266,7 @@ impl Cells {
                     .extend([along.y / along.norm(), -along.x / along.norm()]);
                 if query.shapes {
                     self.corners
-                        .extend([number, (number + 1) % corners].map(|n| first as u32 + n));
+                        .extend([number, (number + 1) % corners].map_each(|n| first as u32 + n));
                     self.sizes.push(2);
                 }
             }

@@ -9,6 +9,7 @@ use std::ops::Range;
 use nalgebra::Vector3;
 use thiserror::Error;
 
+use crate::arrays::MapEach;
 use crate::domain::domain::Domain;
 use crate::domain::facet_kind::FacetKind;
 use crate::domain::shape::PieceScratch;
@@ -177,7 +178,7 @@ fn check_cells(cells: &[CellSummary]) -> Result<(), CheckError> {
 fn check_facets(cells: &[CellSummary], tolerance: f64) -> Result<(), CheckError> {
     for (site, cell) in cells.iter().enumerate() {
         for &(neighbor, image, area) in &cell.facets {
-            let opposite = (site as u32, image.map(|periods| -periods));
+            let opposite = (site as u32, image.map_each(|periods| -periods));
             let facets = cells[neighbor as usize].facets.iter();
             let back = facets
                 .filter(|(other, image, _)| (*other, *image) == opposite)

@@ -15,6 +15,7 @@
 use nalgebra::{Point3, Vector3};
 use wide::f64x4;
 
+use crate::arrays::MapEach;
 use crate::geometry::bounds::Bounds;
 use crate::geometry::clip::{Clip, ClipScratch, clip};
 use crate::geometry::half_space::HalfSpace;
@@ -386,7 +387,7 @@ impl VertexBalls {
     #[inline]
     #[must_use]
     pub(crate) fn may_exceed(&self, bisector: &HalfSpace) -> bool {
-        let [a, b, c] = [0, 1, 2].map(|axis| f64x4::splat(bisector.normal[axis]));
+        let [a, b, c] = [0, 1, 2].map_each(|axis| f64x4::splat(bisector.normal[axis]));
         let offset = f64x4::splat(bisector.offset * (1.0 - SLACK));
         let slack = f64x4::splat(SLACK);
         let mut cut = 0;
@@ -400,9 +401,9 @@ impl VertexBalls {
     #[inline]
     #[must_use]
     pub(crate) fn meet(&self, bounds: &Bounds<3>, here: &Point3<f64>) -> bool {
-        let [min, max] = [&bounds.min, &bounds.max].map(|end| {
+        let [min, max] = [&bounds.min, &bounds.max].map_each(|end| {
             let end: Vector3<f64> = end - here;
-            [0, 1, 2].map(|axis| f64x4::splat(end[axis]))
+            [0, 1, 2].map_each(|axis| f64x4::splat(end[axis]))
         });
         for [x, y, z, square] in &self.blocks {
             let mut excess = -*square * f64x4::splat(1.0 + SLACK);

@@ -11,6 +11,7 @@
 //! Coordinates are measured from zero, so products of high degree far from the origin are large
 //! numbers by definition; mass properties use the routines that take an origin.
 
+use crate::arrays::MapEach;
 use crate::integrals::pairwise::sum_by_halves;
 use crate::integrals::series::{Exponents, Monomials, over_simplex, weight};
 use nalgebra::{Point2, Point3, Vector3};
@@ -44,7 +45,7 @@ pub fn polygon(points: &[Point2<f64>], alpha: u32, beta: u32) -> f64 {
 #[must_use]
 pub fn triangle(corners: &[Point3<f64>; 3], exponents: Exponents) -> f64 {
     let area = 0.5 * doubled_area(corners).norm();
-    over_simplex(area, corners.map(|corner| corner.coords), exponents)
+    over_simplex(area, corners.map_each(|corner| corner.coords), exponents)
 }
 
 /// ∫ x^α y^β z^γ dV over a tetrahedron, with the sign of det(b − a, c − a, d − a).
@@ -52,7 +53,7 @@ pub fn triangle(corners: &[Point3<f64>; 3], exponents: Exponents) -> f64 {
 pub fn tetrahedron(corners: &[Point3<f64>; 4], exponents: Exponents) -> f64 {
     let [a, b, c, d] = corners;
     let volume = (b - a).cross(&(c - a)).dot(&(d - a)) / 6.0;
-    over_simplex(volume, corners.map(|corner| corner.coords), exponents)
+    over_simplex(volume, corners.map_each(|corner| corner.coords), exponents)
 }
 
 /// ∫ x^α y^β z^γ dA over a triangulated surface, open or closed: \[CP\] eq. 12.
@@ -110,8 +111,8 @@ fn sum_over_triangles(
     let sum = sum_by_halves(triangles.len(), &|range| {
         let mut table = Vec::new();
         triangles[range].iter().fold(0.0, |sum, named| {
-            let corners = named.map(|vertex| vertices[vertex as usize]);
-            monomials.coefficients(&corners.map(|corner| corner.coords.into()), &mut table);
+            let corners = named.map_each(|vertex| vertices[vertex as usize]);
+            monomials.coefficients(&corners.map_each(|corner| corner.coords.into()), &mut table);
             sum + measure(&doubled_area(&corners)) * table[last]
         })
     });

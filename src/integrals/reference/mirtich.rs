@@ -10,6 +10,7 @@
 //! face's vector area normalized (the paper leaves its source open), and faces are summed by
 //! halves.
 
+use crate::arrays::MapEach;
 use crate::geometry::moments::Moments;
 use crate::integrals::pairwise::sum_by_halves;
 use crate::integrals::reference::polygon::Face;
@@ -80,9 +81,9 @@ fn share_of_faces(vertices: &[Point3<f64>], faces: &[Face], origin: &Point3<f64>
             products[axis] += normal[axis] * face.mixed[place];
         }
     }
-    let [x, y, z] = first.map(|sum| sum / 2.0);
-    let [xx, yy, zz] = second.map(|sum| sum / 3.0);
-    let [xy, yz, zx] = products.map(|sum| sum / 2.0);
+    let [x, y, z] = first.map_each(|sum| sum / 2.0);
+    let [xx, yy, zz] = second.map_each(|sum| sum / 3.0);
+    let [xy, yz, zx] = products.map_each(|sum| sum / 2.0);
     Moments::from_ten([volume, x, y, z, xx, yy, zz, xy, yz, zx])
 }
 

@@ -6,6 +6,7 @@
 //! preview"): edges that are not the face's cancel, so neither convexity nor a triangulation that
 //! respects the holes is needed.
 
+use crate::arrays::MapEach;
 use crate::integrals::reference::cattani_paoluzzi;
 use crate::integrals::series::{Exponents, over_simplex};
 use nalgebra::{Point3, Vector3};
@@ -75,13 +76,13 @@ pub fn solid(vertices: &[Point3<f64>], faces: &[Face], exponents: Exponents) -> 
     let flux = faces.iter().flat_map(Face::triangles).map(|triangle| {
         let corners = corners(vertices, triangle);
         let measure = vector_area(&corners).x;
-        over_simplex(measure, corners.map(|corner| corner.coords), raised)
+        over_simplex(measure, corners.map_each(|corner| corner.coords), raised)
     });
     flux.sum::<f64>() / f64::from(alpha + 1)
 }
 
 fn corners(vertices: &[Point3<f64>], triangle: [u32; 3]) -> [Point3<f64>; 3] {
-    triangle.map(|vertex| vertices[vertex as usize])
+    triangle.map_each(|vertex| vertices[vertex as usize])
 }
 
 fn vector_area([a, b, c]: &[Point3<f64>; 3]) -> Vector3<f64> {

@@ -8,6 +8,7 @@ use std::cmp::Ordering;
 use nalgebra::{Point3, Vector3};
 use wide::{f32x8, u16x8};
 
+use crate::arrays::MapEach;
 use crate::domain::facet_kind::FacetKind;
 use crate::geometry::label::Label;
 use crate::voronoi::kd_tree::tree::KdTree;
@@ -167,8 +168,8 @@ impl CandidateSoa {
 
     /// Measures how far all sites are from `here`, in units, for the queries that follow.
     pub(crate) fn measure(&mut self, here: &Vector3<f64>) {
-        let [x, y, z] = [here.x, here.y, here.z].map(|along| f32x8::splat(along as f32));
-        let [xs, ys, zs] = self.positions.each_ref().map(|all| all.as_chunks().0);
+        let [x, y, z] = [here.x, here.y, here.z].map_each(|along| f32x8::splat(along as f32));
+        let [xs, ys, zs] = self.positions.each_ref().map_each(|all| all.as_chunks().0);
         let there = xs.iter().zip(ys).zip(zs);
         for (squares, ((xs, ys), zs)) in self.squares.as_chunks_mut().0.iter_mut().zip(there) {
             let [x, y, z] = [
@@ -217,7 +218,7 @@ impl CandidateSoa {
         let mut count = 0;
         for (block, squares) in blocks.iter().enumerate() {
             let squares = f32x8::new(*squares);
-            let [outside, inside] = [most - squares, squares - least].map(f32x8::to_bitmask);
+            let [outside, inside] = [most - squares, squares - least].map_each(f32x8::to_bitmask);
             let lanes = &LANES[(outside | inside) as usize & 0xff];
             let Some(chunk) = self.numbers[count..].first_chunk_mut::<BLOCK>() else {
                 break;

@@ -11,6 +11,7 @@
 use nalgebra::{Point3, Vector3};
 use wide::i32x8;
 
+use crate::arrays::MapEach;
 use crate::geometry::bounds::Bounds;
 use crate::voronoi::kd_tree::candidates::{
     Candidate, CandidateList, CandidateSoa, ROUNDING, Subtree,
@@ -277,7 +278,7 @@ impl NeighborhoodBuffer {
                         return false;
                     }
                 } else {
-                    let children = [1, 0].map(|side| 2 * subtree.node + side);
+                    let children = [1, 0].map_each(|side| 2 * subtree.node + side);
                     let children = children.map(|node| Subtree { node, ..subtree });
                     self.stack.extend(children);
                 }

@@ -4,6 +4,7 @@ use std::cmp::Ordering;
 
 use nalgebra::Point3;
 
+use crate::arrays::MapEach;
 use crate::geometry::bounds::Bounds;
 use crate::parallel::{map_parts, map_runs};
 
@@ -42,7 +43,7 @@ impl SortEntry {
     /// Written so that the common case, that coordinates differ, needs no branch.
     #[inline(always)]
     fn is_before(&self, axis: usize, other: &Self) -> bool {
-        let [before, after] = [self, other].map(|entry| entry.position[axis]);
+        let [before, after] = [self, other].map_each(|entry| entry.position[axis]);
         (before < after) | (before <= after) & (self.site < other.site)
     }
 }
@@ -161,7 +162,7 @@ fn exchange(ones: Vec<&mut [SortEntry]>, others: Vec<&mut [SortEntry]>) {
             }
             let length = one.len().min(other.len());
             let [(here, left), (there, right)] =
-                [one, other].map(|slice| slice.split_at_mut(length));
+                [one, other].map_each(|slice| slice.split_at_mut(length));
             pairs.push((here, there));
             (one, other) = (left, right);
         }

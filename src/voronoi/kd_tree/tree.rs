@@ -13,6 +13,7 @@ use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
 use wide::f64x2;
 
+use crate::arrays::MapEach;
 use crate::geometry::bounds::Bounds;
 use crate::parallel::{RUN, discard, map, map_runs};
 use crate::voronoi::kd_tree::sort::{SortEntry, sort, start};
@@ -136,7 +137,8 @@ impl KdTree {
     /// The places that a leaf covers.
     pub(crate) fn places(&self, leaf: u32) -> Range<usize> {
         let number = u64::from(leaf) - (1 << self.depth);
-        let [first, end] = [number, number + 1].map(|leaf| start(self.len(), leaf, self.depth));
+        let [first, end] =
+            [number, number + 1].map_each(|leaf| start(self.len(), leaf, self.depth));
         first..end
     }
 
@@ -160,7 +162,7 @@ impl KdTree {
             return self.bounds;
         }
         let (pair, lane) = (&self.pairs[node as usize / 2], node as usize % 2);
-        let corner = |ends: &[f64x2; 3]| Point3::from(ends.map(|end| end.to_array()[lane]));
+        let corner = |ends: &[f64x2; 3]| Point3::from(ends.map_each(|end| end.to_array()[lane]));
         Bounds {
             min: corner(&pair.min),
             max: corner(&pair.max),
@@ -260,8 +262,8 @@ impl ChildBoxes {
             f64x2::new([end(&one)[axis], end(&other)[axis]])
         };
         Self {
-            min: [0, 1, 2].map(|axis| lanes(axis, |bounds| &bounds.min)),
-            max: [0, 1, 2].map(|axis| lanes(axis, |bounds| &bounds.max)),
+            min: [0, 1, 2].map_each(|axis| lanes(axis, |bounds| &bounds.min)),
+            max: [0, 1, 2].map_each(|axis| lanes(axis, |bounds| &bounds.max)),
         }
     }
 
@@ -269,8 +271,8 @@ impl ChildBoxes {
     fn both(&self) -> Bounds<3> {
         let ends = |end: f64x2| end.to_array();
         Bounds {
-            min: Point3::from(self.min.map(|end| ends(end)[0].min(ends(end)[1]))),
-            max: Point3::from(self.max.map(|end| ends(end)[0].max(ends(end)[1]))),
+            min: Point3::from(self.min.map_each(|end| ends(end)[0].min(ends(end)[1]))),
+            max: Point3::from(self.max.map_each(|end| ends(end)[0].max(ends(end)[1]))),
         }
     }
 }

@@ -1,5 +1,7 @@
 //! Blocks of a cone: at all heights between two, its section has one rectangle whose sides move evenly.
 
+use crate::arrays::MapEach;
+
 /// The source of the sides of a cone itself.
 pub(crate) const CONE_SIDE: u32 = u32::MAX;
 
@@ -49,7 +51,7 @@ impl Column {
     /// Its extents along u and v at a height (L).
     #[inline]
     fn extents(&self, height: f64) -> [f64; 2] {
-        [self.u, self.v].map(|[low, high]| {
+        [self.u, self.v].map_each(|[low, high]| {
             let extent = high.at(height) - low.at(height);
             if extent > 0.0 { extent } else { 0.0 }
         })
@@ -72,7 +74,7 @@ impl Block {
     #[inline]
     pub(crate) fn integral(&self, order: u32) -> f64 {
         let [low, high] = self.heights;
-        let [[u0, v0], [u1, v1]] = self.heights.map(|height| self.column.extents(height));
+        let [[u0, v0], [u1, v1]] = self.heights.map_each(|height| self.column.extents(height));
         let areas = [u0 * v0, u0 * v1 + u1 * v0, u1 * v1];
         let p = f64::from(order);
         let mut sum = 0.0;

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use nalgebra::{Point3, Vector3};
 
+use crate::arrays::MapEach;
 use crate::domain::domain::Domain;
 use crate::domain::facet_kind::FacetKind;
 use crate::geometry::bounds::Bounds;
@@ -83,7 +84,7 @@ impl LinfCell<'_> {
             let blocks = self.blocks();
             let mut corners = blocks.flat_map(|(cone, block)| {
                 let corners = block.corners();
-                corners.map(|corner| cone.displacement(corner))
+                corners.map_each(|corner| cone.displacement(corner))
             });
             corners.all(|corner| self.oblique.contain(&corner))
         }
@@ -299,7 +300,7 @@ impl LinfCellBuilder {
         let no_wall = self.labels.len() as u32;
         self.labels.push(FacetKind::Inner.label());
         let mut walls: [[(f64, u32); 2]; 3] = std::array::from_fn(|axis| {
-            [-around.min[axis], around.max[axis]].map(|distance| (distance.max(0.0), no_wall))
+            [-around.min[axis], around.max[axis]].map_each(|distance| (distance.max(0.0), no_wall))
         });
         for facet in self.start.facets() {
             let (wall, source) = (facet.half_space(), self.labels.len() as u32);

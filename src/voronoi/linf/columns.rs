@@ -1,5 +1,6 @@
 //! The columns of a section: from the left end to the right one, from front to front.
 
+use crate::arrays::MapEach;
 use crate::voronoi::linf::block::{CONE_SIDE, Column, Line};
 use crate::voronoi::linf::quadrant::{ConeWalls, front_line};
 
@@ -49,7 +50,7 @@ pub(crate) struct ColumnWalk<'a> {
 
 impl<'a> ColumnWalk<'a> {
     pub(crate) fn new(walls: &'a ConeWalls, fronts: &'a [Vec<Front>; 2], height: f64) -> Self {
-        let hidden = [0, 1].map(|side| {
+        let hidden = [0, 1].map_each(|side| {
             let wall = walls.across[0][side].0;
             hidden(&fronts[side], wall, height)
         });
@@ -131,7 +132,7 @@ fn caps(fronts: [&[Front]; 2], counts: [usize; 2]) -> [Cap; 2] {
         None => [NO_CAP; 2],
     };
     let (right, left) = (of(0), of(1));
-    [0, 1].map(|end| {
+    [0, 1].map_each(|end| {
         if left[end].at < right[end].at {
             left[end]
         } else {
@@ -143,7 +144,7 @@ fn caps(fronts: [&[Front]; 2], counts: [usize; 2]) -> [Cap; 2] {
 /// The low and the high line along v that caps leave.
 #[inline]
 fn lines(walls: &ConeWalls, height: f64, caps: [Cap; 2]) -> [Line; 2] {
-    [0, 1].map(|end| {
+    [0, 1].map_each(|end| {
         let Cap { at, source } = caps[end];
         if at < f64::INFINITY {
             front_line(at, end == 0, source)

@@ -7,6 +7,7 @@
 
 use nalgebra::{Point3, Vector3};
 
+use crate::arrays::MapEach;
 use crate::voronoi::linf::quadrant::{ConeWalls, Quadrant};
 
 /// How many cones a site has.
@@ -81,7 +82,7 @@ impl Cone {
         let (half, is_low) = (0.5 * ahead, [along_u < 0.0, along_v < 0.0]);
         let across = [along_u.abs(), along_v.abs()];
         // Before that it is outside the section.
-        let entry = [0, 1].map(|along| {
+        let entry = [0, 1].map_each(|along| {
             let wall = walls.across[along][usize::from(!is_low[along])].0;
             (0.5 * across[along]).max(across[along] - wall)
         });

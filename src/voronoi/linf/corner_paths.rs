@@ -1,5 +1,6 @@
 //! The ways of the corners of a cone's sections, from height to height.
 
+use crate::arrays::MapEach;
 use crate::voronoi::linf::block::{Column, Lasting, Line};
 use crate::voronoi::linf::quadrant::Quadrant;
 use crate::voronoi::linf::sweep::SweepVisitor;
@@ -33,7 +34,7 @@ impl<Visit: FnMut([[f64; 3]; 2], bool)> CornerPathMaker<Visit> {
     /// Adds the corners where two columns meet, or one ends.
     fn push_between(&mut self, [left, right]: [Option<&Column>; 2]) {
         for end in [0, 1] {
-            let lines = [left, right].map(|column| column.map(|column| column.v[end]));
+            let lines = [left, right].map_each(|column| column.map(|column| column.v[end]));
             if lines[0].is_some() && lines[0] == lines[1] {
                 continue;
             }
@@ -64,7 +65,7 @@ impl<Visit: FnMut([[f64; 3]; 2], bool)> SweepVisitor for CornerPathMaker<Visit> 
         let visit = &mut self.visit;
         (self.lasting).turn(self.corners.iter().copied(), height, |corner, heights| {
             visit(
-                heights.map(|height| [height, corner.u.at(height), corner.v.at(height)]),
+                heights.map_each(|height| [height, corner.u.at(height), corner.v.at(height)]),
                 corner.is_added,
             );
         });

@@ -2,6 +2,7 @@
 
 use nalgebra::{Point3, Vector3};
 
+use crate::arrays::MapEach;
 use crate::domain::facet_kind::FacetKind;
 use crate::geometry::bounds::Bounds;
 use crate::geometry::clip::{Clip, ClipScratch, clip};
@@ -160,9 +161,9 @@ impl ClippedBlock {
         let triangles = self.part.facets().flat_map(|facet| facet.triangles());
         triangles
             .map(|corners| {
-                let [a, b, c] = corners.map(|corner| corner - apex);
+                let [a, b, c] = corners.map_each(|corner| corner - apex);
                 let volume = a.dot(&b.cross(&c)) / 6.0;
-                let heights = [apex, corners[0], corners[1], corners[2]].map(|at| height(&at));
+                let heights = [apex, corners[0], corners[1], corners[2]].map_each(|at| height(&at));
                 linear_power(volume, &heights, order)
             })
             .sum()

@@ -9,6 +9,7 @@ use std::collections::BTreeMap;
 
 use nalgebra::Vector3;
 
+use crate::arrays::MapEach;
 use crate::geometry::brep::{Brep, Edge};
 use crate::geometry::half_space::HalfSpace;
 use crate::voronoi::linf::cell::LinfCell;
@@ -122,7 +123,7 @@ impl WeldedCorners {
 
     /// The places on the edge between two others, in order.
     fn strictly_between(&self, [from, to]: [u32; 2]) -> Vec<u32> {
-        let [a, b] = [from, to].map(|n| self.places[n as usize]);
+        let [a, b] = [from, to].map_each(|n| self.places[n as usize]);
         let (way, square) = (b - a, (b - a).norm_squared());
         let share = |n: &usize| (self.places[*n] - a).dot(&way) / square;
         let is_on = |n: &usize| {

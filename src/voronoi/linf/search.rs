@@ -2,6 +2,7 @@
 
 use nalgebra::{Point3, Vector3};
 
+use crate::arrays::MapEach;
 use crate::domain::facet_kind::FacetKind;
 use crate::geometry::bounds::Bounds;
 use crate::geometry::label::Label;
@@ -120,7 +121,7 @@ pub(crate) fn nearest(tree: &KdTree, point: &Point3<f64>) -> u32 {
             }
             if !tree.is_leaf(node) {
                 let children = [2 * node, 2 * node + 1];
-                let gaps = children.map(|child| gap(&tree.bounds(child), &here));
+                let gaps = children.map_each(|child| gap(&tree.bounds(child), &here));
                 let nearer_last = if gaps[0] < gaps[1] { 1 } else { 0 };
                 stack.extend([children[nearer_last], children[1 - nearer_last]]);
                 continue;

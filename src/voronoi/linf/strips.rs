@@ -1,5 +1,6 @@
 //! The boundary of a cone's blocks: strips of moving sides, and what is covered at once.
 
+use crate::arrays::MapEach;
 use crate::voronoi::linf::block::{Column, Lasting, Line};
 use crate::voronoi::linf::quadrant::Quadrant;
 use crate::voronoi::linf::sweep::SweepVisitor;
@@ -81,8 +82,9 @@ impl<Visit: FnMut(&Strip)> SweepVisitor for StripMaker<Visit> {
             push_between(&mut self.sides, [left, open(number)]);
             if let Some(column) = open(number) {
                 let ends = [(false, column.v[0]), (true, column.v[1])];
-                (self.sides)
-                    .extend(ends.map(|(is_high, at)| MovingSide::along_v(is_high, at, column)));
+                (self.sides).extend(
+                    ends.map_each(|(is_high, at)| MovingSide::along_v(is_high, at, column)),
+                );
             }
         }
         let Self { strip, visit, .. } = self;
@@ -97,7 +99,7 @@ impl<Visit: FnMut(&Strip)> SweepVisitor for StripMaker<Visit> {
             let [[left, right], [low, high]] = covered_part(column, height, by);
             if left < right && low < high {
                 let corners = [[left, low], [right, low], [right, high], [left, high]];
-                let corners = corners.map(|[u, v]| [height, u, v]);
+                let corners = corners.map_each(|[u, v]| [height, u, v]);
                 emit(
                     &mut self.strip,
                     &mut self.visit,
@@ -111,7 +113,7 @@ impl<Visit: FnMut(&Strip)> SweepVisitor for StripMaker<Visit> {
 
 /// The part of a column that a quadrant covers, from low to high along u and along v.
 fn covered_part(column: &Column, height: f64, by: &Quadrant) -> [[f64; 2]; 2] {
-    let mut ends = [column.u, column.v].map(|lines| lines.map(|line| line.at(height)));
+    let mut ends = [column.u, column.v].map_each(|lines| lines.map(|line| line.at(height)));
     for along in [0, 1] {
         let (side, [low, high]) = (by.side(along).at(height), &mut ends[along]);
         if by.is_low[along] {
@@ -164,13 +166,13 @@ impl MovingSide {
 
     /// Its corners (h, u, v), counter-clockwise from outside.
     fn corners(&self, heights: [f64; 2]) -> [[f64; 3]; 4] {
-        let [from, to] = heights.map(|height| {
+        let [from, to] = heights.map_each(|height| {
             let at = self.at.at(height);
             let low = self.between[0].at(height);
             let high = self.between[1].at(height);
             let is_apart = high - low > ROUNDING * (height + low.abs());
             let high = if is_apart { high } else { low };
-            [low, high].map(|other| match self.along {
+            [low, high].map_each(|other| match self.along {
                 0 => [height, at, other],
                 _ => [height, other, at],
             })

@@ -8,6 +8,7 @@
 //! either end. All that changes, changes at a height that is a coordinate, a half or a sum of two: there the
 //! columns are laid anew, and decided by the same expression, so that nothing is left to rounding.
 
+use crate::arrays::MapEach;
 use crate::voronoi::linf::block::{Block, Column, Lasting};
 use crate::voronoi::linf::columns::{Boundary, Cap, ColumnWalk, Front, NO_CAP};
 use crate::voronoi::linf::quadrant::{ConeWalls, Quadrant};
@@ -208,7 +209,7 @@ impl SweepState {
     /// Adds a quadrant to the fronts.
     fn push(&mut self, quadrant: &Quadrant) {
         let [at, cap] = quadrant.across;
-        let [from_left, from_below] = quadrant.is_low.map(usize::from);
+        let [from_left, from_below] = quadrant.is_low.map_each(usize::from);
         let fronts = &mut self.fronts[from_left];
         let place = fronts.partition_point(|front| front.at <= at);
         let mut caps = place.checked_sub(1).map_or([NO_CAP; 2], |n| fronts[n].caps);

@@ -24,6 +24,7 @@ use voronator::VoronoiDiagram;
 use voronator::delaunator::Point;
 use voronator::polygon::Polygon;
 
+use crate::arrays::MapEach;
 use crate::domain::facet_kind::FacetKind;
 use crate::domain::planar::PlaneDomain;
 use crate::geometry::half_plane::HalfPlane;
@@ -236,7 +237,8 @@ fn linf_diagram(domain: &PlaneDomain, sites: &[Point2<f64>], wins_ties: bool) ->
             }
             for image in grid.ring(&site, ring).map(|other| &images[other]) {
                 if image.site != index {
-                    let [from, to] = [site, sites[image.site]].map(|p| Point3::new(p.x, p.y, 0.0));
+                    let [from, to] =
+                        [site, sites[image.site]].map_each(|p| Point3::new(p.x, p.y, 0.0));
                     let by = shift(domain, image.image).push(0.0);
                     let to_image = exact_displacement(&from, &to, &by).xy();
                     let label = image.label();

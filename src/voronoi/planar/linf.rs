@@ -8,6 +8,7 @@
 
 use nalgebra::{Point2, Vector2};
 
+use crate::arrays::MapEach;
 use crate::domain::facet_kind::FacetKind;
 use crate::domain::planar::PlaneDomain;
 use crate::geometry::bounds::Bounds;
@@ -83,7 +84,7 @@ impl PlaneLinfCell {
         ];
         Self {
             quarters: std::array::from_fn(|number| Quarter {
-                axes: QUARTERS[number].map(Vector2::from),
+                axes: QUARTERS[number].map_each(Vector2::from),
                 // Low is clockwise, high counter-clockwise.
                 walls: [
                     walls[(number + 3) % 4],
@@ -126,7 +127,7 @@ impl PlaneLinfCell {
 
 impl Quarter {
     fn add(&mut self, displacement: &Vector2<f64>, label: Label, wins_ties: bool) {
-        let [ahead, across] = self.axes.map(|axis| axis.dot(displacement));
+        let [ahead, across] = self.axes.map_each(|axis| axis.dot(displacement));
         if ahead < 0.0 || ahead == 0.0 && !wins_ties {
             return;
         }
@@ -202,7 +203,7 @@ impl Quarter {
 
     fn polygon(&self, part: &Trapezoid) -> ConvexPolygon {
         let [from, _] = part.heights;
-        let [low, high] = part.ends.map(|line| self.place(from, line.at(from)));
+        let [low, high] = part.ends.map_each(|line| self.place(from, line.at(from)));
         let bottom = PolygonEdge {
             start: high,
             end: low,
