@@ -7,6 +7,7 @@
 
 use nalgebra::{Matrix3, Point3, Vector3};
 
+use crate::arrays::MapEach;
 use crate::domain::shape::PieceScratch;
 use crate::geometry::moments::Moments;
 use crate::geometry::polyhedron::Polyhedron;
@@ -34,7 +35,7 @@ pub(crate) fn of_vertices(mesh: &TetMesh, origin: &Point3<f64>) -> Vec<Moments> 
     let mut hats = vec![Moments::default(); mesh.vertices.len()];
     for (tet, corners) in mesh.tets.iter().zip(mesh.all_corners()) {
         let volume = tet_volume(&corners);
-        let arms = corners.map(|corner| corner - origin);
+        let arms = corners.map_each(|corner| corner - origin);
         let sum: Vector3<f64> = arms.iter().sum();
         let squares: Matrix3<f64> = arms.iter().map(|arm| arm * arm.transpose()).sum();
         for (&vertex, arm) in tet.iter().zip(&arms) {
@@ -94,7 +95,7 @@ fn fan(part: &Polyhedron, site: &Point3<f64>, tets: &mut Vec<[Point3<f64>; 4]>) 
             continue;
         }
         let pairs = rim[1..].windows(2);
-        let tet = |pair: &[usize]| [0, rim[0], pair[0], pair[1]].map(|vertex| corners[vertex]);
+        let tet = |pair: &[usize]| [0, rim[0], pair[0], pair[1]].map_each(|vertex| corners[vertex]);
         tets.extend(pairs.map(tet).filter(|tet| tet_volume(tet) > 0.0));
     }
 }
@@ -105,7 +106,7 @@ pub(crate) fn points(tets: &[[Point3<f64>; 4]]) -> Vec<WeightedPoint> {
         let weight = tet_volume(tet) / 4.0;
         let sum: Vector3<f64> = tet.iter().map(|corner| corner.coords).sum();
         let at = |corner: Point3<f64>| sum * RULE[1] + corner.coords * (RULE[0] - RULE[1]);
-        tet.map(|corner| WeightedPoint {
+        tet.map_each(|corner| WeightedPoint {
             position: at(corner).into(),
             weight,
         })
@@ -117,7 +118,7 @@ pub(crate) fn points(tets: &[[Point3<f64>; 4]]) -> Vec<WeightedPoint> {
 pub(crate) fn eighths(tets: &[[Point3<f64>; 4]]) -> Vec<[Point3<f64>; 4]> {
     let of_tet = |tet: &[Point3<f64>; 4]| {
         let middle = |i: usize, k: usize| nalgebra::center(&tet[i], &tet[k]);
-        let [ab, ac, ad] = [1, 2, 3].map(|k| middle(0, k));
+        let [ab, ac, ad] = [1, 2, 3].map_each(|k| middle(0, k));
         let [bc, bd, cd] = [middle(1, 2), middle(1, 3), middle(2, 3)];
         let [a, b, c, d] = *tet;
         [

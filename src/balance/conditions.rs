@@ -7,6 +7,7 @@
 
 use nalgebra::{Matrix3, Point3, Unit, Vector3};
 
+use crate::arrays::MapEach;
 use crate::balance::dual::Relation;
 use crate::geometry::moments::Moments;
 
@@ -172,7 +173,7 @@ impl SpinAxis {
 
     /// The products of inertia with the line are zero: it is a principal axis if the center lies on it.
     pub(crate) fn principal(&self) -> [Condition; 2] {
-        self.across.map(|direction| {
+        self.across.map_each(|direction| {
             let product = direction * self.along.transpose();
             self.quadratic((product + product.transpose()) * 0.5)
         })
@@ -180,7 +181,7 @@ impl SpinAxis {
 
     /// The moment of inertia about the line is `moment`.
     pub(crate) fn moment(&self, moment: f64) -> Condition {
-        let [first, second] = self.across.map(|across| across * across.transpose());
+        let [first, second] = self.across.map_each(|across| across * across.transpose());
         Condition {
             wanted: moment,
             ..self.quadratic(first + second)

@@ -9,6 +9,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use crate::arrays::MapEach;
 use crate::balance::dual::DensityRange;
 use crate::balance::solid::{AffineForm, SolidBalance};
 use crate::geometry::moments::Moments;
@@ -41,14 +42,14 @@ impl ClampDerivatives {
             low: less(body.whole, above.low),
             high: over.low,
             value: less(above.low, over.low),
-            gradient: [0, 1, 2].map(|axis| less(raised(&above, axis), raised(&over, axis))),
+            gradient: [0, 1, 2].map_each(|axis| less(raised(&above, axis), raised(&over, axis))),
         }
     }
 
     /// How the center of mass of a body of these moments moves: ∂C = (∂D₁ − C ∂D₀)/D₀, for the low end, the
     /// high end, the value, and the gradient's components (columns).
     pub(crate) fn center(&self, moments: &Moments) -> [Vector3<f64>; 3] {
-        [&self.low, &self.high, &self.value].map(|change| shift(moments, change))
+        [&self.low, &self.high, &self.value].map_each(|change| shift(moments, change))
     }
 
     /// The same for the gradient's components, one column each.
@@ -57,7 +58,7 @@ impl ClampDerivatives {
             &self
                 .gradient
                 .each_ref()
-                .map(|change| shift(moments, change)),
+                .map_each(|change| shift(moments, change)),
         )
     }
 }

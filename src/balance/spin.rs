@@ -9,6 +9,7 @@
 
 use nalgebra::{DVector, Matrix2, Point3, SymmetricEigen, Vector3};
 
+use crate::arrays::MapEach;
 use crate::balance::conditions::{Condition, SpinAxis};
 use crate::balance::contrast::{RangeGrowth, least_growth};
 use crate::balance::dual::DensityRange;
@@ -147,7 +148,7 @@ impl SpinState {
         let place = nearest.unwrap_or_default();
         let found = principal.axes[place];
         let nearest_axis = found * found.dot(along).signum();
-        let [u, v] = axis.across.map(|across| across.dot(&center));
+        let [u, v] = axis.across.map_each(|across| across.dot(&center));
         let angle = nearest_axis
             .cross(along)
             .norm()

@@ -6,6 +6,7 @@
 
 use nalgebra::{Matrix2x3, Point2, Point3, Unit, Vector2, Vector3};
 
+use crate::arrays::MapEach;
 use crate::balance::conditions::Condition;
 use crate::balance::dual::Relation;
 
@@ -94,7 +95,7 @@ impl Ground {
 
     /// The ground coordinates of a point.
     pub(crate) fn shadow(&self, point: &Point3<f64>) -> Point2<f64> {
-        Point2::from(self.across.map(|axis| axis.dot(&point.coords)))
+        Point2::from(self.across.map_each(|axis| axis.dot(&point.coords)))
     }
 
     /// The point of the ground at coordinates.
@@ -131,7 +132,7 @@ impl Ground {
 fn across(up: &Unit<Vector3<f64>>) -> [Vector3<f64>; 2] {
     let axis = up.iamax();
     if up.iter().filter(|part| **part != 0.0).count() == 1 {
-        return [[1, 2], [0, 2], [0, 1]][axis].map(|other| Vector3::ith(other, 1.0));
+        return [[1, 2], [0, 2], [0, 1]][axis].map_each(|other| Vector3::ith(other, 1.0));
     }
     let first = Vector3::ith(up.iamin(), 1.0).cross(up).normalize();
     [first, up.cross(&first)]
@@ -249,7 +250,7 @@ impl Support {
         margin: f64,
         tilt: f64,
     ) -> Vec<(Condition, Vector3<f64>)> {
-        let across = Matrix2x3::from_rows(&ground.across.map(|axis| axis.transpose()));
+        let across = Matrix2x3::from_rows(&ground.across.map_each(|axis| axis.transpose()));
         let demand = |(normal, bound): (Vector2<f64>, f64)| {
             let outward = across.transpose() * normal;
             let gradient = outward + ground.up.as_ref() * tilt;
@@ -311,7 +312,7 @@ fn clipped(corners: &[Point2<f64>], normal: &Vector2<f64>, bound: f64) -> Vec<Po
     let mut part = Vec::new();
     for (k, corner) in corners.iter().enumerate() {
         let next = corners[(k + 1) % corners.len()];
-        let [here, there] = [corner, &next].map(|point| bound - normal.dot(&point.coords));
+        let [here, there] = [corner, &next].map_each(|point| bound - normal.dot(&point.coords));
         if here >= 0.0 {
             part.push(*corner);
         }

@@ -2,6 +2,7 @@
 
 use nalgebra::Point3;
 
+use crate::arrays::MapEach;
 use crate::domain::error::{DomainError, check_digits};
 use crate::domain::facet_kind::FacetKind;
 use crate::domain::shape::DomainShape;
@@ -85,7 +86,7 @@ impl DomainShape for Cuboid {
 
     fn periods(&self) -> [Option<f64>; 3] {
         let extent = self.bounds.extent();
-        [0, 1, 2].map(|axis| self.periodic[axis].then_some(extent[axis]))
+        [0, 1, 2].map_each(|axis| self.periodic[axis].then_some(extent[axis]))
     }
 
     fn is_box(&self) -> bool {

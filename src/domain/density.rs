@@ -4,6 +4,7 @@ use std::sync::OnceLock;
 
 use nalgebra::{Matrix3, Point3, Vector3};
 
+use crate::arrays::MapEach;
 use crate::domain::density_power::{PowerIntegral, over_regions, over_tetrahedron};
 use crate::domain::density_region::DensityRegion;
 use crate::domain::error::DomainError;
@@ -80,7 +81,7 @@ impl Density {
         let mut mass = 0.0;
         let mut linear = Vec::with_capacity(mesh.tets.len());
         for (vertices, corners) in mesh.tets.iter().zip(mesh.all_corners()) {
-            let values = vertices.map(|vertex| values[vertex as usize]);
+            let values = vertices.map_each(|vertex| values[vertex as usize]);
             mass += tet_volume(&corners) * values.iter().sum::<f64>() / 4.0;
             linear.push((values[0], gradient(&corners, &values)));
         }
@@ -167,7 +168,7 @@ impl Density {
 fn over_tets(mesh: &TetMesh, linear: &[(f64, Vector3<f64>)]) -> PowerIntegral {
     let mut sum = PowerIntegral::default();
     for ((first, gradient), corners) in linear.iter().zip(mesh.all_corners()) {
-        let values = corners.map(|corner| first + gradient.dot(&(corner - corners[0])));
+        let values = corners.map_each(|corner| first + gradient.dot(&(corner - corners[0])));
         let part = over_tetrahedron(tet_volume(&corners), values, OPTIMUM);
         sum.value += part.value;
         sum.error += part.error;
@@ -177,8 +178,8 @@ fn over_tets(mesh: &TetMesh, linear: &[(f64, Vector3<f64>)]) -> PowerIntegral {
 
 /// The gradient of the linear function with these values at a tetrahedron's corners; zero for a flat one.
 fn gradient(corners: &[Point3<f64>; 4], values: &[f64; 4]) -> Vector3<f64> {
-    let edges = [1, 2, 3].map(|k| corners[k] - corners[0]);
-    let rises = Vector3::from([1, 2, 3].map(|k| values[k] - values[0]));
+    let edges = [1, 2, 3].map_each(|k| corners[k] - corners[0]);
+    let rises = Vector3::from([1, 2, 3].map_each(|k| values[k] - values[0]));
     let rows = Matrix3::from_columns(&edges).transpose();
     rows.lu().solve(&rises).unwrap_or_default()
 }

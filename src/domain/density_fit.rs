@@ -10,6 +10,7 @@ use std::collections::BinaryHeap;
 
 use nalgebra::{Point3, Vector3};
 
+use crate::arrays::MapEach;
 use crate::domain::density_power::{NODES, along, each, nodes};
 use crate::domain::density_region::{DensityRegion, MOST_REGIONS, everywhere};
 use crate::domain::error::DomainError;
@@ -147,7 +148,10 @@ fn fit(
         }
         if powers.iter().sum::<usize>() <= DEGREE {
             let scale = (0..3).map(|axis| half[axis].powi(powers[axis] as i32));
-            terms.push((powers.map(|p| p as u32), value / scale.product::<f64>()));
+            terms.push((
+                powers.map_each(|p| p as u32),
+                value / scale.product::<f64>(),
+            ));
         }
     });
     let fit = Polynomial::from_terms(terms);
@@ -172,7 +176,7 @@ fn grid(bounds: &Bounds<3>) -> impl Iterator<Item = Point3<f64>> + use<> {
     let bounds = *bounds;
     (0..GRID.pow(3)).map(move |number| {
         let steps = [number / (GRID * GRID), number / GRID % GRID, number % GRID];
-        let share = Vector3::from(steps.map(|step| step as f64 / (GRID - 1) as f64));
+        let share = Vector3::from(steps.map_each(|step| step as f64 / (GRID - 1) as f64));
         bounds.min + bounds.extent().component_mul(&share)
     })
 }

@@ -14,6 +14,7 @@ use std::collections::BinaryHeap;
 
 use nalgebra::Vector3;
 
+use crate::arrays::MapEach;
 use crate::domain::density_region::DensityRegion;
 use crate::domain::shape::DomainShape;
 use crate::domain::shape_integrator::ShapeIntegrator;
@@ -98,7 +99,7 @@ pub(crate) fn over_regions(
         let middle = worst.bounds.center()[worst.axis];
         below.max[worst.axis] = middle;
         above.min[worst.axis] = middle;
-        let mut halves = [below, above].map(|bounds| part(worst.region, bounds));
+        let mut halves = [below, above].map_each(|bounds| part(worst.region, bounds));
         let change = halves[0].integral.value + halves[1].integral.value - worst.integral.value;
         for half in &mut halves {
             half.integral.error = 0.5 * change.abs();
@@ -155,7 +156,7 @@ fn interpolated<'a>(
         let scale = (0..3).fold(1.0, |scale, axis| {
             scale * half[axis].powi(powers[axis] as i32)
         });
-        terms.push((powers.map(|power| power as u32), value / scale));
+        terms.push((powers.map_each(|power| power as u32), value / scale));
     });
     let polynomial = Polynomial::from_terms(terms);
     let value = whole.mass_of_terms((&bounds, &region.planes), &center, &polynomial, monomials);
@@ -230,7 +231,7 @@ pub(crate) fn over_tetrahedron(volume: f64, corners: [f64; 4], exponent: f64) ->
     let low = corners.into_iter().fold(f64::INFINITY, f64::min);
     let middle = 0.5 * (low + high);
     let reach = (high - low) / (high + low);
-    let u = corners.map(|value| (value - middle) / middle);
+    let u = corners.map_each(|value| (value - middle) / middle);
     let mut homogeneous = [1.0; 4];
     let (mut binomial, mut power, mut sum) = (1.0_f64, 1.0_f64, 1.0);
     let mut rest = 0.0;

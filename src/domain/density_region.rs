@@ -10,6 +10,7 @@ use std::sync::Arc;
 
 use nalgebra::Point3;
 
+use crate::arrays::MapEach;
 use crate::domain::error::DomainError;
 use crate::domain::shape::DomainShape;
 use crate::domain::shape_integrator::ShapeIntegrator;
@@ -217,7 +218,7 @@ fn refuse_corners(
 fn parabola(size: &Polynomial, [low, high]: [f64; 2], exponent: i32) -> Polynomial {
     let middle = 0.5 * (low + high);
     let half = 0.5 * (high - low);
-    let [a, b, c] = [low, middle, high].map(|h| h.powi(-exponent));
+    let [a, b, c] = [low, middle, high].map_each(|h| h.powi(-exponent));
     if half <= 0.0 {
         return Polynomial::constant(b);
     }

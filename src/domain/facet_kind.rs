@@ -1,5 +1,6 @@
 //! The kinds of facets, and their encoding as labels.
 
+use crate::arrays::MapEach;
 use crate::geometry::label::Label;
 
 /// What a facet of a cell or piece borders on.
@@ -54,7 +55,7 @@ impl FacetKind {
             WALL => Self::Wall(label as u32),
             0 => Self::Neighbor {
                 site: label as u32,
-                image: [32, 40, 48].map(|shift| (label >> shift) as u8 as i8),
+                image: [32, 40, 48].map_each(|shift| (label >> shift) as u8 as i8),
             },
             _ => Self::Inner,
         }

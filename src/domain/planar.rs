@@ -8,6 +8,7 @@
 
 use nalgebra::{Point2, Vector2};
 
+use crate::arrays::MapEach;
 use crate::domain::error::FARTHEST;
 use crate::domain::facet_kind::FacetKind;
 use crate::domain::planar_density::PlaneDensity;
@@ -62,7 +63,7 @@ impl PlaneDomain {
     #[must_use]
     pub fn repeated(mut self, periodic: [bool; 2]) -> Self {
         let extent = self.bounds.extent();
-        self.periods = [0, 1].map(|axis| periodic[axis].then_some(extent[axis]));
+        self.periods = [0, 1].map_each(|axis| periodic[axis].then_some(extent[axis]));
         self
     }
 

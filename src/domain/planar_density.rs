@@ -7,6 +7,7 @@ use std::sync::OnceLock;
 
 use nalgebra::{Point2, Point3, Vector2, Vector3};
 
+use crate::arrays::MapEach;
 use crate::domain::convex::ConvexPolyhedron;
 use crate::domain::density_power::{PowerIntegral, over_regions};
 use crate::domain::density_region::DensityRegion;
@@ -162,7 +163,7 @@ fn prism(piece: &ConvexPolygon, bounds: &Bounds<2>) -> Option<ConvexPolyhedron> 
             offset: along.y * edge.start.x - along.x * edge.start.y,
         }
     });
-    let ends = [1.0, -1.0].map(|sign| HalfSpace {
+    let ends = [1.0, -1.0].map_each(|sign| HalfSpace {
         normal: Vector3::z() * sign,
         offset: 0.5 * height,
     });

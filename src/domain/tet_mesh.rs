@@ -8,6 +8,7 @@ use std::collections::HashMap;
 
 use nalgebra::{Point3, Vector3};
 
+use crate::arrays::MapEach;
 use crate::domain::candidates::visit_candidates;
 use crate::domain::error::DomainError;
 use crate::domain::facet_kind::FacetKind;
@@ -143,11 +144,11 @@ impl IndexedTets {
     fn clip_to(&self, tet: u32, site: &Point3<f64>, scratch: &mut PieceScratch) -> bool {
         let vertices = self.mesh.tets[tet as usize];
         for (opposite, corners) in FACETS.iter().enumerate() {
-            let mut facet = corners.map(|corner| vertices[corner]);
+            let mut facet = corners.map_each(|corner| vertices[corner]);
             // By ascending vertex, so that both tetrahedra at the facet use the same plane.
             let is_odd = (facet[0] > facet[1]) ^ (facet[1] > facet[2]) ^ (facet[0] > facet[2]);
             facet.sort_unstable();
-            let [a, b, c] = facet.map(|vertex| self.mesh.vertices[vertex as usize] - site);
+            let [a, b, c] = facet.map_each(|vertex| self.mesh.vertices[vertex as usize] - site);
             let normal = (b - a).cross(&(c - a));
             let outward = if is_odd { -1.0 } else { 1.0 };
             let plane = HalfSpace {
@@ -167,7 +168,7 @@ impl IndexedTets {
 /// identified by their corners' coordinates.
 fn labels(mesh: &TetMesh, boundary: &SurfaceSolid) -> Vec<[Label; 4]> {
     let key = |corners: [Point3<f64>; 3]| {
-        let mut key = corners.map(|corner| <[f64; 3]>::from(corner).map(f64::to_bits));
+        let mut key = corners.map_each(|corner| <[f64; 3]>::from(corner).map_each(f64::to_bits));
         key.sort_unstable();
         key
     };
@@ -175,7 +176,7 @@ fn labels(mesh: &TetMesh, boundary: &SurfaceSolid) -> Vec<[Label; 4]> {
     let walls: HashMap<_, u32> = triangles.collect();
     let label = |tet: usize, corners: [usize; 3]| {
         let all = mesh.corners(tet);
-        let wall = walls.get(&key(corners.map(|corner| all[corner])));
+        let wall = walls.get(&key(corners.map_each(|corner| all[corner])));
         wall.map_or(FacetKind::Inner.label(), |&triangle| {
             boundary.indexed().label(triangle)
         })

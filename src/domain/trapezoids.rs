@@ -11,6 +11,7 @@ use std::collections::BTreeSet;
 use nalgebra::Point2;
 use robust::{Coord, orient2d};
 
+use crate::arrays::MapEach;
 use crate::domain::facet_kind::FacetKind;
 use crate::domain::planar_error::PlaneDomainError;
 use crate::geometry::bounds::Bounds;
@@ -163,7 +164,7 @@ impl Sweep<'_> {
 
     /// Adds the trapezoid between two sides and two heights.
     fn close(&mut self, left: usize, right: usize, [from, to]: [f64; 2]) {
-        let [l, r] = [left, right].map(|side| self.sides[side]);
+        let [l, r] = [left, right].map_each(|side| self.sides[side]);
         let mut around = self.level(l.at(from), r.at(from), true);
         around.push((r.at(from), r.at(to), r.label()));
         let top = self.level(l.at(to), r.at(to), false).into_iter().rev();
@@ -199,7 +200,7 @@ impl Sweep<'_> {
         walls.sort_by(|a, b| a.0.total_cmp(&b.0));
         let (mut parts, mut at) = (Vec::new(), left);
         for (from, to, number) in walls {
-            let [from, to] = [from, to].map(|x| Point2::new(x, left.y));
+            let [from, to] = [from, to].map_each(|x| Point2::new(x, left.y));
             self.faces.insert((number, is_bottom));
             parts.push((at, from, inner));
             parts.push((from, to, self.sides[number].label()));
@@ -239,7 +240,7 @@ pub(crate) fn refuse_crossings(loops: &[Vec<Point2<f64>>]) -> Result<(), PlaneDo
 /// Whether two sides cross, or have a length in common.
 fn cross(a: &Side, b: &Side) -> bool {
     let turns = |side: &Side, other: &Side| {
-        [other.lower, other.upper].map(|point| turn(&side.lower, &side.upper, &point))
+        [other.lower, other.upper].map_each(|point| turn(&side.lower, &side.upper, &point))
     };
     let (of_b, of_a) = (turns(a, b), turns(b, a));
     if of_b.iter().all(|turn| turn.abs() <= 0.0) {
@@ -253,7 +254,7 @@ fn cross(a: &Side, b: &Side) -> bool {
 
 /// Twice the signed area of a triangle, its sign exact.
 fn turn(a: &Point2<f64>, b: &Point2<f64>, c: &Point2<f64>) -> f64 {
-    let [a, b, c] = [a, b, c].map(|point| Coord {
+    let [a, b, c] = [a, b, c].map_each(|point| Coord {
         x: point.x,
         y: point.y,
     });

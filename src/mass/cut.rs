@@ -1,5 +1,6 @@
 //! Cutting of a tetrahedral mesh by a plane (\[BL\] Appendix B).
 
+use crate::arrays::MapEach;
 use crate::mass::split::{Node, Side, split};
 use crate::mesh::tets::{TetMesh, VertexData};
 use nalgebra::{Point3, Vector3};
@@ -68,14 +69,14 @@ struct MeshCutter<'a> {
 impl MeshCutter<'_> {
     /// Adds a tetrahedron or, if it is cut, its pieces; returns whether it is cut.
     fn push(&mut self, tet: &[u32; 4]) -> bool {
-        let sides = tet.map(|vertex| Side::of(self.distances[vertex as usize]));
+        let sides = tet.map_each(|vertex| Side::of(self.distances[vertex as usize]));
         let Some(pieces) = split(sides, *tet) else {
             self.mesh.tets.push(*tet);
             self.above.push(sides.contains(&Side::Above));
             return false;
         };
         for (side, nodes) in pieces {
-            let piece = nodes.map(|node| self.vertex(tet, node));
+            let piece = nodes.map_each(|node| self.vertex(tet, node));
             self.mesh.tets.push(piece);
             self.above.push(side == Side::Above);
         }
@@ -92,7 +93,7 @@ impl MeshCutter<'_> {
             return vertex;
         }
         let vertex = u32::try_from(self.mesh.vertices.len()).expect("vertices fit 32-bit numbers");
-        let [from, to] = edge.map(|end| end as usize);
+        let [from, to] = edge.map_each(|end| end as usize);
         let share = self.distances[from] / (self.distances[from] - self.distances[to]);
         let position = between(&self.mesh.vertices[from], &self.mesh.vertices[to], share);
         self.mesh.vertices.push(position);

@@ -10,6 +10,7 @@ use std::ops::Range;
 
 use nalgebra::{Point3, Vector3};
 
+use crate::arrays::MapEach;
 use crate::geometry::bounds::Bounds;
 use crate::geometry::double_double::six_volume;
 use crate::geometry::moments::Moments;
@@ -54,7 +55,7 @@ pub(crate) fn layered_moments(
         let sum = sum_by_halves(triangles.len(), &|range: Range<usize>| {
             let mut sum = Moments::default();
             for triangle in &triangles[range] {
-                let corners = triangle.map(|v| vertices[v as usize] - solid.apex);
+                let corners = triangle.map_each(|v| vertices[v as usize] - solid.apex);
                 solid.add(&mut sum, &corners);
             }
             sum
@@ -125,7 +126,7 @@ impl SolidLayer {
 
     /// Adds the cones of a triangle's part in the layer, and of what it adds to the upper cap.
     fn add(&self, sum: &mut Moments, corners: &[Vector3<f64>; 3]) {
-        let heights = corners.map(|corner| self.direction.dot(&corner));
+        let heights = corners.map_each(|corner| self.direction.dot(&corner));
         let lowest = heights.iter().copied().fold(f64::INFINITY, f64::min);
         let highest = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         if highest <= self.low || lowest >= self.high {
@@ -134,7 +135,7 @@ impl SolidLayer {
         if lowest > self.low && highest < self.high {
             return self.add_cone(sum, corners);
         }
-        let part = ClippedPolygon::of(corners, &heights.map(|height| height - self.low));
+        let part = ClippedPolygon::of(corners, &heights.map_each(|height| height - self.low));
         let part = self.below_top(part.corners());
         for triangle in part.triangles() {
             self.add_cone(sum, &triangle);
@@ -157,7 +158,7 @@ impl SolidLayer {
     /// and U = Σ u_i, 6V times σ/24, (σ S/2 + U)/120 and (Σ u_i v_iᵀ + (U Sᵀ + S Uᵀ)/2)/360.
     fn add_cone(&self, sum: &mut Moments, corners: &[Vector3<f64>; 3]) {
         let six = self.six_volume(corners);
-        let densities = corners.each_ref().map(|corner| self.density(corner));
+        let densities = corners.each_ref().map_each(|corner| self.density(corner));
         let half = 0.5 * (self.value + densities.iter().sum::<f64>());
         let total: Vector3<f64> = corners.iter().sum();
         let mut weighed = Vector3::zeros();
@@ -176,7 +177,7 @@ impl SolidLayer {
         match self.precision {
             Precision::Single => a.dot(&b.cross(c)),
             Precision::Double => {
-                let [a, b, c] = [a, b, c].map(|corner| Point3::from(*corner));
+                let [a, b, c] = [a, b, c].map_each(|corner| Point3::from(*corner));
                 six_volume(&Point3::origin(), [&a, &b, &c])
             }
         }

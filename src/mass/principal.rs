@@ -1,5 +1,6 @@
 //! Principal moments and axes of inertia, the body frame (\[M\] section 2.2).
 
+use crate::arrays::MapEach;
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 
 /// Products of inertia below this share of the trace are rounding: they are taken for zero, so
@@ -36,7 +37,7 @@ impl Principal {
             |place: usize| with_positive_largest(eigen.eigenvectors.column(order[place]).into());
         let (first, second) = (axis(0), axis(1));
         Self {
-            moments: order.map(|place| eigen.eigenvalues[place]).into(),
+            moments: order.map_each(|place| eigen.eigenvalues[place]).into(),
             axes: [first, second, first.cross(&second)],
         }
     }

@@ -4,6 +4,7 @@
 
 use nalgebra::Point3;
 
+use crate::arrays::MapEach;
 use crate::geometry::bounds::Bounds;
 use crate::mass::density::SolidDensity;
 use crate::mass::linear_pieces::field;
@@ -69,7 +70,7 @@ pub(crate) fn negative_place(
 
 /// Where an edge passes the breaks of a profile, and the densities there.
 fn on_breaks(profile: &Profile, [from, to]: &[Point3<f64>; 2]) -> Vec<DensityAt> {
-    let [start, end] = [from, to].map(|point| profile.along(point));
+    let [start, end] = [from, to].map_each(|point| profile.along(point));
     let inner = profile.breaks().iter().filter(|[s, _]| {
         let (low, high) = (start.min(end), start.max(end));
         low < *s && *s < high

@@ -17,6 +17,8 @@
 //! serves positions, densities and whole meshes. Every piece is oriented as the tetrahedron is;
 //! the orders of corners below were fixed by their determinants in barycentric coordinates.
 
+use crate::arrays::MapEach;
+
 /// Where a corner lies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Side {
@@ -141,7 +143,7 @@ const CORNERS: [Node; 4] = [[0, 0], [1, 1], [2, 2], [3, 3]];
 /// A piece in terms of the tetrahedron's own corners, oriented as it is.
 fn renamed((side, mut nodes): TetPiece, order: [usize; 4], odd: bool, ids: [u32; 4]) -> TetPiece {
     for node in &mut nodes {
-        *node = node.map(|corner| order[corner]);
+        *node = node.map_each(|corner| order[corner]);
         node.sort_by_key(|&corner| ids[corner]);
     }
     if odd {

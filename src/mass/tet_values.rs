@@ -4,6 +4,7 @@ use std::borrow::Cow;
 
 use nalgebra::{Matrix3, Point3};
 
+use crate::arrays::MapEach;
 use crate::geometry::bounds::Bounds;
 use crate::geometry::bvh::Bvh;
 use crate::mesh::tets::TetMesh;
@@ -56,7 +57,7 @@ impl<'a> TetValues<'a> {
     /// The barycentric coordinates of a point in a tetrahedron; none where that is flat.
     fn weights(&self, tet: u32, point: &Point3<f64>) -> Option<[f64; 4]> {
         let corners = self.mesh.corners(tet as usize);
-        let edges = Matrix3::from_columns(&[1, 2, 3].map(|k| corners[k] - corners[0]));
+        let edges = Matrix3::from_columns(&[1, 2, 3].map_each(|k| corners[k] - corners[0]));
         let shares = edges.lu().solve(&(point - corners[0]))?;
         Some([1.0 - shares.sum(), shares.x, shares.y, shares.z])
     }

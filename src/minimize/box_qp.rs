@@ -11,6 +11,7 @@
 //! factors L D Lᵀ, Cholesky's without its roots (Golub & Van Loan, *Matrix Computations*, 4th ed.,
 //! section 4.1.2).
 
+use crate::arrays::MapEach;
 use nalgebra::{SMatrix, SVector};
 
 /// Changes of the set of held variables before the best step so far is taken. Three variables
@@ -180,8 +181,8 @@ fn by_cofactors<const D: usize>(matrix: &SMatrix<f64, D, D>) -> Option<SMatrix<f
     if D != 3 {
         return None;
     }
-    let [a, b, c] = [0, 1, 2].map(|k| matrix[(k, k)]);
-    let [ab, ac, bc] = [(1, 0), (2, 0), (2, 1)].map(|place| matrix[place]);
+    let [a, b, c] = [0, 1, 2].map_each(|k| matrix[(k, k)]);
+    let [ab, ac, bc] = [(1, 0), (2, 0), (2, 1)].map_each(|place| matrix[place]);
     let rows = [
         [b * c - bc * bc, ac * bc - ab * c, ab * bc - ac * b],
         [ac * bc - ab * c, a * c - ac * ac, ab * ac - a * bc],

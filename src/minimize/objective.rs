@@ -2,6 +2,7 @@
 
 use nalgebra::{SMatrix, SVector};
 
+use crate::arrays::MapEach;
 use crate::minimize::problem::{Evaluation, Jet};
 
 /// A function to minimize.
@@ -39,7 +40,7 @@ impl<const D: usize> Prediction<D> {
         );
         let fourth = &self.fourth;
         let [by_second, by_third, by_fourth] =
-            [&start.hessian, &third, fourth].map(|form| form * step);
+            [&start.hessian, &third, fourth].map_each(|form| form * step);
         let bend = by_second / 2.0 + by_third / 6.0 + by_fourth / 24.0;
         Evaluation {
             value: start.value + (start.gradient + bend).dot(step),

@@ -2,6 +2,7 @@
 
 use nalgebra::Point3;
 
+use crate::arrays::MapEach;
 use crate::geometry::bounds::Bounds;
 
 /// Bricks that fill a box. Sides on the box's walls are infinitely far, as are all sides along a periodic axis
@@ -65,7 +66,7 @@ impl Bricks {
                 None => outside(at),
             }
         };
-        let [x, y, z] = [0, 1, 2].map(along);
+        let [x, y, z] = [0, 1, 2].map_each(along);
         (x * x + y * y + z * z).sqrt()
     }
 

@@ -4,6 +4,7 @@ use std::borrow::Cow;
 
 use nalgebra::{Point3, Rotation3, Vector3};
 
+use crate::arrays::MapEach;
 use crate::domain::{domain::Domain, shape::PieceScratch};
 use crate::energy::center::{BOUNDARY_FRACTION, CenterSearch, center};
 use crate::energy::evaluation::EnergyScratch;
@@ -395,7 +396,7 @@ fn limited_step(domain: &dyn Domain, cell: &Cell<'_>, step: &Vector3<f64>) -> Po
 fn within_walls(domain: &dyn Domain, place: Point3<f64>) -> Point3<f64> {
     let inside = domain.bounds().clamp(&place);
     let periods = domain.periods();
-    Point3::from([0, 1, 2].map(|axis| match periods[axis] {
+    Point3::from([0, 1, 2].map_each(|axis| match periods[axis] {
         Some(_) => place[axis],
         None => inside[axis],
     }))

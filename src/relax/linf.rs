@@ -10,6 +10,7 @@ use std::borrow::Cow;
 
 use nalgebra::{Point3, Rotation3, Vector3};
 
+use crate::arrays::MapEach;
 use crate::domain::convex::ConvexPolyhedron;
 use crate::domain::domain::Domain;
 use crate::domain::facet_kind::FacetKind;
@@ -106,7 +107,7 @@ impl<'a> LinfCells<'a> {
         };
         let of_cell = |cell: LinfCell<'_>| {
             let shells = linf_shells(self.domain, &cell, |label| is_seen(cell.site, label));
-            kept(shells.map(in_space))
+            kept(shells.map_each(in_space))
         };
         diagram.stream_linf(of_cell, take)
     }
@@ -209,7 +210,7 @@ fn linf_shells(
             [shell.clone(), shell]
         }
     };
-    shells.map(|shell| shell.translated(&cell.position.coords))
+    shells.map_each(|shell| shell.translated(&cell.position.coords))
 }
 
 fn loose_shell(domain: &dyn Domain, cell: &LinfCell<'_>) -> Shell {

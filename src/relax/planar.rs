@@ -3,6 +3,7 @@
 use nalgebra::{Point2, Vector2};
 use thiserror::Error;
 
+use crate::arrays::MapEach;
 use crate::domain::planar::PlaneDomain;
 use crate::domain::planar_density::PlaneDensity;
 use crate::domain::shape::displacement;
@@ -216,7 +217,7 @@ impl RelaxationSpace<2> for Plane {
         let terms = self.map(sites, |cell| {
             let site = cell.cell.site;
             cell.terms(order, |other, image| {
-                let moved = [0, 1].map(|axis| f64::from(image[axis]) * periods[axis]);
+                let moved = [0, 1].map_each(|axis| f64::from(image[axis]) * periods[axis]);
                 (sites[other as usize] - site) + Vector2::from(moved)
             })
         });

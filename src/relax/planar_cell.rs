@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 
 use nalgebra::{Matrix2, Point2, Vector2};
 
+use crate::arrays::MapEach;
 use crate::domain::facet_kind::FacetKind;
 use crate::domain::planar::PlaneDomain;
 use crate::domain::planar_density::PlaneDensity;
@@ -94,7 +95,7 @@ impl<'a> CellInPlane<'a> {
     fn within_walls(&self, place: &Point2<f64>) -> Point2<f64> {
         let inside = self.domain.bounds().clamp(place);
         let periods = self.domain.periods();
-        Point2::from([0, 1].map(|axis| match periods[axis] {
+        Point2::from([0, 1].map_each(|axis| match periods[axis] {
             Some(_) => place[axis],
             None => inside[axis],
         }))

@@ -15,6 +15,7 @@ use std::time::Instant;
 use nalgebra::Point3;
 use rayon::prelude::*;
 
+use crate::arrays::MapEach;
 use crate::integrals::exact_sum::{ExactSum, exact_sums};
 use crate::relax::bricks::Bricks;
 use crate::relax::cell_check::{CellFigures, CellSums, CellsError, DomainTotals, EnergyKind};
@@ -174,7 +175,7 @@ impl<'a> RankedSites<'a> {
         let came = self.ranks.share(words);
         let all = came.iter().flat_map(|part| part.as_chunks::<3>().0);
         let sample = all
-            .map(|words| Point3::from(words.map(f64::from_bits)))
+            .map(|words| Point3::from(words.map_each(f64::from_bits)))
             .collect();
         let (bounds, periods) = (self.space.bounds(), self.space.periods());
         self.bricks = Bricks::new(&bounds, periods, sample, self.ranks.size());

@@ -8,6 +8,7 @@ use std::sync::Mutex;
 
 use nalgebra::{Point3, SVector, Vector3};
 
+use crate::arrays::MapEach;
 use crate::geometry::bounds::Bounds;
 use crate::integrals::exact_sum::exact_sums;
 use crate::parallel::map;
@@ -136,7 +137,7 @@ impl<'a> RankedSpace<'a> {
             let others = cell.across.iter();
             for (neighbor, term) in others.filter(|(site, _)| places[*site as usize].is_none()) {
                 let to = share.known[*neighbor as usize];
-                let [x, y, z] = term.data.0[0].map(f64::to_bits);
+                let [x, y, z] = term.data.0[0].map_each(f64::to_bits);
                 parts[share.owner(&all[to as usize])].extend([to, from, x, y, z]);
             }
         }
@@ -146,7 +147,7 @@ impl<'a> RankedSpace<'a> {
             Some(Push {
                 from,
                 to: share.own.numbers.binary_search(&to).ok()?,
-                term: [x, y, z].map(f64::from_bits).into(),
+                term: [x, y, z].map_each(f64::from_bits).into(),
             })
         });
         let mut pushes: Vec<_> = pushes.collect();
@@ -165,7 +166,7 @@ impl<'a> RankedSpace<'a> {
         let gradients = self.gradients(all, &share, &cells);
         let words = cells.iter().zip(&gradients).map(|(cell, gradient)| {
             let [x, y, z] = gradient.data.0[0];
-            [cell.energy, cell.chebyshev, cell.volume, x, y, z].map(f64::to_bits)
+            [cell.energy, cell.chebyshev, cell.volume, x, y, z].map_each(f64::to_bits)
         });
         let words: Vec<_> = words.collect();
         Ok(self.united(&share, &words))
@@ -263,7 +264,7 @@ impl RelaxationSpace<3> for RankedSpace<'_> {
         let energies: Vec<f64> = cells.iter().map(|cell| number(cell, 0)).collect();
         let gradient = cells
             .iter()
-            .map(|cell| [3, 4, 5].map(|place| number(cell, place)));
+            .map(|cell| [3, 4, 5].map_each(|place| number(cell, place)));
         Ok(ObjectiveValue {
             energy: energy.value(),
             chebyshev: chebyshev.value(),
@@ -302,8 +303,9 @@ fn crowding_of_words(words: [u64; 5]) -> CellCrowding<3> {
 }
 
 fn words_of_result(cell: &CellResult<3>) -> [u64; 7] {
-    let [x, y, z] = cell.target.coords.data.0[0].map(f64::to_bits);
-    let [volume, energy, chebyshev] = [cell.volume, cell.energy, cell.chebyshev].map(f64::to_bits);
+    let [x, y, z] = cell.target.coords.data.0[0].map_each(f64::to_bits);
+    let [volume, energy, chebyshev] =
+        [cell.volume, cell.energy, cell.chebyshev].map_each(f64::to_bits);
     [
         volume,
         energy,

@@ -6,6 +6,7 @@ use nalgebra::Point3;
 use rayon::prelude::*;
 use thiserror::Error;
 
+use crate::arrays::MapEach;
 use crate::integrals::exact_sum::ExactSum;
 use crate::parallel::map;
 use crate::relax::cell_check::CellsError;
@@ -84,7 +85,7 @@ impl SomeSites {
         let mut all: Vec<&[u64; 4]> = all.collect();
         all.par_sort_unstable_by_key(|words| words[0]);
         let position = |words: &[u64; 4]| {
-            let [x, y, z] = [1, 2, 3].map(|axis| f64::from_bits(words[axis]));
+            let [x, y, z] = [1, 2, 3].map_each(|axis| f64::from_bits(words[axis]));
             Point3::new(x, y, z)
         };
         Self {

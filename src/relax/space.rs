@@ -6,6 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use nalgebra::{Point3, Vector3};
 use thiserror::Error;
 
+use crate::arrays::MapEach;
 use crate::domain::{
     convex::ConvexPolyhedron,
     density::Density,
@@ -447,7 +448,7 @@ pub(crate) fn shells(
     let mut shells = [Shell::default(), Shell::default()];
     domain.outline(&cell.position, cell.polyhedron(), scratch, &mut |piece| {
         let all = [Shell::from(piece), Shell::of_facets(piece, &is_seen)];
-        shells = all.map(|shell| shell.translated(&cell.position.coords));
+        shells = all.map_each(|shell| shell.translated(&cell.position.coords));
     });
     shells
 }

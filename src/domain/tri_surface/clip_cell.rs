@@ -17,6 +17,7 @@ use std::hash::{BuildHasherDefault, Hasher};
 
 use nalgebra::Point3;
 
+use crate::arrays::MapEach;
 use crate::domain::tri_surface::edges::{CellEdges, Crossing};
 use crate::domain::tri_surface::indexed::IndexedSurface;
 use crate::domain::tri_surface::triangle::{Border, Corner, FacetPlane, Origin, TriangleClip};
@@ -114,7 +115,7 @@ impl ClippedCell {
             if polygon.is_empty() {
                 continue;
             }
-            let [a, b, c] = corners.map(|corner| corner.position);
+            let [a, b, c] = corners.map_each(|corner| corner.position);
             let normal = (b - a).cross(&(c - a));
             let half_space = HalfSpace {
                 normal,

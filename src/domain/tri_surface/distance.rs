@@ -6,6 +6,7 @@
 
 use nalgebra::{Point3, Vector3};
 
+use crate::arrays::MapEach;
 use crate::geometry::bounds::Bounds;
 use crate::mesh::surface::SurfaceMesh;
 
@@ -31,7 +32,7 @@ impl DistanceGrid {
     pub(crate) fn new(surface: &SurfaceMesh) -> Self {
         let bounds = surface.bounds();
         let side = (bounds.extent().max() / FINEST).max(f64::MIN_POSITIVE);
-        let counts = [0, 1, 2].map(|axis| (bounds.extent()[axis] / side) as usize + 1);
+        let counts = [0, 1, 2].map_each(|axis| (bounds.extent()[axis] / side) as usize + 1);
         let mut grid = Self {
             origin: bounds.min,
             side,
@@ -52,7 +53,7 @@ impl DistanceGrid {
     }
 
     fn cube(&self, place: &Point3<f64>) -> [usize; 3] {
-        [0, 1, 2].map(|axis| {
+        [0, 1, 2].map_each(|axis| {
             let steps = (place[axis] - self.origin[axis]) / self.side;
             (steps as usize).min(self.counts[axis] - 1)
         })
@@ -73,7 +74,8 @@ impl DistanceGrid {
     fn mark(&mut self, corners: &[Point3<f64>; 3]) {
         let bounds = Bounds::of(corners);
         let slack = Vector3::repeat(ROUNDING * self.side);
-        let [low, high] = [bounds.min - slack, bounds.max + slack].map(|place| self.cube(&place));
+        let [low, high] =
+            [bounds.min - slack, bounds.max + slack].map_each(|place| self.cube(&place));
         let normal = (corners[1] - corners[0]).cross(&(corners[2] - corners[0]));
         let reach = normal.abs().sum() * self.side * (0.5 + ROUNDING);
         for x in low[0]..=high[0] {

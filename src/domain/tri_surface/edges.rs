@@ -7,6 +7,7 @@
 
 use nalgebra::Vector3;
 
+use crate::arrays::MapEach;
 use crate::domain::tri_surface::triangle::Border;
 use crate::geometry::brep::{Brep, Edge};
 use crate::geometry::polyhedron::Polyhedron;
@@ -77,7 +78,7 @@ impl CellEdges {
         }
         for (number, edge) in edges(cell).enumerate() {
             let CellEdge { from, slot, to, .. } = edge;
-            let [start, end] = [from, to].map(|vertex| cell.vertex(vertex as usize).coords);
+            let [start, end] = [from, to].map_each(|vertex| cell.vertex(vertex as usize).coords);
             let place = |vertex: u32| (end - start).dot(&(vertices[vertex as usize] - start));
             let first = cuts.len();
             let found = crossings.iter().filter_map(|crossing| edge.cut(crossing));
@@ -149,7 +150,7 @@ impl CellEdges {
         let mut cut = 0;
         for (number, edge) in edges(cell).enumerate() {
             let is_inside = |vertex: u32| self.inside[vertex as usize] == Some(true);
-            let [from_inside, to_inside] = [edge.from, edge.to].map(is_inside);
+            let [from_inside, to_inside] = [edge.from, edge.to].map_each(is_inside);
             let mut begun = from_inside.then(|| self.number(cell, edge.from, part));
             while let Some(&EdgeCut { ends, vertex, .. }) =
                 self.cuts.get(cut).filter(|cut| cut.edge == number as u32)
@@ -221,7 +222,7 @@ fn edges(cell: &Polyhedron) -> impl Iterator<Item = CellEdge> + '_ {
             right: facets[(slot + 2) % 3],
         };
         [0, 1, 2]
-            .map(edge)
+            .map_each(edge)
             .into_iter()
             .filter(|edge| edge.from < edge.to)
     })

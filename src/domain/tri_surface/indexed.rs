@@ -2,6 +2,7 @@
 
 use nalgebra::{Point3, Vector3};
 
+use crate::arrays::MapEach;
 use crate::domain::candidates::visit_candidates;
 use crate::domain::facet_kind::FacetKind;
 use crate::domain::tri_surface::distance::DistanceGrid;
@@ -92,7 +93,7 @@ impl IndexedSurface {
     /// A triangle's corners, relative to `site`.
     pub(crate) fn triangle(&self, triangle: u32, site: &Point3<f64>) -> [Corner; 3] {
         let vertices = self.mesh.triangles[triangle as usize];
-        [0, 1, 2].map(|k| Corner {
+        [0, 1, 2].map_each(|k| Corner {
             position: self.mesh.vertices[vertices[k] as usize] - site,
             origin: Origin::Vertex(vertices[k]),
             border: Border::Side(self.edges[triangle as usize][k]),
@@ -125,7 +126,7 @@ fn walls(surface: &SurfaceMesh, edges: &EdgeTable, groups: &[u32]) -> Vec<u32> {
         let [one, other] = [one / 3, other / 3];
         let is_one_group = groups.get(one as usize) == groups.get(other as usize);
         if is_one_group && (normals[one as usize] - normals[other as usize]).amax() < COPLANAR {
-            let [one, other] = [one, other].map(|triangle| root(&mut wall, triangle));
+            let [one, other] = [one, other].map_each(|triangle| root(&mut wall, triangle));
             wall[one.max(other) as usize] = one.min(other);
         }
     }

@@ -7,6 +7,7 @@
 
 use nalgebra::{Point3, Vector3};
 
+use crate::arrays::MapEach;
 use crate::domain::facet_kind::FacetKind;
 use crate::domain::shape::PieceScratch;
 use crate::domain::tri_surface::clip_cell::{ClipStatus, ClippedCell};
@@ -89,7 +90,7 @@ fn visit_clipped(
 
 /// Whether the part is more than what rounding leaves of a cell along its border.
 fn is_significant(part: &Brep, cell: &Polyhedron) -> bool {
-    let [part, cell] = [Piece::Brep(part), Piece::Convex(cell)].map(|piece| piece.extent());
+    let [part, cell] = [Piece::Brep(part), Piece::Convex(cell)].map_each(|piece| piece.extent());
     part.volume > NEGLIGIBLE * cell.volume
 }
 

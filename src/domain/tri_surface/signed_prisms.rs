@@ -12,6 +12,7 @@
 
 use nalgebra::{Point3, Vector3};
 
+use crate::arrays::MapEach;
 use crate::domain::facet_kind::FacetKind;
 use crate::domain::shape::PieceScratch;
 use crate::domain::tri_surface::indexed::IndexedSurface;
@@ -79,7 +80,7 @@ fn clip_to_prism(
     let ray = Vector3::from(RAY);
     let numbers = surface.mesh.triangles[triangle as usize];
     let corners = surface.mesh.corners(triangle as usize);
-    let corners = corners.map(|corner| corner - site);
+    let corners = corners.map_each(|corner| corner - site);
     let normal = (corners[1] - corners[0]).cross(&(corners[2] - corners[0]));
     let climb = normal.dot(&ray);
     if climb == 0.0 || !climb.is_finite() {

@@ -7,6 +7,7 @@
 
 use nalgebra::Vector3;
 
+use crate::arrays::MapEach;
 use crate::geometry::half_space::HalfSpace;
 
 /// Planes that miss a triangle by this share of the numbers involved are left out without clipping.
@@ -97,7 +98,8 @@ impl TriangleClip {
         spare.clear();
         for (place, corner) in corners.iter().enumerate() {
             let following = &corners[(place + 1) % corners.len()];
-            let [here, there] = [corner, following].map(|c| excess(&plane.half_space, &c.position));
+            let [here, there] =
+                [corner, following].map_each(|c| excess(&plane.half_space, &c.position));
             if here <= 0.0 {
                 spare.push(*corner);
             }
@@ -140,7 +142,7 @@ enum TriangleSide {
 fn side(triangle: &[Corner; 3], size: f64, plane: &FacetPlane) -> Option<TriangleSide> {
     let [a, b, c] = triangle
         .each_ref()
-        .map(|corner| excess(&plane.half_space, &corner.position));
+        .map_each(|corner| excess(&plane.half_space, &corner.position));
     let clear = CLEAR * (plane.steepness * size + plane.half_space.offset.abs());
     if a > clear && b > clear && c > clear {
         Some(TriangleSide::Beyond)
