@@ -55,9 +55,11 @@ pub(crate) fn map_parts<P: Send, T: Send>(
 /// Memory larger than this is given back by a thread of the pool (bytes).
 const DISCARDED_BEHIND: usize = 1 << 18;
 
-/// Frees memory. The system takes tenths of a second for gigabytes, and the caller goes on meanwhile.
+/// Frees memory. The system takes tenths of a second for gigabytes, and the caller goes on meanwhile, where there is
+/// another thread for it: the only thread of a pool would come to it after all other work.
 pub(crate) fn discard<T: Send + 'static>(memory: Vec<T>) {
-    if memory.capacity() * size_of::<T>() > DISCARDED_BEHIND {
+    let is_large = memory.capacity() * size_of::<T>() > DISCARDED_BEHIND;
+    if is_large && rayon::current_num_threads() > 1 {
         rayon::spawn(move || drop(memory));
     }
 }
@@ -94,6 +96,16 @@ mod tests {
             assert!(runs.iter().all(|run| run.len() <= 64));
             assert_eq!(runs.into_iter().flatten().collect::<Vec<_>>(), numbers);
         }
+    }
+
+    #[test]
+    fn one_thread_frees_memory_at_once() {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(1);
+        let kept = std::sync::Arc::new(());
+        pool.build().unwrap().install(|| {
+            discard(vec![std::sync::Arc::clone(&kept); DISCARDED_BEHIND]);
+            assert_eq!(std::sync::Arc::strong_count(&kept), 1);
+        });
     }
 
     #[test]

@@ -35,9 +35,11 @@ enum BenchStage {
     Global,
     /// The global objective of L∞ cells with its gradient
     Linf,
+    /// A whole iteration of L∞ cells, with the minimizer
+    LinfMove,
 }
 
-const STAGES: [BenchStage; 7] = [
+const STAGES: [BenchStage; 8] = [
     BenchStage::Index,
     BenchStage::Cells,
     BenchStage::Prepare,
@@ -45,6 +47,7 @@ const STAGES: [BenchStage; 7] = [
     BenchStage::Iteration,
     BenchStage::Global,
     BenchStage::Linf,
+    BenchStage::LinfMove,
 ];
 
 /// Time the stages of an iteration on this machine, per site
@@ -52,8 +55,9 @@ const STAGES: [BenchStage; 7] = [
 /// Each stage includes the ones to its left: building the index, building the cells, preparing
 /// them for integrals, one energy with gradient and Hessian, and the whole iteration with the
 /// minimizer. "global" is the objective of all sites together with its gradient, what a step of
-/// quasi-newton takes; "linf" is the same with L∞ cells. "evaluations" counts those of an iteration, per site. "MB" is the most memory
-/// that was resident meanwhile, sites included, where the system counts it (Linux).
+/// quasi-newton takes; "linf" is the same with L∞ cells, "linfmove" a whole iteration with them. "evaluations"
+/// counts those of an iteration, per site. "MB" is the most memory that was resident meanwhile, sites
+/// included, where the system counts it (Linux).
 #[derive(Debug, Args)]
 pub(crate) struct BenchOptions {
     /// How many sites
@@ -206,6 +210,7 @@ fn run_stage(stage: BenchStage, space: &Space, sites: &[Point3<f64>]) -> Result<
         }
         BenchStage::Global => drop(space.objective(sites, ENERGY.order)?),
         BenchStage::Linf => drop(LinfCells::new(domain, sites).objective(ENERGY.order)?),
+        BenchStage::LinfMove => drop(LinfCells::new(domain, sites).assess(ENERGY)?),
         _ => run_part(stage, domain, &Diagram::borrowed(domain, sites)?)?,
     }
     Ok(0)

@@ -18,6 +18,7 @@ use crate::geometry::bounds::Bounds;
 use crate::geometry::label::Label;
 use crate::geometry::polygon::ConvexPolygon;
 use crate::geometry::shell::Shell;
+use crate::mesh::poly_mesh::PolyMesh;
 use crate::plot::color::ColorScale;
 use crate::plot::cutaway::{CutawayPicture, Removed};
 use crate::plot::figure::Figure;
@@ -25,11 +26,11 @@ use crate::plot::patches::PlaneCut;
 use crate::plot::patches::{Patch, picture};
 use crate::plot::png::png;
 use crate::plot::svg::svg;
-use crate::relax::frames::Frames;
+use crate::relax::linf::LinfCells;
 use crate::relax::metrics::CellMetrics;
 use crate::relax::optimum::{optimal_energy, optimal_side};
 use crate::relax::planar::Plane;
-use crate::relax::relaxation_space::{Norm, RelaxationSpace};
+use crate::relax::relaxation_space::RelaxationSpace;
 use crate::relax::space::Space;
 use crate::relax::space::shells;
 use crate::scene::description::Output;
@@ -212,14 +213,10 @@ impl Space {
             ));
             return Ok(false);
         }
-        if self.cells() == Norm::Linf && sites.len() > MOST_SHARED_LINF {
-            return Ok(false);
-        }
-        let mesh = match self.cells() {
-            Norm::L2 => assemble_whole(&Diagram::borrowed(self.domain(), sites)?).ok(),
-            Norm::Linf => (matches!(self.frames(), Frames::Axes))
-                .then(|| linf_mesh(self.domain().shape(), sites))
-                .flatten(),
+        let mesh = match self.linf(sites) {
+            None => assemble_whole(&Diagram::borrowed(self.domain(), sites)?).ok(),
+            Some(cells) if sites.len() <= MOST_SHARED_LINF => shared_linf_cells(&cells),
+            Some(_) => return Ok(false),
         };
         let Some(mesh) = mesh else {
             return Ok(false);
@@ -240,6 +237,18 @@ impl Space {
         write_mesh(&directory.file("cells.vtu"), &mesh, &columns, false)?;
         Ok(true)
     }
+}
+
+/// The mesh of L∞ cells in space, none where they do not fit together.
+pub(crate) fn shared_linf_cells(cells: &LinfCells<'_>) -> Option<PolyMesh> {
+    let (domain, sites, frame) = cells.placed();
+    let mut mesh = linf_mesh(domain.shape(), sites)?;
+    if let Some(frame) = frame {
+        for point in &mut mesh.points {
+            *point = frame * *point;
+        }
+    }
+    Some(mesh)
 }
 
 /// The domain's box, longer along periodic axes by what cells of sites at its ends reach beyond it.

@@ -6,16 +6,14 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use nalgebra::{Point3, Vector3};
 
+use crate::cli::cell_files::shared_linf_cells;
 use crate::cli::failure::{Failure, write_file};
 use crate::cli::mesh_cells::patches_of;
 use crate::cli::output::OutputRule;
 use crate::complex::assemble::paired;
 use crate::complex::identify::RESOLUTION;
-use crate::complex::linf_mesh::linf_mesh;
 use crate::mesh::poly_mesh::{CellFaces, PolyMesh};
-use crate::relax::frames::Frames;
 use crate::relax::metrics::CellMetrics;
-use crate::relax::relaxation_space::Norm;
 use crate::relax::space::Space;
 use crate::scene::description::Scene;
 use crate::voronoi::diagram::Diagram;
@@ -26,8 +24,8 @@ const FEATURE: f64 = 40.0;
 const NO_FLAT_TABLES: &str = "tables are of cells in space: set \"dimension\": 3, or leave out --cells-table and \
      --faces-table";
 
-const NO_LINF_TABLES: &str = "tables of L∞ cells need faces that neighbors share, which there are in a box, along \
-     the axes and where no region is tied; leave out --cells-table and --faces-table, or say --cells l2";
+const NO_LINF_TABLES: &str = "tables of L∞ cells need faces that neighbors share, which there are in a box or a \
+     convex polyhedron and where no region is tied; leave out --cells-table and --faces-table, or say --cells l2";
 
 /// Options for tables.
 #[derive(Debug, Args)]
@@ -90,11 +88,10 @@ impl TableOptions {
         sites: &[Point3<f64>],
         metrics: &[CellMetrics<3>],
     ) -> Result<(), Failure> {
-        let mesh = match space.cells() {
-            Norm::L2 => l2_mesh(space, scene, sites)?,
-            Norm::Linf => {
-                let mesh = linf_mesh(space.domain().shape(), sites);
-                let mesh = mesh.filter(|_| matches!(space.frames(), Frames::Axes));
+        let mesh = match space.linf(sites) {
+            None => l2_mesh(space, scene, sites)?,
+            Some(cells) => {
+                let mesh = shared_linf_cells(&cells);
                 mesh.ok_or_else(|| Failure::input(NO_LINF_TABLES))?
             }
         };

@@ -40,11 +40,11 @@ pub(crate) fn keep_lloyd(
     record: &Record,
     sites: &RankedSites<'_>,
 ) -> Result<(), RunError> {
-    let state = RunState::<3>::of_lloyd(sites.count, record).to_numbers();
+    let state = RunState::<3>::of_lloyd(sites.count, record);
     taken_by_first(first, sites, |first, blocks| {
         first
             .directory
-            .keep_blocks(record, sites.count, blocks, &state)
+            .keep_blocks(record, sites.count, blocks, state.numbers())
     })
 }
 

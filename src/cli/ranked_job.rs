@@ -120,7 +120,7 @@ impl RankedJob<'_> {
         let mut failure = None;
         let mut observe = |record: &Record, sites: &[Point3<f64>], state: &RunState<3>| {
             let keep = |first: IfFirst<'_>| match first {
-                Some(first) => first.directory.keep(record, sites, &state.to_numbers()),
+                Some(first) => first.directory.keep(record, sites, state.numbers()),
                 None => Ok(()),
             };
             self.after(record, (first.as_deref_mut(), &mut failure), keep)
@@ -140,9 +140,8 @@ impl RankedJob<'_> {
         let kept = first
             .zip(checkpoint.record.as_ref())
             .map(|(first, record)| {
-                let numbers = checkpoint.state_numbers();
                 let directory = &mut first.directory;
-                directory.keep(record, &checkpoint.sites, &numbers)
+                directory.keep(record, &checkpoint.sites, checkpoint.numbers())
             });
         together(self.ranks, kept.unwrap_or(Ok(())).map_err(Failure::run))
     }

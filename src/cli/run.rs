@@ -113,7 +113,10 @@ impl<'a, const D: usize, S: DrawCells<D>> FiledRun<'a, D, S> {
         phases.end("measured the cells of the first sites");
         let mut ended = self.relax(common)?;
         phases.end("relaxed");
+        self.keep_last()?;
         let sites = all_sites(self.space, &self.checkpoint).map_err(Failure::run)?;
+        // What a descent remembers is several times what the cells take.
+        self.checkpoint.state = None;
         let cells = self.cells(&sites)?;
         phases.end("measured the cells of the last sites");
         self.leave_files(&sites, &cells)?;
@@ -153,7 +156,7 @@ impl<'a, const D: usize, S: DrawCells<D>> FiledRun<'a, D, S> {
         let mut failure: Option<RunError> = None;
         let mut observe = |record: &Record, sites: &[Point<f64, D>], state: &RunState<D>| {
             bar.show(record);
-            let kept = directory.record(record, sites, || state.to_numbers(), every);
+            let kept = directory.record(record, sites, state.numbers(), every);
             failure = kept.err();
             let is_unfinished = record.iteration < iterations;
             if failure.is_some() || (is_unfinished && interrupt.exit_code().is_some()) {
@@ -173,18 +176,21 @@ impl<'a, const D: usize, S: DrawCells<D>> FiledRun<'a, D, S> {
         })
     }
 
-    /// The checkpoint, with the sites of its level, and all sites, their cells and the curves.
+    /// Keeps the checkpoint of the last record, with the sites of its level.
+    fn keep_last(&mut self) -> Result<(), Failure> {
+        let Checkpoint { record, sites, .. } = &self.checkpoint;
+        let Some(record) = record else { return Ok(()) };
+        let numbers = self.checkpoint.numbers();
+        let kept = self.directory.keep(record, sites, numbers);
+        kept.map_err(Failure::run)
+    }
+
+    /// All sites, their cells and the curves.
     fn leave_files(
         &mut self,
         sites: &[Point<f64, D>],
         cells: &[CellMetrics<D>],
     ) -> Result<(), Failure> {
-        if let Some(last) = &self.checkpoint.record {
-            let numbers = self.checkpoint.state_numbers();
-            self.directory
-                .keep(last, &self.checkpoint.sites, &numbers)
-                .map_err(Failure::run)?;
-        }
         self.leave("sites.csv", |file| sites::write_csv(sites, file))?;
         let output = &self.description.scene.output;
         if output.cells {

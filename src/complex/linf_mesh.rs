@@ -17,14 +17,17 @@ use crate::complex::grid_lines::{
 };
 use crate::complex::loops::{CellLoops, LoopCorner};
 use crate::complex::mesh_builder::MeshBuilder;
+use crate::complex::numbered_facets::{NumberedFacet, is_paired, loops_of};
 use crate::complex::vertex_key::Shift;
+use crate::complex::wall_clip::WallClip;
 use crate::complex::wall_patches::WallPatches;
 use crate::domain::cuboid::Cuboid;
 use crate::domain::facet_kind::FacetKind;
 use crate::domain::shape::DomainShape;
 use crate::geometry::bounds::Bounds;
-use crate::geometry::facet_polygons::polygons;
+use crate::geometry::half_space::HalfSpace;
 use crate::geometry::label::Label;
+use crate::geometry::polyhedron::Polyhedron;
 use crate::mesh::poly_mesh::PolyMesh;
 use crate::voronoi::diagram::Diagram;
 use crate::voronoi::linf::cell::{LinfCell, Ties};
@@ -68,26 +71,33 @@ struct WholeGrid {
 /// volumes of all cells as they are up to this share of the domain's.
 const SAME_VOLUME: f64 = 1e-13;
 
-/// The mesh of the L∞ cells of sites in a box, in site order. None where distinct sites are one on the
-/// grid, and where regions are tied that are more than rounding: there a cell does not know who is beyond.
+/// Vertices are on a wall of a convex polyhedron that are so near to it, relative to the domain's size.
+const ON_WALL: f64 = 32.0 * f64::EPSILON;
+
+/// The mesh of the L∞ cells of sites in a box or a convex polyhedron, in site order. None where distinct
+/// sites are one on the grid, and where regions are tied that are more than rounding: there a cell does not
+/// know who is beyond.
 pub(crate) fn linf_mesh(domain: &dyn DomainShape, sites: &[Point3<f64>]) -> Option<PolyMesh> {
     let grid = WholeGrid::of(domain)?;
     let (cuboid, sites) = grid.snapped(domain, sites)?;
     let (volumes, cells) = grid.cells(&cuboid, &sites)?;
     if let Some(cells) = cells {
-        return grid.mesh(cells);
+        return grid.mesh(domain, cells);
     }
     let (apart, cells) = grid.cells(&cuboid, &grid.apart(&cuboid, &sites))?;
     let slack = SAME_VOLUME * cuboid.volume();
     let mut pairs = volumes.iter().zip(&apart);
     let is_same = pairs.all(|(one, other)| (one - other).abs() <= slack);
-    cells.filter(|_| is_same).and_then(|cells| grid.mesh(cells))
+    cells
+        .filter(|_| is_same)
+        .and_then(|cells| grid.mesh(domain, cells))
 }
 
 impl WholeGrid {
     fn of(domain: &dyn DomainShape) -> Option<Self> {
         let (bounds, periods) = (domain.bounds(), domain.periods());
-        if !domain.is_box() {
+        let is_solid = domain.is_convex() && periods.iter().all(Option::is_none);
+        if !domain.is_box() && !is_solid {
             return None;
         }
         let size = bounds.min.coords.amax().max(bounds.max.coords.amax());
@@ -191,43 +201,52 @@ impl WholeGrid {
         moved.iter().map(|site| cuboid.wrap(site)).collect()
     }
 
-    /// The mesh of cells with these facets; none if they do not fit together.
-    fn mesh(&self, cells: CellFacets) -> Option<PolyMesh> {
-        let divided = self.divided(cells);
-        let numbers = VertexNumbers::new(self, &divided);
-        let loops: Vec<CellLoops> = divided.iter().map(|cell| numbers.loops(cell)).collect();
-        is_paired(&loops).then(|| {
-            let periods = Vector3::from(self.periods.map(|steps| steps as f64 * self.unit));
-            let positions: Vec<_> = numbers.places.iter().map(|at| self.position(at)).collect();
-            MeshBuilder::new(&loops, &positions, periods).build(&WallPatches::Each)
-        })
+    /// The mesh of cells with these facets, within the domain; none if they do not fit together.
+    fn mesh(&self, domain: &dyn DomainShape, cells: CellFacets) -> Option<PolyMesh> {
+        let vertices = GridVertices::new(self, &cells);
+        let numbered = cells.into_iter().map(|facets| {
+            let facets = facets.into_iter();
+            facets.map(|facet| vertices.numbered(self, facet)).collect()
+        });
+        let mut cells: Vec<Vec<NumberedFacet>> = numbered.collect();
+        let mut positions: Vec<_> = vertices.places.iter().map(|at| self.position(at)).collect();
+        drop(vertices);
+        if !domain.is_box() {
+            cells = self.clipped(domain, cells, &mut positions)?;
+        }
+        let periods = Vector3::from(self.periods.map(|steps| steps as f64 * self.unit));
+        let loops = cells.into_iter();
+        let loops: Vec<CellLoops> = loops
+            .map(|facets| loops_of(&facets, &positions, &periods))
+            .collect();
+        is_paired(&loops)
+            .then(|| MeshBuilder::new(&loops, &positions, periods).build(&WallPatches::Each))
     }
 
-    /// Facets whose edges end at all vertices that lie on them.
-    fn divided(&self, mut cells: CellFacets) -> CellFacets {
-        let mut lines: HashMap<LineKey, Vec<i64>> = HashMap::new();
-        let edges = || cells.iter().flatten().flat_map(|facet| &facet.edges);
-        let mut vertices: Vec<Place> = Vec::new();
-        for edge in edges() {
-            lines.entry(line_of(edge)).or_default();
-            vertices.extend(edge.map(|at| self.wrapped(at).0));
-        }
-        vertices.sort_unstable();
-        vertices.dedup();
-        for vertex in vertices.iter().flat_map(|vertex| self.copies(*vertex)) {
-            for (number, direction) in (0..).zip(&DIRECTIONS) {
-                let (key, along) = line_through(&vertex, number, direction);
-                if let Some(places) = lines.get_mut(&key) {
-                    places.push(along);
-                }
+    /// The cells of the box within the walls of a convex polyhedron in it.
+    fn clipped(
+        &self,
+        domain: &dyn DomainShape,
+        mut cells: Vec<Vec<NumberedFacet>>,
+        positions: &mut Vec<Point3<f64>>,
+    ) -> Option<Vec<Vec<NumberedFacet>>> {
+        let inner = FacetKind::Inner.label();
+        let (sides, walls) = sides_and_walls(domain);
+        for facet in cells.iter_mut().flatten() {
+            if let FacetKind::Wall(side) = FacetKind::of(facet.label) {
+                facet.label = sides[side as usize].unwrap_or(inner);
             }
         }
-        lines.values_mut().for_each(|places| places.sort_unstable());
-        for facet in cells.iter_mut().flatten() {
-            let parts = facet.edges.iter().flat_map(|edge| parts_of(edge, &lines));
-            facet.edges = parts.collect();
+        let size = self.bounds.min.coords.amax();
+        let size = size.max(self.bounds.max.coords.amax());
+        for (wall, label) in walls {
+            let mut clip = WallClip::new(wall, label, ON_WALL * size, positions);
+            let clipped = cells.into_iter().map(|facets| clip.clip(facets));
+            cells = clipped.collect::<Option<_>>()?;
         }
-        cells
+        // Of the box's own sides nothing is left but what are walls.
+        let mut facets = cells.iter().flatten();
+        facets.all(|facet| facet.label != inner).then_some(cells)
     }
 
     /// A place within the box but for whole periods, and those.
@@ -262,6 +281,70 @@ impl WholeGrid {
             copies.extend(more);
         }
         copies
+    }
+}
+
+/// The labels of the walls along the axes of a convex polyhedron, in the order of a box's walls, and its
+/// other walls.
+fn sides_and_walls(domain: &dyn DomainShape) -> ([Option<Label>; 6], Vec<(HalfSpace, Label)>) {
+    let mut solid = Polyhedron::default();
+    domain.start(&Point3::origin(), 0, &mut solid);
+    let (mut sides, mut walls) = ([None; 6], Vec::new());
+    for facet in solid.facets() {
+        let (wall, label) = (facet.half_space().normalized(), facet.label());
+        let axis = wall.normal.iamax();
+        if wall.normal.iter().filter(|part| **part != 0.0).count() == 1 {
+            sides[2 * axis + usize::from(wall.normal[axis] > 0.0)] = Some(label);
+        } else {
+            walls.push((wall, label));
+        }
+    }
+    (sides, walls)
+}
+
+/// The vertices of all cells in the order of their places, and which of them lie on the lines of edges.
+struct GridVertices {
+    places: Vec<Place>,
+    lines: HashMap<LineKey, Vec<i64>>,
+}
+
+impl GridVertices {
+    fn new(grid: &WholeGrid, cells: &CellFacets) -> Self {
+        let mut lines: HashMap<LineKey, Vec<i64>> = HashMap::new();
+        let mut places: Vec<Place> = Vec::new();
+        for edge in cells.iter().flatten().flat_map(|facet| &facet.edges) {
+            lines.entry(line_of(edge)).or_default();
+            places.push(grid.wrapped(edge[0]).0);
+        }
+        places.sort_unstable();
+        places.dedup();
+        for vertex in places.iter().flat_map(|place| grid.copies(*place)) {
+            for (number, direction) in (0..).zip(&DIRECTIONS) {
+                let (key, along) = line_through(&vertex, number, direction);
+                if let Some(places) = lines.get_mut(&key) {
+                    places.push(along);
+                }
+            }
+        }
+        lines.values_mut().for_each(|places| places.sort_unstable());
+        Self { places, lines }
+    }
+
+    /// A facet whose edges end at all vertices that lie on them.
+    fn numbered(&self, grid: &WholeGrid, facet: GridFacet) -> NumberedFacet {
+        let corner = |at: &Place| {
+            let (place, shift) = grid.wrapped(*at);
+            // All places of cells are numbered.
+            let number = self.places.binary_search(&place).unwrap_or_default();
+            LoopCorner::new(number as u32, shift)
+        };
+        let edges = facet.edges.iter();
+        let edges = edges.flat_map(|edge| parts_of(edge, &self.lines));
+        NumberedFacet {
+            label: facet.label,
+            normal: Vector3::from(facet.normal.map(|along| along as f64)),
+            edges: edges.map(|edge| edge.each_ref().map(corner)).collect(),
+        }
     }
 }
 
@@ -358,82 +441,4 @@ impl GridFacet {
             .map(|[from, to]| normal.dot(&arm(from).cross(&arm(to))))
             .sum()
     }
-}
-
-/// The vertices of all cells, numbered in the order of their places.
-struct VertexNumbers<'a> {
-    grid: &'a WholeGrid,
-    places: Vec<Place>,
-}
-
-impl<'a> VertexNumbers<'a> {
-    fn new(grid: &'a WholeGrid, cells: &[Vec<GridFacet>]) -> Self {
-        let edges = cells.iter().flatten().flat_map(|facet| &facet.edges);
-        let mut places: Vec<Place> = edges.map(|edge| grid.wrapped(edge[0]).0).collect();
-        places.sort_unstable();
-        places.dedup();
-        Self { grid, places }
-    }
-
-    fn corner(&self, at: Place) -> LoopCorner {
-        let (place, shift) = self.grid.wrapped(at);
-        // All places of cells are numbered.
-        let number = self.places.binary_search(&place).unwrap_or_default();
-        LoopCorner::new(number as u32, shift)
-    }
-
-    /// The polygons of a cell.
-    fn loops(&self, facets: &[GridFacet]) -> CellLoops {
-        let mut loops = CellLoops::default();
-        for facet in facets {
-            let starts = facet.edges.iter().map(|edge| edge[0]);
-            let mut places: Vec<Place> = starts.collect();
-            places.sort_unstable();
-            places.dedup();
-            let number = |at: &Place| places.binary_search(at).unwrap_or_default() as u32;
-            let edges: Vec<_> = facet
-                .edges
-                .iter()
-                .map(|edge| edge.each_ref().map(number))
-                .collect();
-            let vertex = |at: &Place| Vector3::from(at.map(|along| along as f64));
-            let vertices: Vec<_> = places.iter().map(vertex).collect();
-            let normal = Vector3::from(facet.normal.map(|along| along as f64));
-            for ring in polygons(&edges, &vertices, &normal) {
-                let corners = ring
-                    .iter()
-                    .map(|&number| self.corner(places[number as usize]));
-                loops.push_as_is(facet.label, corners);
-            }
-        }
-        loops
-    }
-}
-
-/// Whether all faces have the same edges from both sides.
-fn is_paired(cells: &[CellLoops]) -> bool {
-    let mut faces: HashMap<(u32, u32, Shift), BTreeMap<[LoopCorner; 2], i32>> = HashMap::new();
-    for (site, loops) in (0..).zip(cells) {
-        for (label, corners) in loops.facets() {
-            let FacetKind::Neighbor { site: other, image } = FacetKind::of(label) else {
-                continue;
-            };
-            let image = image.map(i16::from);
-            let back = image.map(|periods| -periods);
-            let is_first = site < other || site == other && image > [0; 3];
-            let (key, by) = match is_first {
-                true => ((site, other, image), [0; 3]),
-                false => ((other, site, back), back),
-            };
-            let edges = faces.entry(key).or_default();
-            for (from, to) in corners.iter().zip(corners.iter().cycle().skip(1)) {
-                let [from, to] = [from, to].map(|corner| corner.shifted(by));
-                // From the other side an edge runs back.
-                let turn = if from < to { 1 } else { -1 };
-                *edges.entry([from.min(to), from.max(to)]).or_default() += turn;
-            }
-        }
-    }
-    let mut sums = faces.values().flat_map(BTreeMap::values);
-    sums.all(|sum| *sum == 0)
 }

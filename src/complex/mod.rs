@@ -6,7 +6,8 @@
 //! cells, [`loops`] removes what rounding alone made, [`assemble`] pairs faces into a mesh,
 //! and [`check`] tests it. [`face_geometry`] and [`quality`] measure by the definitions of
 //! OpenFOAM's `checkMesh`, [`element`] recognizes hexahedra, prisms, pyramids and tetrahedra.
-//! [`linf_mesh`] does all of this for L∞ cells, without rounding, on [`grid_lines`].
+//! [`linf_mesh`] does all of this for L∞ cells, without rounding, on [`grid_lines`], with [`numbered_facets`];
+//! [`wall_clip`] clips them to convex polyhedra.
 //! [`collapse`] removes short edges from an [`edit_mesh`], [`straighten`] vertices of two edges; both keep to
 //! the limits of [`edit_shapes`]. [`solid_mesh`] does what a solid's walls need beyond that:
 //! [`wall_polygons`], [`wall_cut`], [`cell_union`], [`repair`], all on the surface ([`wall_projection`]).
@@ -37,6 +38,7 @@ pub(crate) mod loop_shape;
 pub(crate) mod loops;
 pub(crate) mod merge_flat;
 pub(crate) mod mesh_builder;
+pub(crate) mod numbered_facets;
 pub(crate) mod point_copies;
 pub(crate) mod polygon_cut;
 pub(crate) mod quality;
@@ -49,6 +51,7 @@ pub(crate) mod straighten_all;
 pub(crate) mod untangle;
 pub(crate) mod vertex_groups;
 pub(crate) mod vertex_key;
+pub(crate) mod wall_clip;
 pub(crate) mod wall_cut;
 pub(crate) mod wall_patches;
 pub(crate) mod wall_polygons;

@@ -68,6 +68,11 @@ impl<'a> LinfCells<'a> {
         Self { stop, ..self }
     }
 
+    /// The domain and the sites in the frame's coordinates, and the frame; none for the axes of space.
+    pub(crate) fn placed(&self) -> (&dyn Domain, &[Point3<f64>], Option<&Rotation3<f64>>) {
+        (self.domain, &self.sites, self.frame.as_ref())
+    }
+
     fn diagram(&self) -> Result<Diagram<'_>, DiagramError> {
         Ok(Diagram::borrowed(self.domain, &self.sites)?.with_stop(&self.stop))
     }

@@ -144,9 +144,12 @@ impl<const D: usize> Checkpoint<D> {
     /// The method's state as plain numbers, to be kept in any form; empty before the first record.
     #[must_use]
     pub fn state_numbers(&self) -> Vec<f64> {
-        self.state
-            .as_ref()
-            .map_or_else(Vec::new, RunState::to_numbers)
+        self.numbers().collect()
+    }
+
+    /// As [`Checkpoint::state_numbers`], one by one: those of a descent are many times the sites.
+    pub(crate) fn numbers(&self) -> impl Iterator<Item = f64> + Clone + '_ {
+        self.state.iter().flat_map(RunState::numbers)
     }
 }
 

@@ -1,7 +1,7 @@
 //! The state of a run between two moves: all that decides how it goes on, as plain numbers.
 //!
 //! A run that is taken up again from its sites and its state goes on to the bit as if nothing had
-//! happened. All of the [`numbers`](RunState::to_numbers) are `f64`: counts are far below 2⁵³.
+//! happened. All of the [`numbers`](RunState::numbers) are `f64`: counts are far below 2⁵³.
 
 use nalgebra::Point;
 
@@ -99,10 +99,9 @@ impl<const D: usize> RunState<D> {
         self.level
     }
 
-    /// The state as numbers.
-    #[must_use]
-    pub fn to_numbers(&self) -> Vec<f64> {
-        let mut numbers = vec![
+    /// The state as numbers: those of a descent are many times the sites.
+    pub fn numbers(&self) -> impl Iterator<Item = f64> + Clone + '_ {
+        let counts: [f64; COUNTS] = [
             FORMAT,
             self.count as f64,
             f64::from(self.level),
@@ -115,12 +114,10 @@ impl<const D: usize> RunState<D> {
             self.evaluations,
         ];
         let (energy, best) = self.best.as_ref().map_or((0.0, &[][..]), |(e, b)| (*e, b));
-        numbers.extend([energy, best.len() as f64]);
-        numbers.extend(best.iter().flat_map(|site| site.coords.data.0[0]));
-        if let Some(descent) = &self.descent {
-            push_descent(descent, &mut numbers);
-        }
-        numbers
+        let counts = counts.into_iter().chain([energy, best.len() as f64]);
+        let best = best.iter().flat_map(|site| site.coords.data.0[0]);
+        let descent = self.descent.iter().flat_map(numbers_of);
+        counts.chain(best).chain(descent)
     }
 
     /// The state that gave the numbers; `None` if none did.
@@ -153,22 +150,19 @@ impl<const D: usize> RunState<D> {
     }
 }
 
-fn push_descent(descent: &LbfgsbState, numbers: &mut Vec<f64>) {
+fn numbers_of(descent: &LbfgsbState) -> impl Iterator<Item = f64> + Clone + '_ {
     let history = descent.history();
-    numbers.extend([
+    let head = [
         descent.point().len() as f64,
         history.len() as f64,
         descent.value(),
         descent.iterations() as f64,
         descent.evaluations() as f64,
-    ]);
-    numbers.extend(descent.point());
-    numbers.extend(descent.gradient());
+    ];
+    let place = descent.point().iter().chain(descent.gradient());
     let pairs = history.steps().iter().zip(history.changes());
-    for (step, change) in pairs {
-        numbers.extend(step);
-        numbers.extend(change);
-    }
+    let pairs = pairs.flat_map(|(step, change)| step.iter().chain(change));
+    head.into_iter().chain(place.chain(pairs).copied())
 }
 
 fn descent_of(numbers: &[f64]) -> Option<LbfgsbState> {
@@ -198,9 +192,10 @@ mod tests {
 
     #[test]
     fn a_state_reads_back_from_its_numbers() {
+        let numbers = |state: &RunState<3>| state.numbers().collect::<Vec<_>>();
         let mut state = RunState::<3>::new(9, 2);
         assert_eq!(
-            RunState::from_numbers(&state.to_numbers()),
+            RunState::from_numbers(&numbers(&state)),
             Some(state.clone())
         );
         state.best = Some((0.1 + 0.2, vec![Point::from([1.0, -0.0, 3.0])]));
@@ -210,10 +205,10 @@ mod tests {
         let descent = LbfgsbState::from_parts(point, 0.7, gradient, history, 5, 8);
         state.descent = Some(descent);
         assert_eq!(
-            RunState::from_numbers(&state.to_numbers()),
+            RunState::from_numbers(&numbers(&state)),
             Some(state.clone())
         );
-        let numbers = state.to_numbers();
+        let numbers = numbers(&state);
         assert_eq!(
             RunState::<3>::from_numbers(&numbers[..numbers.len() - 1]),
             None

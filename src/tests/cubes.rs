@@ -287,7 +287,7 @@ fn a_run_goes_on_to_the_bit_after_any_move() {
             last.as_ref(),
             &mut |record, sites, state| {
                 shown.push(record.clone());
-                kept = Some((sites.to_vec(), state.to_numbers()));
+                kept = Some((sites.to_vec(), state.numbers().collect::<Vec<_>>()));
                 ControlFlow::Break(())
             },
         );

@@ -3,15 +3,17 @@
 use std::collections::BTreeMap;
 
 use crate::complex::linf_mesh::linf_mesh;
+use crate::domain::convex::ConvexPolyhedron;
 use crate::domain::cuboid::Cuboid;
 use crate::domain::shape::DomainShape;
 use crate::geometry::bounds::Bounds;
+use crate::geometry::half_space::HalfSpace;
 use crate::geometry::random::Random;
 use crate::mesh::poly_mesh::PolyMesh;
 use crate::tests::sites::{grid_sites, random_sites};
 use crate::voronoi::diagram::Diagram;
 use crate::voronoi::linf::cell::Ties;
-use nalgebra::Point3;
+use nalgebra::{Point3, Rotation3, Vector3};
 
 fn jittered(count: usize, noise: f64) -> Vec<Point3<f64>> {
     let mut random = Random::new(11);
@@ -84,21 +86,81 @@ fn l_infinity_cells_share_their_faces_to_the_bit() {
         cases.push(("jittered torus", torus, jittered(3, noise)));
     }
     for (name, domain, sites) in cases {
-        let mesh = linf_mesh(&domain, &sites).unwrap_or_else(|| panic!("{name}: no mesh"));
-        let name = format!("{name} of {}", sites.len());
-        assert_eq!(mesh.cell_count, sites.len());
-        assert_eq!(open_edges(&mesh), 0, "{name}");
-        let diagram = Diagram::new(&domain, &sites).expect("a diagram");
-        let cells = diagram.map_linf(Ties::ToSmallerIndex, |(): &mut (), cell| cell.volume());
-        for (found, volume) in volumes(&mesh, &sites).iter().zip(cells.expect("cells")) {
-            assert!(
-                (found - volume).abs() < 1e-13 * domain.volume(),
-                "{name}: {found} {volume}"
-            );
-        }
-        if name.starts_with("lattice") {
+        let mesh = assert_fits(name, &domain, &sites);
+        if name == "lattice" {
             assert_eq!((mesh.face_count(), mesh.points.len()), (3 * 9 * 4, 64));
         }
+    }
+}
+
+/// The mesh of the cells, closed and of their volumes.
+fn assert_fits(name: &str, domain: &impl DomainShape, sites: &[Point3<f64>]) -> PolyMesh {
+    let name = format!("{name} of {}", sites.len());
+    let mesh = linf_mesh(domain, sites).unwrap_or_else(|| panic!("{name}: no mesh"));
+    assert_eq!(mesh.cell_count, sites.len());
+    assert_eq!(open_edges(&mesh), 0, "{name}");
+    let diagram = Diagram::new(domain, sites).expect("a diagram");
+    let cells = diagram.map_linf(Ties::ToSmallerIndex, |(): &mut (), cell| cell.volume());
+    for (found, volume) in volumes(&mesh, sites).iter().zip(cells.expect("cells")) {
+        assert!(
+            (found - volume).abs() < 1e-13 * domain.volume(),
+            "{name}: {found} {volume}"
+        );
+    }
+    mesh
+}
+
+/// Random sites of the unit cube that lie in a solid.
+fn within(domain: &impl DomainShape, count: usize, seed: u64) -> Vec<Point3<f64>> {
+    let mut sites = random_sites(count, seed);
+    sites.retain(|site| domain.contains(site));
+    sites
+}
+
+#[test]
+fn l_infinity_cells_of_convex_polyhedra_share_their_faces_to_the_bit() {
+    let signs = (0..8).map(|n| [0, 1, 2].map(|axis| if n >> axis & 1 == 1 { -1.0 } else { 1.0 }));
+    let octahedron = signs.map(|normal| {
+        let normal = Vector3::from(normal);
+        HalfSpace {
+            normal,
+            offset: 0.5 + 0.5 * normal.sum(),
+        }
+    });
+    let corner = [
+        [1.0, 1.0, 1.0],
+        [-1.0, 0.0, 0.0],
+        [0.0, -1.0, 0.0],
+        [0.0, 0.0, -1.0],
+    ];
+    let corner = corner.map(|normal| HalfSpace {
+        normal: normal.into(),
+        offset: f64::from(u8::from(normal[0] > 0.0)),
+    });
+    let turn = Rotation3::from_euler_angles(0.3, -0.5, 0.7);
+    let turned = [0, 1, 2].into_iter().flat_map(|axis| {
+        let normal = turn * Vector3::ith(axis, 1.0);
+        [1.0, -1.0].map(|sign| HalfSpace {
+            normal: normal * sign,
+            offset: 0.3 + sign * 0.5 * normal.sum(),
+        })
+    });
+    let solids = [
+        ("octahedron", octahedron.collect::<Vec<_>>()),
+        ("corner", corner.to_vec()),
+        ("turned cube", turned.collect()),
+    ];
+    for (name, walls) in solids {
+        let solid = ConvexPolyhedron::new(&walls).expect("a solid");
+        for (count, seed) in [(6, 1), (60, 2), (600, 3)] {
+            let sites = within(&solid, count, seed);
+            let mesh = assert_fits(name, &solid, &sites);
+            let volume: f64 = volumes(&mesh, &sites).iter().sum();
+            assert!((volume / solid.volume() - 1.0).abs() < 1e-12, "{name}");
+        }
+        let mut lattice = jittered(5, 1e-6);
+        lattice.retain(|site| solid.contains(site));
+        assert_fits(name, &solid, &lattice);
     }
 }
 

@@ -679,6 +679,17 @@ fn tables_of_cells_and_faces_balance() {
         "--cells-table",
         "d.csv",
     ];
+    dir.stdout(&arguments);
+    dir.write("level.csv", "0.25,0.5,0.5\n0.75,0.5,0.5\n");
+    let arguments = [
+        "measure",
+        "--sites",
+        "level.csv",
+        "--cells",
+        "linf",
+        "--cells-table",
+        "e.csv",
+    ];
     assert_refused(&dir, &arguments, &["tables of L∞ cells", "--cells l2"]);
 }
 

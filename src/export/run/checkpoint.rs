@@ -79,7 +79,7 @@ pub fn write<const D: usize>(
     run: &str,
     record: &Record,
     sites: &[Point<f64, D>],
-    memory: &[f64],
+    memory: impl Iterator<Item = f64> + Clone,
 ) -> Result<(), RunError> {
     let blocks = &mut |add: &mut dyn FnMut(&[Point<f64, D>])| add(sites);
     write_blocks(path, (run, record), sites.len(), blocks, memory)
@@ -94,13 +94,13 @@ pub(crate) fn write_blocks<const D: usize>(
     (run, record): (&str, &Record),
     count: usize,
     blocks: &mut Blocks<'_, D>,
-    memory: &[f64],
+    memory: impl Iterator<Item = f64> + Clone,
 ) -> Result<(), RunError> {
     let header = CheckpointHeader {
         format: FORMAT,
         dimension: D,
         sites: count,
-        memory: memory.len(),
+        memory: memory.clone().count(),
         run: run.to_owned(),
         record: record.clone(),
     };
@@ -124,7 +124,7 @@ pub(crate) fn write_blocks<const D: usize>(
                 .flat_map(|site| site.iter())
                 .for_each(|&x| add(x))
         });
-        memory.iter().for_each(|&x| add(x));
+        memory.for_each(add);
         written?;
         file.write_all(&checksum.sum().to_le_bytes())
     });
@@ -257,7 +257,8 @@ mod tests {
             ],
             memory: vec![0.1 + 0.2, -0.0],
         };
-        write(&path, RUN, &saved.record, &saved.sites, &saved.memory).expect("room for it");
+        let memory = saved.memory.iter().copied();
+        write(&path, RUN, &saved.record, &saved.sites, memory).expect("room for it");
         (saved, std::fs::read(&path).expect("it is there"))
     }
 

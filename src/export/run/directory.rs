@@ -194,7 +194,7 @@ impl RunDirectory {
         &mut self,
         record: &Record,
         sites: &[Point<f64, D>],
-        memory: impl FnOnce() -> Vec<f64>,
+        memory: impl Iterator<Item = f64> + Clone,
         every: Option<u64>,
     ) -> Result<(), RunError> {
         self.log.append(record)?;
@@ -203,7 +203,7 @@ impl RunDirectory {
             None => record.iteration == 0 || self.pace.is_due(),
         };
         if is_due {
-            self.keep(record, sites, &memory())?;
+            self.keep(record, sites, memory)?;
         }
         Ok(())
     }
@@ -216,7 +216,7 @@ impl RunDirectory {
         &mut self,
         record: &Record,
         sites: &[Point<f64, D>],
-        memory: &[f64],
+        memory: impl Iterator<Item = f64> + Clone,
     ) -> Result<(), RunError> {
         let blocks = &mut |add: &mut dyn FnMut(&[Point<f64, D>])| add(sites);
         self.keep_blocks(record, sites.len(), blocks, memory)
@@ -231,7 +231,7 @@ impl RunDirectory {
         record: &Record,
         count: usize,
         blocks: &mut Blocks<'_, D>,
-        memory: &[f64],
+        memory: impl Iterator<Item = f64> + Clone,
     ) -> Result<(), RunError> {
         let start = Instant::now();
         self.log.sync()?;
@@ -353,7 +353,7 @@ mod tests {
         for (iteration, kept) in [(0, 0), (1, 0), (2, 0), (3, 3), (4, 3), (5, 3), (6, 6)] {
             record.iteration = iteration;
             let sites = [Point3::new(iteration as f64, 0.5, 0.5)];
-            let written = directory.record(&record, &sites, Vec::new, Some(3));
+            let written = directory.record(&record, &sites, std::iter::empty(), Some(3));
             written.expect("room");
             let saved = directory
                 .checkpoint::<3>("0-1")

@@ -143,10 +143,21 @@ impl<T: Copy + PartialEq> Lasting<T> {
         mut ended: impl FnMut(T, [f64; 2]),
     ) {
         self.spare.clear();
+        // Most follow each other as they did before.
+        let mut next = 0;
         for thing in now {
-            let before = self.open.iter_mut().find(|(other, _)| *other == thing);
-            // What has been carried over must not end.
-            let since = before.map_or(height, |entry| std::mem::replace(&mut entry.1, f64::NAN));
+            let (earlier, later) = self.open.split_at(next);
+            let is_same = |(other, _): &(T, f64)| *other == thing;
+            let before = match later.iter().position(is_same) {
+                Some(place) => Some(next + place),
+                None => earlier.iter().position(is_same),
+            };
+            let mut since = height;
+            if let Some(place) = before {
+                // What has been carried over must not end.
+                since = std::mem::replace(&mut self.open[place].1, f64::NAN);
+                next = place + 1;
+            }
             self.spare.push((thing, since));
         }
         for &(thing, since) in &self.open {

@@ -192,7 +192,8 @@ impl LinfCell<'_> {
     pub(crate) fn bounds(&self) -> Bounds<3> {
         let mut bounds = Bounds::of(&[Point3::origin()]);
         for (cone, sweep) in Cone::all().into_iter().zip(self.cones) {
-            for corner in sweep.blocks().iter().flat_map(Block::corners) {
+            let [low, high] = corner_range(sweep.blocks());
+            for corner in [low, high] {
                 bounds.include(&cone.displacement(corner).into());
             }
         }
@@ -217,6 +218,25 @@ impl LinfCell<'_> {
         });
         areas
     }
+}
+
+/// The least and the greatest coordinates (h, u, v) of the corners of blocks and of the site.
+fn corner_range(blocks: &[Block]) -> [[f64; 3]; 2] {
+    let (mut low, mut high) = ([0.0_f64; 3], [0.0_f64; 3]);
+    let mut include = |axis: usize, at: f64| {
+        low[axis] = low[axis].min(at);
+        high[axis] = high[axis].max(at);
+    };
+    for Block { column, heights } in blocks {
+        for &height in heights {
+            include(0, height);
+            for end in [0, 1] {
+                include(1, column.u[end].at(height));
+                include(2, column.v[end].at(height));
+            }
+        }
+    }
+    [low, high]
 }
 
 impl Fragment {
