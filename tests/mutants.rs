@@ -188,7 +188,7 @@ fn checkpoint_bytes() -> Vec<u8> {
         "movement_mean":0.01,"movement_max":0.02,"movement_percent":1.0,"evaluations":3.5,"seconds":0.25}"#;
     let record: chebloyd::Record = serde_json::from_str(record).expect("a record");
     let memory = [1.0, 2.0];
-    checkpoint::write::<3>(&path, "a run", &record, &sites, memory.iter().copied())
+    checkpoint::write::<3>(&path, "a run", &record, &sites, memory.into_iter())
         .expect("a checkpoint");
     fs::read(&path).expect("a checkpoint")
 }

@@ -8,7 +8,6 @@ use std::ops::ControlFlow;
 use std::path::Path;
 use std::process::Command;
 
-use crate::complex::linf_mesh::linf_mesh;
 use crate::domain::cuboid::Cuboid;
 use crate::domain::shape::PieceScratch;
 use crate::export::run::directory::RunDirectory;
@@ -41,19 +40,11 @@ static HEAP: PeakAlloc = PeakAlloc;
 const IS_CHILD: &str = "CHEBLOYD_MEMORY_TEST";
 
 /// Cubes along an edge of the smaller and of the larger number of sites.
-const SIDES: [usize; 2] = [12, 18];
-
-/// The same for L∞ cells, which take longer.
-const SIDES_LINF: [usize; 2] = [9, 14];
+const FEW: usize = 12;
+const MANY: usize = 18;
 
 /// Bytes per site that a run may take.
 const MOST_PER_SITE: f64 = 300.0;
-
-/// And one with L∞ cells, of either method.
-const MOST_PER_SITE_LINF: f64 = 600.0;
-
-/// Bytes per L∞ cell while cells that share their points are paired.
-const MOST_PER_SHARED_CELL: f64 = 30_000.0;
 
 const QUESTION: EnergySpec = EnergySpec {
     norm: Norm::Linf,
@@ -70,11 +61,10 @@ fn peak(work: impl FnOnce()) -> usize {
 }
 
 /// How much more each further site takes (bytes).
-fn per_site(sides: [usize; 2], work: impl Fn(usize) -> usize + Sync) -> f64 {
+fn per_site(work: impl Fn(usize) -> usize + Sync) -> f64 {
     let pool = ThreadPoolBuilder::new().num_threads(2).build().unwrap();
-    let [few, many] = sides.map(|side| pool.install(|| work(side)) as f64);
-    let [fewer, more] = sides.map(|side| side.pow(3) as f64);
-    (many - few) / (more - fewer)
+    let [few, many] = [FEW, MANY].map(|side| pool.install(|| work(side)) as f64);
+    (many - few) / (MANY.pow(3) - FEW.pow(3)) as f64
 }
 
 /// Relaxes the sites as the command does, with the files that it leaves at a run's start, during it
@@ -91,7 +81,6 @@ fn relax(space: &Space, sites: &mut Vec<Point3<f64>>, options: &Plan, folder: &P
     };
     let mut state = RunState::new(sites.len(), 0);
     drive(space, options, sites, &mut state, None, &mut keep).unwrap();
-    drop(state);
     crate::export::atomic_write::write(&folder.join("sites.csv"), |file| write_csv(sites, file))
         .unwrap();
     write_cells(space, sites, &folder.join("cells.vtu"));
@@ -106,6 +95,7 @@ fn metrics(space: &Space, sites: &[Point3<f64>]) -> Metrics {
 /// Writes the cells while the figures of all are held.
 fn write_cells(space: &Space, sites: &[Point3<f64>], path: &Path) {
     let cells = space.metrics(sites, QUESTION).unwrap();
+    let diagram = Diagram::new(space.domain(), sites).unwrap();
     let mut file = VtuWriter::new(path);
     let outline =
         |scratch: &mut PieceScratch, cell: Cell<'_>| shell(space.domain(), &cell, scratch);
@@ -122,22 +112,19 @@ fn write_cells(space: &Space, sites: &[Point3<f64>], path: &Path) {
         file.push(&geometry).unwrap();
         Ok::<(), DiagramError>(())
     };
-    match space.linf(sites) {
-        Some(cells) => cells.stream_shells(|_, _| false, |[shell, _]| shell, push),
-        None => Diagram::new(space.domain(), sites)
-            .unwrap()
-            .stream(outline, push),
-    }
-    .unwrap();
+    diagram.stream(outline, push).unwrap();
     assert_eq!(file.finish().unwrap(), sites.len() as u64);
 }
 
-/// The peak of a run from so many cubes of random sites along an edge.
-fn run(side: usize, cells: Norm, plan: &Plan) -> usize {
-    let mut sites = random_sites(side.pow(3), 1);
-    let space = Space::new(Box::new(Cuboid::unit())).with_cells(cells);
+/// The peak of a run of so many moves from `sites`.
+fn run(mut sites: Vec<Point3<f64>>, iterations: u64, is_accelerated: bool) -> usize {
+    let space = Space::new(Box::new(Cuboid::unit()));
+    let options = Plan {
+        is_accelerated,
+        ..Plan::lloyd(QUESTION, iterations)
+    };
     let folder = tempfile::tempdir().unwrap();
-    peak(|| relax(&space, &mut sites, plan, folder.path()))
+    peak(|| relax(&space, &mut sites, &options, folder.path()))
 }
 
 /// Does `work` in a process of its own, which runs only the test `name`.
@@ -162,42 +149,10 @@ fn alone(name: &str, work: impl FnOnce()) {
 fn a_run_takes_little_memory_per_site() {
     alone("a_run_takes_little_memory_per_site", || {
         for is_accelerated in [false, true] {
-            let plan = Plan {
-                is_accelerated,
-                ..Plan::lloyd(QUESTION, 2)
-            };
-            let bytes = per_site(SIDES, |side| run(side, Norm::L2, &plan));
+            let bytes = per_site(|side| run(random_sites(side.pow(3), 1), 2, is_accelerated));
             assert!(bytes <= MOST_PER_SITE, "{bytes} bytes per site");
         }
     });
-}
-
-#[test]
-fn a_run_with_linf_cells_takes_little_memory_per_site() {
-    alone("a_run_with_linf_cells_takes_little_memory_per_site", || {
-        // So many steps fill the memory of a descent.
-        for plan in [Plan::lloyd(QUESTION, 1), Plan::quasi_newton(1, 8)] {
-            let bytes = per_site(SIDES_LINF, |side| run(side, Norm::Linf, &plan));
-            assert!(
-                bytes <= MOST_PER_SITE_LINF,
-                "{bytes} bytes per site: {plan:?}"
-            );
-        }
-    });
-}
-
-#[test]
-fn linf_cells_that_share_their_points_take_little_memory() {
-    alone(
-        "linf_cells_that_share_their_points_take_little_memory",
-        || {
-            let bytes = per_site([6, 10], |side| {
-                let sites = random_sites(side.pow(3), 1);
-                peak(|| drop(linf_mesh(&Cuboid::unit(), &sites).unwrap()))
-            });
-            assert!(bytes <= MOST_PER_SHARED_CELL, "{bytes} bytes per cell");
-        },
-    );
 }
 
 /// A text that begins again and again.
