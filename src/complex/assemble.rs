@@ -8,9 +8,8 @@ use thiserror::Error;
 
 use crate::complex::cell_surface::CellSurface;
 use crate::complex::identify::{NumberedVertices, RESOLUTION};
-use crate::complex::loops::{
-    CellLoops, LoopCorner, least_first, merge, numbered_loops, straighten,
-};
+use crate::complex::loop_corner::LoopCorner;
+use crate::complex::loops::{CellLoops, least_first, merge, numbered_loops, straighten};
 use crate::complex::mesh_builder::{MeshBuilder, turned};
 use crate::complex::vertex_key::Shift;
 use crate::complex::wall_patches::WallPatches;
@@ -109,13 +108,10 @@ impl PairedCells {
 pub(crate) fn paired(diagram: &Diagram<'_>, resolution: f64) -> Result<PairedCells, AssembleError> {
     let domain = diagram.domain();
     let periods = Vector3::from(domain.periods().map(|period| period.unwrap_or(0.0)));
-    let cells = diagram
-        .map(|scratch: &mut PieceScratch, cell| (CellSurface::of(&cell, scratch), cell.position))?;
-    refuse_open(&cells)?;
-    let cells: Vec<CellSurface> = cells.into_iter().map(|(cell, _)| cell).collect();
+    let cells = diagram.map(|scratch: &mut PieceScratch, cell| CellSurface::of(&cell, scratch))?;
+    refuse_open(&cells, diagram)?;
     let vertices = NumberedVertices::new(&cells, &periods, resolution);
-    let mut loops = numbered_loops(&cells, &vertices);
-    drop(cells);
+    let mut loops = numbered_loops(cells, &vertices);
     let positions = vertices.positions;
     agree(&mut loops, &positions, &periods)?;
     Ok(PairedCells {
@@ -125,11 +121,11 @@ pub(crate) fn paired(diagram: &Diagram<'_>, resolution: f64) -> Result<PairedCel
     })
 }
 
-fn refuse_open(cells: &[(CellSurface, Point3<f64>)]) -> Result<(), AssembleError> {
-    match cells.iter().position(|(cell, _)| cell.is_open()) {
+fn refuse_open(cells: &[CellSurface], diagram: &Diagram<'_>) -> Result<(), AssembleError> {
+    match cells.iter().position(CellSurface::is_open) {
         Some(site) => Err(AssembleError::Open {
             site,
-            position: cells[site].1.into(),
+            position: diagram.position(site as u32).into(),
         }),
         None => Ok(()),
     }
