@@ -56,19 +56,19 @@ pub(crate) fn quality_histograms(measured: &MeasuredMesh<'_>) -> Vec<Histogram> 
     vec![
         histogram(
             "Non-orthogonality",
-            "degrees, faces between cells",
+            "degrees; faces between cells",
             angles,
             [0.0, steepest],
             40,
         ),
-        histogram("Skewness", "of all faces", skewness, [0.0, skewest], 40),
+        histogram("Skewness", "all faces", skewness, [0.0, skewest], 40),
         histogram(
             "Faces of a cell",
-            "count",
+            "cells",
             sizes,
             [3.5, widest + 0.5],
             widest as usize - 3,
         ),
-        histogram("Scaled Jacobian", "of hexahedra", jacobians, [0.0, 1.0], 40),
+        histogram("Scaled Jacobian", "hexahedra", jacobians, [0.0, 1.0], 40),
     ]
 }
