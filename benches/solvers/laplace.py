@@ -6,7 +6,7 @@
 README.md beside this file says what is needed and what was measured. Every mesh is a case of OpenFOAM below DIR,
 kept and used again.
 """
-import argparse, math, os, re, shutil, subprocess, sys
+import argparse, json, math, os, re, shutil, subprocess, sys
 from pathlib import Path
 import numpy as np
 
@@ -145,13 +145,18 @@ def field(path, width):
 # --- ours ---
 
 def ours(program, work, name, count, surface, collapse, moves):
-    """Relaxes as many cells and meshes them; in solids as `relax --goal mesh` does, in the box from random sites."""
+    """Relaxes as many cells and meshes them: in solids a lattice by Lloyd's moves, or where there are none as
+    `relax --goal mesh` does; in the box random sites."""
     run, case = work / f"{name}-run", work / f"{name}-cells-{collapse}"
     if not (run / "sites.csv").exists():
-        domain = ["--count", count, "--method", "quasi-newton", "--iterations", 200]
-        if surface:
-            domain = [surface, "--count", count, "--goal", "mesh"] + (["--iterations", moves] if moves else [])
-        call(program, "relax", *domain, "--out", run, "--no-cells-file", "--no-pictures", "--quiet", "--force")
+        start = ["--count", count, "--method", "quasi-newton", "--iterations", 200]
+        if surface and moves:
+            start = [work / f"{name}.json"]
+            sites = {"random": {"count": count, "seed": 1, "lattice": True}}
+            write(start[0], json.dumps({"domain": {"surface": str(surface)}, "sites": sites, "method": {"lloyd": {"iterations": moves}}}))
+        elif surface:
+            start = [surface, "--count", count, "--goal", "mesh"]
+        call(program, "relax", *start, "--out", run, "--no-cells-file", "--no-pictures", "--quiet", "--force")
     if not (case / "mesh.json").exists():
         call(program, "mesh", run, "-o", case, "--collapse", collapse, "--quiet", "--force")
         call("renumberMesh", "-case", case, "-overwrite")
@@ -247,7 +252,7 @@ def main():
     options.add_argument("--collapse", default="0,0.1", help="collapses of ours [0,0.1]")
     options.add_argument("--correctors", type=int, default=8, help="non-orthogonal correctors [8]")
     options.add_argument("--no-dual", action="store_true", help="without polyDualMesh")
-    options.add_argument("--moves", type=int, help="moves of --goal mesh in solids [the program's own]")
+    options.add_argument("--moves", type=int, help="Lloyd's moves of a lattice in solids; 0: --goal mesh instead [200, bracket 0]")
     options.add_argument("--work", type=Path, default=Path("solvers"), help="where meshes are kept [solvers]")
     options.add_argument("--chebloyd", default="chebloyd", help="the program")
     options = options.parse_args()
@@ -268,9 +273,11 @@ def main():
     print("| mesh | cells | faces per cell | value | gradient | iterations | tets over this: value | gradient |\n|---|---|---|---|---|---|---|---|")
     for name, count, surface, volume in jobs:
         cases = []
+        # Straight solids keep the lattice's rows; on curved ones Lloyd's cells are better to solve on than hexahedra.
+        moves = {"bracket": 0}.get(name, 200) if options.moves is None else options.moves
         for collapse in options.collapse.split(","):
             cases.append((f"{name}, ours, collapse {collapse}", ours(
-                options.chebloyd, options.work, name, count, surface, collapse, options.moves)))
+                options.chebloyd, options.work, name, count, surface, collapse, moves)))
         reached = Mesh(cases[0][1]).cells
         if not options.no_dual:
             cases.append((f"{name}, polyDualMesh", of_gmsh(options.work, name, reached, surface, volume, 1)))

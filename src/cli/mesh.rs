@@ -17,6 +17,7 @@ use crate::cli::output::OutputRule;
 use crate::complex::element_mesh::ElementMesh;
 use crate::complex::face_geometry::MeshGeometry;
 use crate::complex::listed_cells::mesh_of;
+use crate::complex::quality::MeasuredMesh;
 use crate::export::mesh_vtu::{CellColumn, write_faces, write_mesh};
 use crate::export::poly_mesh::{MESH_FILES, write_case};
 use crate::mesh::formats::open_foam::load_case;
@@ -174,8 +175,7 @@ fn check(path: &Path) -> Result<MeshReport, Failure> {
     };
     mesh.check_closed()
         .map_err(|error| Failure::input(format!("{}: {error}", path.display())))?;
-    let geometry = MeshGeometry::of(&mesh, &mesh.cell_faces());
-    Ok(MeshReport::new(&mesh, &geometry, None))
+    Ok(MeshReport::new(&MeasuredMesh::new(&mesh), None))
 }
 
 /// The mesh in a VTU file.
@@ -218,28 +218,29 @@ fn make(
     let (scene, space, sites) = source.sites(common)?;
     let made = MadeMesh::new(options, &space, &scene, &sites)?;
     let mesh = &made.mesh;
-    let geometry = MeshGeometry::of(mesh, &mesh.cell_faces());
+    let measured = MeasuredMesh::new(mesh);
+    let geometry = &measured.geometry;
     let volume = space.domain().volume() * made.factor.powi(3);
-    let report = MeshReport::new(mesh, &geometry, Some(volume));
+    let report = MeshReport::new(&measured, Some(volume));
     for format in &options.to {
         match (format.as_str(), &made.elements) {
             ("polymesh", _) => write_case(output, mesh).map_err(Failure::run)?,
             ("vtu", None) => {
-                let columns = columns(&space, &scene, (&sites, &mesh.sites), &geometry)?;
+                let columns = columns(&space, &scene, (&sites, &mesh.sites), geometry)?;
                 write_vtu(output, mesh, &columns)?;
             }
-            ("faces", _) => write_face_file(output, mesh, &geometry)?,
-            ("vtu", Some(_)) => write_vtu(output, mesh, &element_columns(mesh, &geometry))?,
+            ("faces", _) => write_face_file(output, mesh, geometry)?,
+            ("vtu", Some(_)) => write_vtu(output, mesh, &element_columns(mesh, geometry))?,
             (_, Some(elements)) => write_elements(output, format, elements)?,
             (_, None) => {}
         }
     }
     let text = json(&report)?;
     leave(output, "mesh.json", text.as_bytes())?;
-    let figure = svg(&histograms(&quality_histograms(mesh, &geometry)));
+    let figure = svg(&histograms(&quality_histograms(&measured)));
     leave(output, HISTOGRAMS, figure.as_bytes())?;
     if options.picture {
-        let (kinds, legend) = kinds_and_legend(mesh, &report);
+        let (kinds, legend) = kinds_and_legend(&measured, &report);
         let picture = mesh_picture(mesh, &kinds, &legend).map_err(Failure::run)?;
         leave(output, PICTURE, &picture)?;
     }

@@ -1,10 +1,8 @@
 //! Histograms of quality and cells by kind, for the pictures of `chebloyd mesh`.
 
 use crate::cli::mesh_report::MeshReport;
-use crate::complex::element::{CellElement, KINDS, scaled_jacobian};
-use crate::complex::face_geometry::MeshGeometry;
-use crate::complex::quality::face_values;
-use crate::mesh::poly_mesh::PolyMesh;
+use crate::complex::element::{CellElement, KINDS};
+use crate::complex::quality::MeasuredMesh;
 use crate::plot::color::Color;
 use crate::plot::histograms::Histogram;
 
@@ -22,11 +20,10 @@ const ANGLES: f64 = 10.0;
 
 /// The kind of every cell, and what the legend says of the kinds that are there.
 pub(crate) fn kinds_and_legend(
-    mesh: &PolyMesh,
+    measured: &MeasuredMesh<'_>,
     report: &MeshReport,
 ) -> (Vec<usize>, Vec<(String, Color)>) {
-    let cells = mesh.cell_faces();
-    let kind = |cell| CellElement::of(mesh, &cells, cell).kind();
+    let kinds = measured.elements.iter().map(CellElement::kind);
     let legend = KINDS.into_iter().zip(COLORS).map(|(name, color)| {
         let (count, percent) = report.share(name);
         let text = match count {
@@ -35,21 +32,16 @@ pub(crate) fn kinds_and_legend(
         };
         (text, color)
     });
-    ((0..mesh.cell_count).map(kind).collect(), legend.collect())
+    (kinds.collect(), legend.collect())
 }
 
 /// Non-orthogonality, skewness, faces of cells, and scaled Jacobians.
-pub(crate) fn quality_histograms(mesh: &PolyMesh, geometry: &MeshGeometry) -> Vec<Histogram> {
-    let cells = mesh.cell_faces();
-    let (angles, skewness) = face_values(mesh, geometry);
-    let sizes: Vec<f64> = (0..mesh.cell_count)
-        .map(|cell| cells.of(cell).len() as f64)
+pub(crate) fn quality_histograms(measured: &MeasuredMesh<'_>) -> Vec<Histogram> {
+    let (angles, skewness) = (measured.non_orthogonality(), measured.skewness());
+    let sizes: Vec<f64> = (0..measured.mesh.cell_count)
+        .map(|cell| measured.cells.of(cell).len() as f64)
         .collect();
-    let jacobian = |cell| match CellElement::of(mesh, &cells, cell) {
-        CellElement::Hexahedron(corners) => Some(scaled_jacobian(mesh, &corners)),
-        _ => None,
-    };
-    let jacobians = (0..mesh.cell_count).filter_map(jacobian).collect();
+    let jacobians = measured.scaled_jacobians();
     let most = |values: &[f64]| values.iter().copied().fold(0.0, f64::max);
     let steepest = (most(&angles) / ANGLES).ceil().max(1.0) * ANGLES;
     let skewest = most(&skewness).ceil().max(1.0);
@@ -64,19 +56,19 @@ pub(crate) fn quality_histograms(mesh: &PolyMesh, geometry: &MeshGeometry) -> Ve
     vec![
         histogram(
             "Non-orthogonality",
-            "degrees, faces between cells",
+            "degrees; faces between cells",
             angles,
             [0.0, steepest],
             40,
         ),
-        histogram("Skewness", "of all faces", skewness, [0.0, skewest], 40),
+        histogram("Skewness", "all faces", skewness, [0.0, skewest], 40),
         histogram(
             "Faces of a cell",
-            "count",
+            "cells",
             sizes,
             [3.5, widest + 0.5],
             widest as usize - 3,
         ),
-        histogram("Scaled Jacobian", "of hexahedra", jacobians, [0.0, 1.0], 40),
+        histogram("Scaled Jacobian", "hexahedra", jacobians, [0.0, 1.0], 40),
     ]
 }

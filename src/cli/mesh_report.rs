@@ -5,11 +5,9 @@ use std::fmt::Write;
 
 use serde::Serialize;
 
-use crate::complex::element::{CellElement, KINDS, scaled_jacobian};
+use crate::complex::element::{CellElement, KINDS};
 use crate::complex::face_geometry::MeshGeometry;
-use crate::complex::quality::MeshQuality;
-use crate::mesh::poly_mesh::PolyMesh;
-use crate::parallel::map;
+use crate::complex::quality::{MeasuredMesh, MeshQuality};
 
 /// How many cells are of a kind, and their volume (L³).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
@@ -48,18 +46,10 @@ pub(crate) struct MeshReport {
 impl MeshReport {
     /// The report of a sound mesh that fills a solid of a known volume (L³), or an unknown one.
     #[must_use]
-    pub(crate) fn new(mesh: &PolyMesh, geometry: &MeshGeometry, solid_volume: Option<f64>) -> Self {
-        let cells = mesh.cell_faces();
-        let quality = MeshQuality::of(mesh, &cells, geometry);
-        let elements = map(mesh.cell_count, &|cell| CellElement::of(mesh, &cells, cell));
-        let mut jacobians: Vec<f64> = elements
-            .iter()
-            .filter_map(|element| match element {
-                CellElement::Hexahedron(corners) => Some(scaled_jacobian(mesh, corners)),
-                _ => None,
-            })
-            .collect();
-        jacobians.sort_by(f64::total_cmp);
+    pub(crate) fn new(measured: &MeasuredMesh<'_>, solid_volume: Option<f64>) -> Self {
+        let mesh = measured.mesh;
+        let quality = MeshQuality::of(measured);
+        let jacobians = measured.scaled_jacobians();
         let patches = mesh.patches.iter();
         Self {
             points: mesh.points.len(),
@@ -68,7 +58,7 @@ impl MeshReport {
             patches: patches
                 .map(|patch| (patch.name.clone(), patch.count))
                 .collect(),
-            kinds: kinds(&elements, geometry),
+            kinds: kinds(&measured.elements, &measured.geometry),
             volume: quality.volume,
             non_orthogonality_max: quality.non_orthogonality_max,
             non_orthogonality_mean: quality.non_orthogonality_mean,

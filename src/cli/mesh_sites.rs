@@ -10,6 +10,7 @@ use serde_json::json;
 use crate::cli::failure::Failure;
 use crate::cli::options::{Common, SceneOptions, change, given, print_notes, space};
 use crate::cli::run::{Bar, RunDescription};
+use crate::mesh::overlap::touching_walls;
 use crate::relax::record::Record;
 use crate::relax::relaxation::Checkpoint;
 use crate::relax::relaxation_space::{Norm, RelaxationSpace as _};
@@ -88,6 +89,7 @@ impl SiteSource {
     /// The space of the scene, and the sites: where none are there, new ones that are relaxed first.
     pub(crate) fn sites(self, common: Common) -> Result<(Scene, Space, Vec<Point3<f64>>), Failure> {
         let space = space(&self.scene)?;
+        refuse_touching(&space)?;
         let sites = match self.sites {
             Some(sites) => sites,
             None => relaxed(&space, &self.scene, common)?,
@@ -130,6 +132,18 @@ fn read_run(run: &Path) -> Result<(Scene, Vec<Point3<f64>>), Failure> {
     check_cells(&scene)?;
     let sites = site_file::read::<3>(&run.join("sites.csv")).map_err(Failure::input)?;
     Ok((scene, sites))
+}
+
+/// Refuses solids whose parts share a wall.
+fn refuse_touching(space: &Space) -> Result<(), Failure> {
+    match space.domain().surface_mesh().and_then(touching_walls) {
+        None => Ok(()),
+        Some(place) => Err(Failure::input(format!(
+            "walls of the solid lie on each other at [{:.4}, {:.4}, {:.4}]: a mesh is one region, without \
+             zones for parts that touch; mesh every part alone, or unite the parts, in Blender or MeshLab",
+            place.x, place.y, place.z
+        ))),
+    }
 }
 
 /// Refuses scenes whose cells make no mesh.

@@ -1,6 +1,7 @@
 //! The mesh of a diagram's cells: vertices identified, faces paired, patches named.
 
 use std::collections::{BTreeMap, HashMap, HashSet};
+use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
 use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
@@ -8,15 +9,15 @@ use thiserror::Error;
 
 use crate::complex::cell_surface::CellSurface;
 use crate::complex::identify::{NumberedVertices, RESOLUTION};
-use crate::complex::loops::{
-    CellLoops, LoopCorner, least_first, merge, numbered_loops, straighten,
-};
+use crate::complex::loop_corner::LoopCorner;
+use crate::complex::loops::{CellLoops, least_first, merge, numbered_loops, straighten};
 use crate::complex::mesh_builder::{MeshBuilder, turned};
 use crate::complex::vertex_key::Shift;
 use crate::complex::wall_patches::WallPatches;
 use crate::domain::facet_kind::FacetKind;
 use crate::domain::shape::PieceScratch;
 use crate::mesh::poly_mesh::PolyMesh;
+use crate::parallel::map;
 use crate::voronoi::diagram::{Diagram, DiagramError};
 
 /// How often vertices that some cells have and others do not are merged with the nearest.
@@ -109,13 +110,10 @@ impl PairedCells {
 pub(crate) fn paired(diagram: &Diagram<'_>, resolution: f64) -> Result<PairedCells, AssembleError> {
     let domain = diagram.domain();
     let periods = Vector3::from(domain.periods().map(|period| period.unwrap_or(0.0)));
-    let cells = diagram
-        .map(|scratch: &mut PieceScratch, cell| (CellSurface::of(&cell, scratch), cell.position))?;
-    refuse_open(&cells)?;
-    let cells: Vec<CellSurface> = cells.into_iter().map(|(cell, _)| cell).collect();
+    let cells = diagram.map(|scratch: &mut PieceScratch, cell| CellSurface::of(&cell, scratch))?;
+    refuse_open(&cells, diagram)?;
     let vertices = NumberedVertices::new(&cells, &periods, resolution);
-    let mut loops = numbered_loops(&cells, &vertices);
-    drop(cells);
+    let mut loops = numbered_loops(cells, &vertices);
     let positions = vertices.positions;
     agree(&mut loops, &positions, &periods)?;
     Ok(PairedCells {
@@ -125,11 +123,11 @@ pub(crate) fn paired(diagram: &Diagram<'_>, resolution: f64) -> Result<PairedCel
     })
 }
 
-fn refuse_open(cells: &[(CellSurface, Point3<f64>)]) -> Result<(), AssembleError> {
-    match cells.iter().position(|(cell, _)| cell.is_open()) {
+fn refuse_open(cells: &[CellSurface], diagram: &Diagram<'_>) -> Result<(), AssembleError> {
+    match cells.iter().position(CellSurface::is_open) {
         Some(site) => Err(AssembleError::Open {
             site,
-            position: cells[site].1.into(),
+            position: diagram.position(site as u32).into(),
         }),
         None => Ok(()),
     }
@@ -172,9 +170,13 @@ struct Dispute {
 
 /// The faces between two cells that are not the same from both sides, by cell.
 fn disputes(cells: &[CellLoops]) -> Vec<Dispute> {
+    let matched: Vec<AtomicU32> = cells.iter().map(|_| AtomicU32::new(0)).collect();
+    let lower = map(cells.len(), &|cell| {
+        matched_upward(cells, cell as u32, &matched)
+    });
     let found = cells.par_iter().enumerate().flat_map_iter(|(cell, loops)| {
         let mut mine = BorderLoops::new();
-        if agrees(cells, cell as u32) {
+        if lower[cell] == Some(matched[cell].load(Relaxed)) {
             return Vec::new();
         }
         for (label, corners) in loops.facets() {
@@ -197,28 +199,44 @@ fn disputes(cells: &[CellLoops]) -> Vec<Dispute> {
     found.collect()
 }
 
-/// Whether a cell has one facet towards every neighbor, all of them at image zero, and each is the same from
-/// the other side: so it is nearly always, and that is told without any list.
-fn agrees(cells: &[CellLoops], cell: u32) -> bool {
+/// How many facets a cell has towards lower neighbors, if it has one facet towards every neighbor, all of them
+/// at image zero, and those towards higher ones are the same from the other side, which is counted there: where
+/// that count is its own, all its facets are the same from both sides. So it is nearly always, and each pair of
+/// cells, far apart in memory, is visited once.
+fn matched_upward(cells: &[CellLoops], cell: u32, matched: &[AtomicU32]) -> Option<u32> {
     let mut seen = [u64::MAX; 64];
+    let mut lower = 0;
+    for (place, (label, _)) in cells[cell as usize].facets().enumerate() {
+        let FacetKind::Neighbor { site, image } = FacetKind::of(label) else {
+            continue;
+        };
+        if image != [0; 3] || place >= seen.len() || seen[..place].contains(&label) {
+            return None;
+        }
+        seen[place] = label;
+        lower += u32::from(site < cell);
+    }
     let here = FacetKind::Neighbor {
         site: cell,
         image: [0; 3],
     };
-    let facets = cells[cell as usize].facets().enumerate();
-    facets.into_iter().all(|(place, (label, corners))| {
-        let FacetKind::Neighbor { site, image } = FacetKind::of(label) else {
-            return true;
+    let mut are_same = true;
+    for (label, corners) in cells[cell as usize].facets() {
+        let FacetKind::Neighbor { site, .. } = FacetKind::of(label) else {
+            continue;
         };
-        if image != [0; 3] || place >= seen.len() || seen[..place].contains(&label) {
-            return false;
+        if site > cell {
+            let other = cells[site as usize].facets();
+            let mut others = other.filter(|(label, _)| *label == here.label());
+            let (first, second) = (others.next(), others.next());
+            let is_same = |(_, there): (u64, &[LoopCorner])| is_reverse(corners, there);
+            match second.is_none() && first.is_some_and(is_same) {
+                true => drop(matched[site as usize].fetch_add(1, Relaxed)),
+                false => are_same = false,
+            }
         }
-        seen[place] = label;
-        let other = cells[site as usize].facets();
-        let mut others = other.filter(|(label, _)| *label == here.label());
-        let (first, second) = (others.next(), others.next());
-        first.is_some_and(|(_, there)| second.is_none() && is_reverse(corners, there))
-    })
+    }
+    are_same.then_some(lower)
 }
 
 /// Whether a loop is another one backwards.

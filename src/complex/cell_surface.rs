@@ -70,6 +70,25 @@ impl CellSurface {
         Bounds::of(places).volume().cbrt()
     }
 
+    /// How many facets there are, and how many corners these have together.
+    #[must_use]
+    pub(crate) fn counts(&self) -> (usize, usize) {
+        (self.facets.len(), self.corners.len())
+    }
+
+    /// The least of the sites that a vertex's key names.
+    #[must_use]
+    pub(crate) fn first_site(&self, vertex: &SurfaceVertex) -> usize {
+        let sites = vertex
+            .facets
+            .iter()
+            .filter_map(|&label| match FacetKind::of(label) {
+                FacetKind::Neighbor { site, .. } => Some(site),
+                _ => None,
+            });
+        sites.fold(self.site, u32::min) as usize
+    }
+
     /// The identity of a vertex, and the shift at which this cell sees it.
     #[must_use]
     pub(crate) fn key(&self, vertex: &SurfaceVertex) -> (VertexKey, Shift) {

@@ -129,7 +129,10 @@ impl PolyMesh {
                 patched,
             });
         }
-        (0..faces).try_for_each(|face| self.check_face(face))?;
+        let all = (0..faces).into_par_iter();
+        if let Some(error) = all.find_map_first(|face| self.check_face(face).err()) {
+            return Err(error);
+        }
         self.check_order()?;
         self.check_points()
     }

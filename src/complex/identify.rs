@@ -14,159 +14,253 @@
 //! The resolution must not be too small: that crossing is known to ε s / w only, w the width of the
 //! facet between the planes. Facets narrower than √ε s vanish with their edges, all of them.
 
+use std::ops::Range;
+use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering::Relaxed};
+
 use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
 
 use crate::complex::cell_surface::CellSurface;
+use crate::complex::loop_corner::LoopCorner;
 use crate::complex::shifted_union::{ShiftedNumber, ShiftedUnion};
 use crate::complex::vertex_key::{NO_SHIFT, Shift, VertexKey, difference, displacement};
 use crate::domain::facet_kind::FacetKind;
-use crate::parallel::map;
+use crate::parallel::{for_each, map, map_runs};
 
 /// Edges shorter than this share of the size of the least cell at them are contracted. Relaxed lattices
 /// are met to some 1e-9; √ε = 1.5e-8.
 pub(crate) const RESOLUTION: f64 = 1e-6;
 
 /// The vertices of all cells by their numbers.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct NumberedVertices {
     /// The place of every number, at shift zero.
     pub(crate) positions: Vec<Point3<f64>>,
     /// Per cell: where its vertices begin in `places`.
     starts: Vec<usize>,
-    /// The number of every vertex of every cell, and the shift at which the cell sees it.
-    places: Vec<ShiftedNumber>,
+    /// Every vertex of every cell, as the cell sees it.
+    places: Vec<LoopCorner>,
 }
 
 impl NumberedVertices {
     /// Numbers the vertices of `cells`, which repeat themselves by `periods`.
     #[must_use]
     pub(crate) fn new(cells: &[CellSurface], periods: &Vector3<f64>, resolution: f64) -> Self {
-        let reports = VertexReports::new(cells);
-        let mut numbered = Numbering::default();
-        numbered.number(cells, &reports, periods, resolution);
-        let mut classes = ShiftedUnion::new(numbered.positions.len());
-        for (one, other) in short_edges(cells, &reports, &numbered) {
+        let reaches = map(cells.len(), &|cell| resolution * cells[cell].size());
+        let (mut vertices, numbers) = numbered_by_keys(cells, periods, &reaches);
+        let mut classes = ShiftedUnion::new(vertices.positions.len());
+        for (one, other) in short_edges(cells, &vertices, &numbers, &reaches) {
             classes.unite(one, other);
         }
-        for (one, other) in common_corners(cells, &reports, &numbered, periods) {
+        for (one, other) in common_corners(cells, &vertices, &numbers, periods) {
             classes.unite(one, other);
         }
-        let walls: Vec<usize> = numbered.keys.iter().map(VertexKey::wall_count).collect();
-        classes.settle(walls, &mut numbered.positions, periods);
-        let mut places = numbered.places;
-        let resolve = |place: &mut ShiftedNumber| *place = classes.resolved(*place);
-        places.par_iter_mut().for_each(resolve);
-        Self {
-            positions: numbered.positions,
-            starts: reports.starts,
-            places,
-        }
+        classes.settle(numbers.walls, &mut vertices.positions, periods);
+        vertices.places.par_iter_mut().for_each(|place| {
+            let (number, shift) = classes.resolved((place.number(), place.shift()));
+            *place = LoopCorner::new(number, shift);
+        });
+        vertices
     }
 
-    /// The number of a cell's vertex, and the shift at which the cell sees it.
+    /// A cell's vertex by its number, as the cell sees it.
     #[inline]
     #[must_use]
-    pub(crate) fn of(&self, cell: usize, vertex: u32) -> ShiftedNumber {
+    pub(crate) fn of(&self, cell: usize, vertex: u32) -> LoopCorner {
         self.places[self.starts[cell] + vertex as usize]
     }
-}
 
-/// A vertex of a cell by its key: cell and place in the cell.
-type VertexReport = (VertexKey, u32, u32);
-
-/// The vertices of all cells.
-struct VertexReports {
-    /// Sorted by key, then by cell.
-    sorted: Vec<VertexReport>,
-    /// Per cell: how many vertices are in the cells before it.
-    starts: Vec<usize>,
-}
-
-impl VertexReports {
-    fn new(cells: &[CellSurface]) -> Self {
-        let mut total = 0;
-        let start = |cell: &CellSurface| {
-            total += cell.vertices.len();
-            total - cell.vertices.len()
-        };
-        let starts: Vec<usize> = cells.iter().map(start).collect();
-        let keys: Vec<Vec<VertexReport>> = map(cells.len(), &|place| {
-            let cell = &cells[place];
-            let key = |(vertex, at)| (cell.key(at).0, place as u32, vertex as u32);
-            cell.vertices.iter().enumerate().map(key).collect()
-        });
-        let mut sorted = by_first_site(&keys, cells.len(), total);
-        drop(keys);
-        sorted
-            .par_chunk_by_mut(|one, other| one.0.first_site() == other.0.first_site())
-            .for_each(<[VertexReport]>::sort_unstable);
-        Self { sorted, starts }
-    }
-
-    fn groups(&self) -> impl Iterator<Item = &[VertexReport]> {
-        self.sorted.chunk_by(|one, other| one.0 == other.0)
+    /// The same as a pair.
+    fn pair(&self, cell: usize, vertex: u32) -> ShiftedNumber {
+        let place = self.of(cell, vertex);
+        (place.number(), place.shift())
     }
 }
 
-/// Reports by the first sites of their keys.
-fn by_first_site(keys: &[Vec<VertexReport>], sites: usize, total: usize) -> Vec<VertexReport> {
-    let mut next = vec![0_usize; sites + 1];
-    for report in keys.iter().flatten() {
-        next[report.0.first_site() + 1] += 1;
-    }
-    for site in 0..sites {
-        next[site + 1] += next[site];
-    }
-    let Some(&any) = keys.iter().flatten().next() else {
-        return Vec::new();
-    };
-    let mut sorted = vec![any; total];
-    for report in keys.iter().flatten() {
-        let place = &mut next[report.0.first_site()];
-        sorted[*place] = *report;
-        *place += 1;
-    }
-    sorted
-}
-
-/// Numbers by keys and places.
+/// What is known of every number while numbers are united.
 #[derive(Default)]
-struct Numbering {
-    /// Per number: its key, its place at shift zero, the reach (L) within which it is one with others,
-    /// and how many cells see it.
+struct Numbers {
+    /// The reach (L) within which it is one with others.
+    reaches: Vec<f64>,
+    /// How many walls meet in it.
+    walls: Vec<u8>,
+    /// Whether not all cells that its key names see it.
+    disputed: Vec<bool>,
+}
+
+impl Numbers {
+    fn reach(&self, one: ShiftedNumber, other: ShiftedNumber) -> f64 {
+        let [one, other] = [one, other].map(|(number, _)| self.reaches[number as usize]);
+        one.min(other)
+    }
+}
+
+/// All vertices of all cells in buckets by the first sites of their keys.
+struct VertexBuckets {
+    /// Per site: where its bucket ends.
+    ends: Vec<AtomicUsize>,
+    /// Cell and vertex, in the upper and the lower half; in any order within a bucket.
+    entries: Vec<AtomicU64>,
+}
+
+impl VertexBuckets {
+    fn new(cells: &[CellSurface]) -> Self {
+        let mut ends: Vec<AtomicUsize> = cells.iter().map(|_| AtomicUsize::new(0)).collect();
+        for_each(cells.len(), &|cell| {
+            for vertex in &cells[cell].vertices {
+                ends[cells[cell].first_site(vertex)].fetch_add(1, Relaxed);
+            }
+        });
+        let mut total = 0;
+        for end in &mut ends {
+            let count = std::mem::replace(end.get_mut(), total);
+            total += count;
+        }
+        // Here `ends` are the buckets' starts; each moves on with every entry.
+        let entries: Vec<AtomicU64> = (0..total).map(|_| AtomicU64::new(0)).collect();
+        for_each(cells.len(), &|cell| {
+            for (place, vertex) in (0..).zip(&cells[cell].vertices) {
+                let entry = ends[cells[cell].first_site(vertex)].fetch_add(1, Relaxed);
+                entries[entry].store((cell as u64) << 32 | place, Relaxed);
+            }
+        });
+        Self { ends, entries }
+    }
+
+    /// What is in the buckets of these sites.
+    fn entries(&self, sites: Range<usize>) -> &[AtomicU64] {
+        let end = |sites: usize| match sites {
+            0 => 0,
+            _ => self.ends[sites - 1].load(Relaxed),
+        };
+        &self.entries[end(sites.start)..end(sites.end)]
+    }
+}
+
+/// The cell and the vertex of an entry.
+fn unpacked(entry: &AtomicU64) -> (usize, usize) {
+    let entry = entry.load(Relaxed);
+    ((entry >> 32) as usize, entry as u32 as usize)
+}
+
+/// Sites whose buckets one task numbers.
+const RUN: usize = 1024;
+
+/// A vertex of a cell by its key: cell, place in the cell, and the shift at which the cell sees it.
+type VertexReport = (VertexKey, usize, usize, Shift);
+
+/// Numbers of the vertices whose keys begin with sites that follow each other.
+#[derive(Default)]
+struct RunNumbers {
     keys: Vec<VertexKey>,
     positions: Vec<Point3<f64>>,
     reaches: Vec<f64>,
+    /// How many cells see each.
     sightings: Vec<usize>,
-    /// The number of every vertex of every cell, and the shift at which the cell sees it.
-    places: Vec<ShiftedNumber>,
 }
 
-impl Numbering {
+/// Vertices numbered by their keys and places, cells' reaches given.
+fn numbered_by_keys(
+    cells: &[CellSurface],
+    periods: &Vector3<f64>,
+    reaches: &[f64],
+) -> (NumberedVertices, Numbers) {
+    let mut total = 0;
+    let starts = cells.iter().map(|cell| {
+        total += cell.vertices.len();
+        total - cell.vertices.len()
+    });
+    let starts: Vec<usize> = starts.collect();
+    let buckets = VertexBuckets::new(cells);
+    // By the numbers of a run first, each of which begins at zero.
+    let places: Vec<AtomicU64> = (0..total).map(|_| AtomicU64::new(0)).collect();
+    let runs = map_runs(cells.len(), RUN, |sites| {
+        RunNumbers::of(
+            sites,
+            &buckets,
+            (cells, periods, reaches),
+            |cell, vertex, place| {
+                places[starts[cell] + vertex].store(place.bits(), Relaxed);
+            },
+        )
+    });
+    let mut first = 0;
+    for (run, numbers) in runs.iter().enumerate() {
+        let sites = run * RUN..cells.len().min((run + 1) * RUN);
+        let entries = buckets.entries(sites);
+        for_each(entries.len(), &|entry| {
+            let (cell, vertex) = unpacked(&entries[entry]);
+            places[starts[cell] + vertex].fetch_add(first, Relaxed);
+        });
+        first += numbers.keys.len() as u64;
+    }
+    let (positions, numbers) = joined(runs);
+    let places = places.into_iter().map(AtomicU64::into_inner);
+    let vertices = NumberedVertices {
+        positions,
+        starts,
+        places: places.map(LoopCorner::of_bits).collect(),
+    };
+    (vertices, numbers)
+}
+
+/// The numbers of all runs.
+fn joined(runs: Vec<RunNumbers>) -> (Vec<Point3<f64>>, Numbers) {
+    let (mut positions, mut numbers) = (Vec::new(), Numbers::default());
+    for run in runs {
+        positions.extend(run.positions);
+        numbers.reaches.extend(run.reaches);
+        let walls = run.keys.iter().map(VertexKey::wall_count);
+        numbers.walls.extend(walls);
+        let seen = run.keys.iter().zip(run.sightings);
+        let disputed = seen.map(|(key, sightings)| sightings != key.site_count());
+        numbers.disputed.extend(disputed);
+    }
+    (positions, numbers)
+}
+
+impl RunNumbers {
+    /// The numbers of the vertices whose keys begin with `sites`, from zero; `take` is told every cell and
+    /// vertex with its number.
+    fn of(
+        sites: Range<usize>,
+        buckets: &VertexBuckets,
+        (cells, periods, reaches): (&[CellSurface], &Vector3<f64>, &[f64]),
+        take: impl Fn(usize, usize, LoopCorner),
+    ) -> Self {
+        let mut run = Self::default();
+        let mut reports: Vec<VertexReport> = Vec::new();
+        for site in sites {
+            reports.clear();
+            let entries = buckets.entries(site..site + 1).iter().map(unpacked);
+            reports.extend(entries.map(|(cell, vertex)| {
+                let (key, shift) = cells[cell].key(&cells[cell].vertices[vertex]);
+                (key, cell, vertex, shift)
+            }));
+            reports.sort_unstable();
+            for group in reports.chunk_by(|one, other| one.0 == other.0) {
+                run.number(group, (cells, periods, reaches), &take);
+            }
+        }
+        run
+    }
+
+    /// Numbers vertices of one key, and tells `take` the cell and vertex of each with its number.
     fn number(
         &mut self,
-        cells: &[CellSurface],
-        reports: &VertexReports,
-        periods: &Vector3<f64>,
-        resolution: f64,
+        group: &[VertexReport],
+        (cells, periods, reaches): (&[CellSurface], &Vector3<f64>, &[f64]),
+        take: impl Fn(usize, usize, LoopCorner),
     ) {
-        let sizes = map(cells.len(), &|cell| cells[cell].size());
-        self.places = vec![(0, NO_SHIFT); reports.sorted.len()];
-        for group in reports.groups() {
-            let sizes = group.iter().map(|&(_, cell, _)| sizes[cell as usize]);
-            let reach = resolution * sizes.fold(f64::INFINITY, f64::min);
-            let first = self.keys.len();
-            for &(key, cell, vertex) in group {
-                let surface = &cells[cell as usize];
-                let at = &surface.vertices[vertex as usize];
-                let shift = surface.key(at).1;
-                let position = at.position - displacement(shift, periods);
-                let number = self.number_from(first, key, position, reach);
-                self.sightings[number] += 1;
-                let place = reports.starts[cell as usize] + vertex as usize;
-                self.places[place] = (number as u32, shift);
-            }
+        let of_cells = group.iter().map(|&(_, cell, ..)| reaches[cell]);
+        let reach = of_cells.fold(f64::INFINITY, f64::min);
+        let first = self.keys.len();
+        for &(key, cell, vertex, shift) in group {
+            let seen = cells[cell].vertices[vertex].position;
+            let position = seen - displacement(shift, periods);
+            let number = self.number_from(first, key, position, reach);
+            self.sightings[number] += 1;
+            take(cell, vertex, LoopCorner::new(number as u32, shift));
         }
     }
 
@@ -188,37 +282,32 @@ impl Numbering {
         self.sightings.push(0);
         self.keys.len() - 1
     }
-
-    /// Whether not all cells that a number's key names see it.
-    fn is_disputed(&self, number: u32) -> bool {
-        let number = number as usize;
-        self.sightings[number] != self.keys[number].site_count()
-    }
-
-    fn reach(&self, one: ShiftedNumber, other: ShiftedNumber) -> f64 {
-        let [one, other] = [one, other].map(|(number, _)| self.reaches[number as usize]);
-        one.min(other)
-    }
 }
 
-/// The ends of all edges shorter than the lesser reach of their ends, cell by cell.
+/// The ends of all edges shorter than the lesser reach of their ends, cell by cell; no end's reach is above
+/// its cell's.
 fn short_edges(
     cells: &[CellSurface],
-    reports: &VertexReports,
-    numbered: &Numbering,
+    vertices: &NumberedVertices,
+    numbers: &Numbers,
+    reaches: &[f64],
 ) -> Vec<(ShiftedNumber, ShiftedNumber)> {
     let surfaces = cells.par_iter().enumerate();
     let edges = surfaces.flat_map_iter(|(cell, surface)| {
         let position = |vertex: u32| surface.vertices[vertex as usize].position;
-        let of = move |vertex: u32| numbered.places[reports.starts[cell] + vertex as usize];
         let edges = surface.facets().flat_map(|(_, corners)| {
             let next = corners.iter().cycle().skip(1);
             corners.iter().zip(next).map(|(&from, &to)| (from, to))
         });
-        edges
-            .filter(move |&(from, to)| from < to)
-            .map(move |(from, to)| ((position(from) - position(to)).norm(), of(from), of(to)))
-            .filter(|&(length, from, to)| length < numbered.reach(from, to))
+        let lengths = edges
+            .filter(|&(from, to)| from < to)
+            .map(move |(from, to)| ((position(from) - position(to)).norm(), from, to));
+        lengths
+            .filter(move |&(length, ..)| length < reaches[cell])
+            .map(move |(length, from, to)| {
+                (length, vertices.pair(cell, from), vertices.pair(cell, to))
+            })
+            .filter(|&(length, from, to)| length < numbers.reach(from, to))
             .map(|(_, from, to)| (from, to))
     });
     edges.collect()
@@ -230,18 +319,18 @@ type FaceId = (u32, u32, Shift);
 /// Pairs of disputed vertices that two cells give their common face in one place.
 fn common_corners(
     cells: &[CellSurface],
-    reports: &VertexReports,
-    numbered: &Numbering,
+    vertices: &NumberedVertices,
+    numbers: &Numbers,
     periods: &Vector3<f64>,
 ) -> Vec<(ShiftedNumber, ShiftedNumber)> {
     let entries = cells
         .par_iter()
         .enumerate()
         .flat_map_iter(|(cell, surface)| {
-            let places = &numbered.places[reports.starts[cell]..];
-            let vertices = surface.vertices.iter().zip(places);
-            let disputed = vertices.filter(|(_, place)| numbered.is_disputed(place.0));
-            disputed.flat_map(move |(vertex, &place)| {
+            let places = (0..).map(move |vertex| vertices.pair(cell, vertex));
+            let all = surface.vertices.iter().zip(places);
+            let disputed = all.filter(|(_, place)| numbers.disputed[place.0 as usize]);
+            disputed.flat_map(move |(vertex, place)| {
                 let corners = vertex
                     .facets
                     .map(|label| face_corner(cell as u32, label, place));
@@ -252,14 +341,14 @@ fn common_corners(
     entries.par_sort_unstable();
     entries.dedup();
     let position = |(number, shift): ShiftedNumber| {
-        numbered.positions[number as usize] + displacement(shift, periods)
+        vertices.positions[number as usize] + displacement(shift, periods)
     };
     let mut pairs = Vec::new();
     for face in entries.chunk_by(|one, other| one.0 == other.0) {
         for (place, &(_, one)) in face.iter().enumerate() {
             let others = face[place + 1..].iter().map(|&(_, other)| other);
             let is_near = |other: &ShiftedNumber| {
-                (position(one) - position(*other)).norm() <= numbered.reach(one, *other)
+                (position(one) - position(*other)).norm() <= numbers.reach(one, *other)
             };
             pairs.extend(others.filter(is_near).map(|other| (one, other)));
         }

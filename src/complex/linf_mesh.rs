@@ -15,7 +15,8 @@ use nalgebra::{Point3, Vector3};
 use crate::complex::grid_lines::{
     DIRECTIONS, LineKey, Place, direction_of, line_of, line_through, parts_of, place_on,
 };
-use crate::complex::loops::{CellLoops, LoopCorner};
+use crate::complex::loop_corner::LoopCorner;
+use crate::complex::loops::CellLoops;
 use crate::complex::mesh_builder::MeshBuilder;
 use crate::complex::numbered_facets::{NumberedFacet, is_paired, loops_of};
 use crate::complex::vertex_key::Shift;

@@ -5,63 +5,15 @@
 //! nearly coincident planes cross on an edge; some cells have it and others do not, so it goes.
 
 use std::collections::HashMap;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
 
-use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
 
 use crate::complex::cell_surface::CellSurface;
 use crate::complex::identify::NumberedVertices;
-use crate::complex::vertex_key::{Shift, displacement};
+use crate::complex::loop_corner::LoopCorner;
 use crate::geometry::label::Label;
-use crate::parallel::map;
-
-/// A vertex where a cell sees it: its number, and in the bits above 32 its shift.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub(crate) struct LoopCorner(u64);
-
-/// Added to every component of a shift, so that it is a positive number of 10 bits.
-const BIAS: i16 = 512;
-
-impl LoopCorner {
-    /// The corner at vertex `number`, shifted.
-    #[must_use]
-    pub(crate) fn new(number: u32, shift: Shift) -> Self {
-        let bits = |axis: usize| ((shift[axis] + BIAS) & 0x3ff) as u64;
-        Self(u64::from(number) | bits(0) << 32 | bits(1) << 42 | bits(2) << 52)
-    }
-
-    /// The number of its vertex.
-    #[inline]
-    #[must_use]
-    pub(crate) fn number(self) -> u32 {
-        self.0 as u32
-    }
-
-    /// The shift of its vertex.
-    #[inline]
-    #[must_use]
-    pub(crate) fn shift(self) -> Shift {
-        [32, 42, 52].map(|bits| (self.0 >> bits & 0x3ff) as i16 - BIAS)
-    }
-
-    /// The same vertex moved by `by` more periods.
-    #[must_use]
-    pub(crate) fn shifted(self, by: Shift) -> Self {
-        let shift = self.shift();
-        Self::new(self.number(), [0, 1, 2].map(|axis| shift[axis] + by[axis]))
-    }
-
-    /// The vertex as `origin` sees it from shift zero.
-    fn relative_to(self, origin: Self) -> Self {
-        self.shifted(origin.shift().map(|periods| -periods))
-    }
-
-    /// Its place (L).
-    #[must_use]
-    pub(crate) fn position(self, positions: &[Point3<f64>], periods: &Vector3<f64>) -> Point3<f64> {
-        positions[self.number() as usize] + displacement(self.shift(), periods)
-    }
-}
+use crate::parallel::for_each;
 
 /// The facets of a cell.
 #[derive(Clone, Debug, Default)]
@@ -102,16 +54,28 @@ impl CellLoops {
         (0..pieces.len()).map(number).collect()
     }
 
-    /// The facets with new corners, without those that have fewer than three.
-    fn mapped(&self, mut corner: impl FnMut(LoopCorner) -> Option<LoopCorner>) -> Self {
-        let mut mapped = Self::default();
+    /// Without facets yet, and with memory for so many facets and corners: vectors that grow as they are
+    /// filled take half as much again.
+    fn with_capacity(facets: usize, corners: usize) -> Self {
+        Self {
+            facets: Vec::with_capacity(facets),
+            corners: Vec::with_capacity(corners),
+        }
+    }
+
+    /// Gives the facets new corners, without those that have fewer than three.
+    fn replace(&mut self, corner: &impl Fn(LoopCorner) -> Option<LoopCorner>) {
+        if self.corners.iter().all(|&old| corner(old) == Some(old)) {
+            return;
+        }
+        let mut mapped = Self::with_capacity(self.facets.len(), self.corners.len());
         let mut ring = Vec::new();
         for (label, corners) in self.facets() {
             ring.clear();
             ring.extend(corners.iter().filter_map(|&old| corner(old)));
             mapped.push(label, &mut ring);
         }
-        mapped
+        *self = mapped;
     }
 
     /// Adds a facet as it is.
@@ -188,24 +152,26 @@ pub(crate) fn least_first(corners: &[LoopCorner]) -> Vec<LoopCorner> {
     [after, before].concat()
 }
 
-/// The facets of all cells by the numbers of their vertices.
+/// The facets of all cells by the numbers of their vertices. A cell's own vertices are given back as soon as
+/// they are numbered.
 #[must_use]
-pub(crate) fn numbered_loops(cells: &[CellSurface], vertices: &NumberedVertices) -> Vec<CellLoops> {
-    let of_cell = |cell: usize| {
-        let surface = &cells[cell];
-        let mut loops = CellLoops::default();
+pub(crate) fn numbered_loops(
+    cells: Vec<CellSurface>,
+    vertices: &NumberedVertices,
+) -> Vec<CellLoops> {
+    let of_cell = |(cell, surface): (usize, CellSurface)| {
+        let (facets, corners) = surface.counts();
+        let mut loops = CellLoops::with_capacity(facets, corners);
         let mut ring = Vec::new();
         for (label, corners) in surface.facets() {
             ring.clear();
-            ring.extend(corners.iter().map(|&vertex| {
-                let (number, shift) = vertices.of(cell, vertex);
-                LoopCorner::new(number, shift)
-            }));
+            ring.extend(corners.iter().map(|&vertex| vertices.of(cell, vertex)));
             loops.push(label, &mut ring);
         }
         loops
     };
-    map(cells.len(), &of_cell)
+    let cells = cells.into_par_iter().enumerate();
+    cells.map(of_cell).collect()
 }
 
 /// Removes the vertices that have two edges only, until there are none.
@@ -216,57 +182,68 @@ pub(crate) fn straighten(cells: &mut [CellLoops], count: usize) {
             return;
         }
         let keep = |corner: LoopCorner| (!edges.is_straight(corner)).then_some(corner);
-        cells
-            .par_iter_mut()
-            .for_each(|cell| *cell = cell.mapped(keep));
+        cells.par_iter_mut().for_each(|cell| cell.replace(&keep));
     }
 }
 
-/// The other ends of every vertex's edges, two at most, and whether there are more.
+/// Marks an end that is not known yet.
+const NO_END: u64 = u64::MAX;
+
+/// The other ends of every vertex's edges, two at most, and whether there are more. Threads add them together:
+/// which two come first does not matter, nor does which of them is first.
 struct EdgeEnds {
-    ends: Vec<[Option<LoopCorner>; 2]>,
-    is_branching: Vec<bool>,
+    /// [`LoopCorner::bits`].
+    ends: Vec<[AtomicU64; 2]>,
+    is_branching: Vec<AtomicBool>,
 }
 
 impl EdgeEnds {
     fn of(cells: &[CellLoops], count: usize) -> Self {
-        let mut all = Self {
-            ends: vec![[None; 2]; count],
-            is_branching: vec![false; count],
+        let no_ends = || [NO_END; 2].map(AtomicU64::new);
+        let all = Self {
+            ends: (0..count).map(|_| no_ends()).collect(),
+            is_branching: (0..count).map(|_| AtomicBool::new(false)).collect(),
         };
-        for (_, corners) in cells.iter().flat_map(CellLoops::facets) {
-            let next = corners.iter().cycle().skip(1);
-            for (&from, &to) in corners.iter().zip(next) {
-                all.add(from, to);
-                all.add(to, from);
+        for_each(cells.len(), &|cell| {
+            for (_, corners) in cells[cell].facets() {
+                let next = corners.iter().cycle().skip(1);
+                for (&from, &to) in corners.iter().zip(next) {
+                    all.add(from, to);
+                    all.add(to, from);
+                }
             }
-        }
+        });
         all
     }
 
-    fn add(&mut self, from: LoopCorner, to: LoopCorner) {
-        let number = from.number() as usize;
-        if self.is_branching[number] {
+    fn add(&self, from: LoopCorner, to: LoopCorner) {
+        let is_branching = &self.is_branching[from.number() as usize];
+        if is_branching.load(Relaxed) {
             return;
         }
-        let end = to.relative_to(from);
-        for known in &mut self.ends[number] {
-            if *known.get_or_insert(end) == end {
+        let end = to.relative_to(from).bits();
+        for known in &self.ends[from.number() as usize] {
+            let there = match known.load(Relaxed) {
+                NO_END => known.compare_exchange(NO_END, end, Relaxed, Relaxed),
+                there => Err(there),
+            };
+            if there.is_ok() || there == Err(end) {
                 return;
             }
         }
-        self.is_branching[number] = true;
+        is_branching.store(true, Relaxed);
     }
 
     fn is_straight(&self, corner: LoopCorner) -> bool {
-        let number = corner.number() as usize;
-        !self.is_branching[number] && self.ends[number][1].is_some()
+        self.is_straight_at(corner.number() as usize)
+    }
+
+    fn is_straight_at(&self, number: usize) -> bool {
+        !self.is_branching[number].load(Relaxed) && self.ends[number][1].load(Relaxed) != NO_END
     }
 
     fn any_straight(&self) -> bool {
-        let ends = self.ends.iter().zip(&self.is_branching);
-        ends.into_iter()
-            .any(|(ends, branches)| !branches && ends[1].is_some())
+        (0..self.ends.len()).any(|number| self.is_straight_at(number))
     }
 }
 
@@ -276,9 +253,7 @@ pub(crate) fn merge(cells: &mut [CellLoops], pairs: &HashMap<u32, LoopCorner>) {
         let target = pairs.get(&corner.number());
         Some(target.map_or(corner, |target| target.shifted(corner.shift())))
     };
-    cells
-        .par_iter_mut()
-        .for_each(|cell| *cell = cell.mapped(moved));
+    cells.par_iter_mut().for_each(|cell| cell.replace(&moved));
 }
 
 #[cfg(test)]
@@ -303,13 +278,5 @@ mod tests {
         assert_eq!(shortened(&[1, 2, 3, 1, 5]), [1, 2, 3]);
         assert!(shortened(&[1, 2, 1, 2]).len() < 3);
         assert!(shortened(&[1, 2]).len() < 3);
-    }
-
-    #[test]
-    fn shifts_are_kept_with_their_signs() {
-        let corner = LoopCorner::new(9, [-3, 0, 200]);
-        assert_eq!((corner.number(), corner.shift()), (9, [-3, 0, 200]));
-        assert_eq!(corner.shifted([3, 1, -200]).shift(), [0, 1, 0]);
-        assert_eq!(corner.relative_to(corner).shift(), NO_SHIFT);
     }
 }

@@ -5,7 +5,8 @@ use std::collections::{BTreeMap, HashMap};
 use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
 
-use crate::complex::loops::{CellLoops, LoopCorner, least_first};
+use crate::complex::loop_corner::LoopCorner;
+use crate::complex::loops::{CellLoops, least_first};
 use crate::complex::vertex_key::{NO_SHIFT, Shift};
 use crate::complex::wall_patches::WallPatches;
 use crate::domain::facet_kind::FacetKind;

@@ -34,6 +34,7 @@ pub(crate) mod jacobian;
 pub(crate) mod linf_mesh;
 #[cfg(feature = "cli")]
 pub(crate) mod listed_cells;
+pub(crate) mod loop_corner;
 pub(crate) mod loop_shape;
 pub(crate) mod loops;
 pub(crate) mod merge_flat;

@@ -5,6 +5,7 @@
 
 use nalgebra::{Point3, Vector3};
 
+use crate::complex::element::{CellElement, scaled_jacobian};
 use crate::complex::face_geometry::{MeshGeometry, NO_AREA};
 use crate::mesh::poly_mesh::{CellFaces, PolyMesh};
 use crate::parallel::map;
@@ -17,6 +18,72 @@ const BAD_PYRAMID: f64 = -1e-15;
 
 /// The center of a cell's face lies in the plane of another within this cosine (`planarCosAngle_`).
 const PLANAR: f64 = 1e-6;
+
+/// A mesh, and what all its figures are made of.
+#[derive(Debug)]
+pub(crate) struct MeasuredMesh<'a> {
+    /// The mesh, whose structure is sound.
+    pub(crate) mesh: &'a PolyMesh,
+    /// The faces of every cell.
+    pub(crate) cells: CellFaces,
+    /// Centers, areas and volumes.
+    pub(crate) geometry: MeshGeometry,
+    /// The shape of every cell.
+    pub(crate) elements: Vec<CellElement>,
+    faces: Vec<FaceQuality>,
+}
+
+impl<'a> MeasuredMesh<'a> {
+    /// Measures a mesh, whose structure is sound.
+    #[must_use]
+    pub(crate) fn new(mesh: &'a PolyMesh) -> Self {
+        let cells = mesh.cell_faces();
+        let geometry = MeshGeometry::of(mesh, &cells);
+        let element = |cell: usize| CellElement::of(mesh, &cells, cell);
+        let elements = map(mesh.cell_count, &element);
+        let beyond = Beyond::new(mesh, &geometry);
+        let quality = |face: usize| face_quality(mesh, &geometry, &beyond, face);
+        let faces = map(mesh.face_count(), &quality);
+        Self {
+            mesh,
+            cells,
+            geometry,
+            elements,
+            faces,
+        }
+    }
+
+    /// The angles of non-orthogonality (degrees) of all faces that are not on walls.
+    #[must_use]
+    pub(crate) fn non_orthogonality(&self) -> Vec<f64> {
+        let cosines = self.faces.iter().filter_map(|face| face.cosine);
+        let angles = cosines.map(|(cosine, _)| degrees(cosine));
+        angles.collect()
+    }
+
+    /// The skewness of all faces.
+    #[must_use]
+    pub(crate) fn skewness(&self) -> Vec<f64> {
+        self.faces.iter().map(|face| face.skewness).collect()
+    }
+
+    /// The scaled Jacobians of hexahedra, ascending.
+    #[must_use]
+    pub(crate) fn scaled_jacobians(&self) -> Vec<f64> {
+        let hexahedra = self.elements.iter().filter_map(|element| match element {
+            CellElement::Hexahedron(corners) => Some(scaled_jacobian(self.mesh, corners)),
+            _ => None,
+        });
+        let mut jacobians: Vec<f64> = hexahedra.collect();
+        jacobians.sort_by(f64::total_cmp);
+        jacobians
+    }
+}
+
+/// The angle of a cosine.
+fn degrees(cosine: f64) -> f64 {
+    cosine.clamp(-1.0, 1.0).acos().to_degrees()
+}
 
 /// How good a mesh is.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -69,15 +136,17 @@ struct CellQuality {
 }
 
 impl MeshQuality {
-    /// Measures a mesh, whose structure is sound.
+    /// How good a measured mesh is.
     #[must_use]
-    pub(crate) fn of(mesh: &PolyMesh, cells: &CellFaces, geometry: &MeshGeometry) -> Self {
-        let beyond = Beyond::new(mesh, geometry);
-        let faces: Vec<FaceQuality> = map(mesh.face_count(), &|face| {
-            face_quality(mesh, geometry, &beyond, face)
-        });
-        let all: Vec<CellQuality> =
-            map(mesh.cell_count, &|cell| cell_quality(geometry, cells, cell));
+    pub(crate) fn of(measured: &MeasuredMesh<'_>) -> Self {
+        let MeasuredMesh {
+            mesh,
+            cells,
+            geometry,
+            faces,
+            ..
+        } = measured;
+        let all = map(mesh.cell_count, &|cell| cell_quality(geometry, cells, cell));
         let mut quality = Self {
             volume: geometry.cell_volumes.iter().sum(),
             flatness_min: 1.0,
@@ -85,7 +154,7 @@ impl MeshQuality {
             face_min: f64::INFINITY,
             ..Self::default()
         };
-        quality.add_faces(&faces);
+        quality.add_faces(faces);
         quality.add_cells(&all);
         quality
     }
@@ -107,7 +176,6 @@ impl MeshQuality {
                 }
             }
         }
-        let degrees = |cosine: f64| cosine.clamp(-1.0, 1.0).acos().to_degrees();
         if count > 0.0 {
             self.non_orthogonality_max = degrees(least);
             self.non_orthogonality_mean = degrees(sum / count);
@@ -121,18 +189,6 @@ impl MeshQuality {
             self.concave_cells += usize::from(cell.is_concave);
         }
     }
-}
-
-/// The angles of non-orthogonality (degrees) of all faces that are not on walls, and the skewness of all faces.
-#[must_use]
-pub(crate) fn face_values(mesh: &PolyMesh, geometry: &MeshGeometry) -> (Vec<f64>, Vec<f64>) {
-    let beyond = Beyond::new(mesh, geometry);
-    let quality = |face| face_quality(mesh, geometry, &beyond, face);
-    let faces: Vec<FaceQuality> = map(mesh.face_count(), &quality);
-    let angles = faces.iter().filter_map(|face| face.cosine);
-    let angles = angles.map(|(cosine, _)| cosine.clamp(-1.0, 1.0).acos().to_degrees());
-    let skewness = faces.iter().map(|face| face.skewness);
-    (angles.collect(), skewness.collect())
 }
 
 /// The center of the cell behind a face that is not a wall, and whether the face counts for means: of

@@ -115,28 +115,58 @@ impl Repair<'_> {
         }
     }
 
-    /// Joins a cell to the neighbor with which that gains most; whether no face fails for it.
+    /// Joins a cell to the neighbor with which that gains most, of those where no face fails for it once what
+    /// is around is mended; whether there is one.
     fn join_sliver(&mut self, cell: u32) -> bool {
-        let unions = self.beside(cell).into_iter();
-        let unions = unions.map(|other| Change::Unite(cell.min(other), cell.max(other)));
-        let unions: Vec<Change> = unions.collect();
-        let Some(best) = self.best(unions, f64::NEG_INFINITY) else {
+        let mut unions = Vec::new();
+        for other in self.beside(cell) {
+            let (kept, gone) = (cell.min(other), cell.max(other));
+            let mark = self.mesh.mark();
+            if let Some((before, after)) = self.make(&Change::Unite(kept, gone)) {
+                unions.push((before.sum - after.sum, kept, gone));
+            }
+            self.mesh.undo_to(mark);
+        }
+        unions.sort_by(|one, other| other.0.total_cmp(&one.0));
+        for (_, kept, gone) in unions {
+            let mark = self.mesh.mark();
+            if self.is_mended_union(kept, gone) {
+                self.mesh.keep();
+                let other = if kept == cell { gone } else { kept };
+                self.mesh.sites[kept as usize] = self.mesh.sites[other as usize];
+                return true;
+            }
+            self.mesh.undo_to(mark);
+        }
+        false
+    }
+
+    /// Joins `gone` to `kept`, moves vertices and collapses edges around where faces fail for it; whether none
+    /// does any more.
+    fn is_mended_union(&mut self, kept: u32, gone: u32) -> bool {
+        let Some((before, mut after)) = self.make(&Change::Unite(kept, gone)) else {
             return false;
         };
-        let mark = self.mesh.mark();
-        let made = self.make(&best);
-        let is_fine =
-            |(before, after): &(Miss, Miss)| after.worst < FAILING || after.worst <= before.worst;
-        if !made.as_ref().is_some_and(is_fine) {
-            self.mesh.undo_to(mark);
-            return false;
+        let (cells, soundness, _) = self.around(&[kept]);
+        let is_fine = |after: &Miss| after.worst < FAILING || after.worst <= before.worst;
+        for _ in 0..CHANGES {
+            if is_fine(&after) {
+                return true;
+            }
+            let worst = cells
+                .iter()
+                .map(|&cell| (self.mesh.miss(&[cell]).worst, cell));
+            let worst = worst.max_by(|one, other| one.0.total_cmp(&other.0));
+            let Some((_, cell)) = worst else { break };
+            let mut changes = self.collapses(cell);
+            changes.extend(self.moves(cell));
+            let Some(best) = self.best(changes, 1e-6) else {
+                break;
+            };
+            self.make(&best);
+            after = self.mesh.miss(&cells);
         }
-        self.mesh.keep();
-        if let Change::Unite(kept, gone) = best {
-            let other = if kept == cell { gone } else { kept };
-            self.mesh.sites[kept as usize] = self.mesh.sites[other as usize];
-        }
-        true
+        is_fine(&after) && self.mesh.stay_sound(&cells, &soundness)
     }
 
     fn is_sliver(&mut self, cell: u32) -> bool {

@@ -54,7 +54,7 @@ impl ShiftedUnion {
     /// Gives every class the place of the one in which most walls meet, the first of several.
     pub(crate) fn settle(
         &mut self,
-        mut walls: Vec<usize>,
+        mut walls: Vec<u8>,
         positions: &mut [Point3<f64>],
         periods: &Vector3<f64>,
     ) {

@@ -68,13 +68,6 @@ impl VertexKey {
         (Self(generators.map(normalized)), shift)
     }
 
-    /// The site of the first generator, which is one.
-    #[inline]
-    #[must_use]
-    pub(crate) fn first_site(&self) -> usize {
-        (self.0[0] >> 24) as usize
-    }
-
     /// How many sites and images have a cell at the vertex.
     #[must_use]
     pub(crate) fn site_count(&self) -> usize {
@@ -86,9 +79,12 @@ impl VertexKey {
 
     /// How many walls meet in the vertex.
     #[must_use]
-    pub(crate) fn wall_count(&self) -> usize {
-        let is_wall = |generator: &&u64| **generator & WALL != 0 && **generator != NOTHING;
-        self.0.iter().filter(is_wall).count()
+    pub(crate) fn wall_count(&self) -> u8 {
+        let is_wall = |&generator: &u64| generator & WALL != 0 && generator != NOTHING;
+        self.0
+            .map(|generator| u8::from(is_wall(&generator)))
+            .iter()
+            .sum()
     }
 }
 

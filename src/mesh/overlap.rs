@@ -66,6 +66,29 @@ pub(crate) fn overlaps(mesh: &SurfaceMesh, edges: &EdgeTable) -> Overlaps {
     }
 }
 
+/// A place where walls lie on each other from both sides, as those of parts that touch do.
+#[must_use]
+pub(crate) fn touching_walls(mesh: &SurfaceMesh) -> Option<Point3<f64>> {
+    let normals = Normals::of(mesh);
+    let found = contacts(mesh, &normals, TOUCH * size(mesh));
+    let contact = found.into_iter().find(|contact| {
+        let [one, other] = contact.triangles.map(|triangle| normals.get(triangle));
+        let is_opposite = one
+            .zip(other)
+            .is_some_and(|(one, other)| one.dot(other) < 0.0);
+        is_opposite && matches!(contact.place, Meeting::Plane)
+    })?;
+    // The center of the smaller triangle is nearer to where they lie on each other.
+    let [one, other] = contact
+        .triangles
+        .map(|triangle| mesh.corners(triangle as usize));
+    let [a, b, c] = match triangle_area(&one) <= triangle_area(&other) {
+        true => one,
+        false => other,
+    };
+    Some(Point3::from((a.coords + b.coords + c.coords) / 3.0))
+}
+
 /// The greatest coordinate.
 fn size(mesh: &SurfaceMesh) -> f64 {
     let Bounds { min, max } = mesh.bounds();

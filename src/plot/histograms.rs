@@ -4,8 +4,8 @@ use nalgebra::Point2;
 
 use crate::plot::axis::Axis;
 use crate::plot::convergence::COLORS;
-use crate::plot::figure::{Anchor, Figure};
-use crate::plot::panel::{LABEL_SIZE, Panel};
+use crate::plot::figure::Figure;
+use crate::plot::panel::Panel;
 
 /// Numbers to count.
 #[derive(Clone, Debug)]
@@ -67,11 +67,13 @@ fn shares(histogram: &Histogram) -> Vec<f64> {
 fn draw(figure: &mut Figure, histogram: &Histogram, frame: [Point2<f64>; 2]) {
     let shares = shares(histogram);
     let [low, high] = histogram.ends;
-    let highest = shares.iter().copied().fold(1e-9, f64::max);
+    let highest = shares.iter().copied().fold(0.0, f64::max);
+    // A mesh is as good as its few worst cells: bars of one number are seen on a logarithmic axis only.
+    let one = 100.0 / (histogram.values.len() as f64).max(1.0);
     let panel = Panel {
         frame,
         x: Axis::within(low, high),
-        y: Axis::within(0.0, 1.08 * highest),
+        y: Axis::logarithmic(0.5 * one, highest.max(one)),
     };
     panel.draw_grid(figure);
     let width = (high - low) / histogram.bars as f64;
@@ -79,27 +81,24 @@ fn draw(figure: &mut Figure, histogram: &Histogram, frame: [Point2<f64>; 2]) {
         let left = low + width * (bar as f64 + 0.5 * GAP);
         let ends = [
             panel.place(left, *share),
-            panel.place(left + width * (1.0 - GAP), 0.0),
+            panel.place(left + width * (1.0 - GAP), panel.y.min),
         ];
         figure.rectangle(ends, Some(COLORS[0]), None);
     }
-    panel.draw_frame(figure, histogram.title, histogram.name, "%");
-    let most = histogram
-        .values
-        .iter()
-        .copied()
-        .fold(f64::NEG_INFINITY, f64::max);
-    let least = histogram
-        .values
-        .iter()
-        .copied()
-        .fold(f64::INFINITY, f64::min);
-    let text = match histogram.values.len() {
+    let below = format!("{}: {}", histogram.name, range(&histogram.values));
+    panel.draw_frame(figure, histogram.title, &below, "%");
+}
+
+/// How many numbers there are, the least and the greatest.
+fn range(values: &[f64]) -> String {
+    let least = values.iter().copied().fold(f64::INFINITY, f64::min);
+    let most = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let is_whole = values.iter().all(|value| value.fract() == 0.0);
+    let digits = if is_whole { 0 } else { 3 };
+    match values.len() {
         0 => "none".to_owned(),
-        count => format!("{count}: {least:.3} … {most:.3}"),
-    };
-    let inside = Point2::new(frame[1].x - 8.0, frame[0].y + 16.0);
-    figure.text(inside, &text, LABEL_SIZE, Anchor::End);
+        count => format!("{count}, {least:.digits$} to {most:.digits$}"),
+    }
 }
 
 #[cfg(test)]
@@ -116,6 +115,9 @@ mod tests {
             bars: 2,
         };
         assert_eq!(shares(&histogram), [50.0, 50.0]);
+        assert_eq!(range(&histogram.values), "8, -5.000 to 7.000");
+        assert_eq!(range(&[4.0, 6.0]), "2, 4 to 6");
+        assert_eq!(range(&[]), "none");
         let figure = histograms(&[histogram]);
         assert!((figure.height - STEPS[1] - 8.0).abs() < 1e-9);
     }

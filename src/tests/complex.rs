@@ -7,7 +7,7 @@ use crate::complex::collapse::collapse;
 use crate::complex::edit_mesh::EditMesh;
 use crate::complex::element::CellElement;
 use crate::complex::face_geometry::MeshGeometry;
-use crate::complex::quality::MeshQuality;
+use crate::complex::quality::{MeasuredMesh, MeshQuality};
 use crate::complex::solid_mesh::{CleanMesh, Cleanup, clean_solid};
 use crate::complex::straighten::straighten_edges;
 use crate::complex::wall_patches::WallPatches;
@@ -72,8 +72,7 @@ fn mesh(domain: &dyn Domain, sites: &[Point3<f64>]) -> PolyMesh {
 }
 
 fn quality(mesh: &PolyMesh) -> MeshQuality {
-    let cells = mesh.cell_faces();
-    MeshQuality::of(mesh, &cells, &MeshGeometry::of(mesh, &cells))
+    MeshQuality::of(&MeasuredMesh::new(mesh))
 }
 
 /// A mesh that is sound, closed, and as large as the domain.

@@ -215,7 +215,7 @@ impl<'a> Diagram<'a> {
     }
 
     /// A site's position, within one period along axes that have one.
-    fn position(&self, site: u32) -> Point3<f64> {
+    pub(crate) fn position(&self, site: u32) -> Point3<f64> {
         self.domain.wrap(&self.sites[site as usize])
     }
 

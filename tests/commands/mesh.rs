@@ -392,6 +392,35 @@ fn faces_pictures_and_a_vtu_file_are_written_and_measured() {
 }
 
 #[test]
+fn parts_that_share_a_wall_are_refused_with_the_mend() {
+    let dir = TestDir::new();
+    let parts = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/tests/cases/shell-with-core-own-nodes.off"
+    );
+    let words = [
+        "lie on each other at [",
+        "every part alone",
+        "unite the parts",
+    ];
+    let at_once = ["mesh", parts, "--edge", "1", "-o", "case"];
+    assert_refused(&dir, &at_once, &words);
+    assert!(!dir.path("case").exists());
+    dir.stdout(&[
+        "relax",
+        parts,
+        "--count",
+        "30",
+        "--iterations",
+        "1",
+        "--out",
+        "run",
+        "--quiet",
+    ]);
+    assert_refused(&dir, &["mesh", "run", "-o", "case"], &words);
+}
+
+#[test]
 fn a_solid_is_relaxed_and_meshed_at_once() {
     let dir = TestDir::new();
     dir.write("cube.off", CUBE);
