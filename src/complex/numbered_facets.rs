@@ -4,7 +4,8 @@ use std::collections::BTreeMap;
 
 use nalgebra::{Point3, Vector3};
 
-use crate::complex::loops::{CellLoops, LoopCorner};
+use crate::complex::loop_corner::LoopCorner;
+use crate::complex::loops::CellLoops;
 use crate::complex::vertex_key::Shift;
 use crate::domain::facet_kind::FacetKind;
 use crate::geometry::facet_polygons::polygons;

@@ -9,7 +9,7 @@ use std::collections::HashMap;
 
 use nalgebra::Point3;
 
-use crate::complex::loops::LoopCorner;
+use crate::complex::loop_corner::LoopCorner;
 use crate::complex::numbered_facets::NumberedFacet;
 use crate::complex::vertex_key::NO_SHIFT;
 use crate::geometry::half_space::HalfSpace;
