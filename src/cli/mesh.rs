@@ -286,6 +286,7 @@ impl MadeMesh {
         let meshing = CellMeshing {
             is_exact: options.walls == "exact",
             angle: options.feature_angle,
+            is_for_dual: is_hexes,
             collapse: options.collapse.or(is_hexes.then_some(HEX_COLLAPSE)),
         };
         let MeshedCells {

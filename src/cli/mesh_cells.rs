@@ -31,6 +31,8 @@ pub(crate) struct CellMeshing {
     pub(crate) is_exact: bool,
     /// The angle of a feature (degrees).
     pub(crate) angle: f64,
+    /// Whether the mesh is made into its dual.
+    pub(crate) is_for_dual: bool,
     /// The share of the mean cell's side below which edges collapse, if it is given.
     pub(crate) collapse: Option<f64>,
 }
@@ -85,6 +87,7 @@ pub(crate) fn mesh_cells(
         let cleanup = Cleanup {
             collapse: meshing.collapse.unwrap_or(COLLAPSE),
             angle: meshing.angle,
+            joins_slivers: !meshing.is_for_dual,
         };
         let clean = clean_solid(&diagram, surface, &patches, cleanup).map_err(Failure::run)?;
         clean.mesh.check_closed().map_err(Failure::run)?;

@@ -49,6 +49,8 @@ pub(crate) struct Repair<'a> {
     pub(crate) side: f64,
     /// Cells from this number on are further pieces of sites' cells.
     pub(crate) first_piece: u32,
+    /// Whether what is around a sliver is mended so that it can join a neighbor.
+    pub(crate) mends_unions: bool,
     /// Cells for which no change helps as they and their neighbors are.
     pub(crate) stuck: BTreeSet<u32>,
 }
@@ -128,6 +130,9 @@ impl Repair<'_> {
             self.mesh.undo_to(mark);
         }
         unions.sort_by(|one, other| other.0.total_cmp(&one.0));
+        if !self.mends_unions {
+            unions.truncate(1);
+        }
         for (_, kept, gone) in unions {
             let mark = self.mesh.mark();
             if self.is_mended_union(kept, gone) {
@@ -150,8 +155,8 @@ impl Repair<'_> {
         let (cells, soundness, _) = self.around(&[kept]);
         let is_fine = |after: &Miss| after.worst < FAILING || after.worst <= before.worst;
         for _ in 0..CHANGES {
-            if is_fine(&after) {
-                return true;
+            if is_fine(&after) || !self.mends_unions {
+                break;
             }
             let worst = cells
                 .iter()

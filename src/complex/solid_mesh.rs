@@ -38,6 +38,9 @@ pub(crate) struct Cleanup {
     pub(crate) collapse: f64,
     /// The angle of a feature (degrees).
     pub(crate) angle: f64,
+    /// Whether all is done to join slivers to neighbors: solvers need that for cells; for the dual it leaves
+    /// worse elements.
+    pub(crate) joins_slivers: bool,
 }
 
 /// A clean mesh, and the cells that are too coarse for the wall: their sites and places.
@@ -91,7 +94,7 @@ pub(crate) fn clean_solid(
         }
     }
     drop(raw);
-    let too_coarse = clean(&mut mesh, &projection, site_count, (side, cleanup.collapse));
+    let too_coarse = clean(&mut mesh, &projection, site_count, (side, cleanup));
     let places = too_coarse.into_iter().map(|cell| {
         let center = mesh.cell_shape(cell).center;
         (mesh.sites[cell as usize], center)
@@ -108,17 +111,19 @@ fn clean(
     mesh: &mut EditMesh,
     walls: &WallProjection,
     first_piece: u32,
-    (side, share): (f64, f64),
+    (side, cleanup): (f64, Cleanup),
 ) -> Vec<u32> {
     let mut repair = Repair {
         mesh,
         walls,
         side,
         first_piece,
+        mends_unions: cleanup.joins_slivers,
         stuck: BTreeSet::new(),
     };
     repair.join_pieces();
     repair.run();
+    let share = cleanup.collapse;
     if share > 0.0 {
         collapse(repair.mesh, share * side, Some(walls));
         straighten_edges(repair.mesh, 0.5 * share * side);

@@ -457,6 +457,7 @@ fn clean(shape: &SurfaceMesh, count: usize, collapse: f64) -> (SurfaceSolid, Cle
     let cleanup = Cleanup {
         collapse,
         angle: 40.0,
+        joins_slivers: true,
     };
     let diagram = Diagram::new(&solid, &sites).unwrap();
     let clean = clean_solid(&diagram, solid.surface(), &patches, cleanup).unwrap();
@@ -537,6 +538,7 @@ fn a_cell_around_a_reentrant_edge_is_cut_along_the_wall() {
     let cleanup = Cleanup {
         collapse: 0.1,
         angle: 40.0,
+        joins_slivers: true,
     };
     let clean = clean_solid(&diagram, solid.surface(), &patches, cleanup).unwrap();
     let quality = quality(&clean.mesh);

@@ -406,18 +406,6 @@ fn parts_that_share_a_wall_are_refused_with_the_mend() {
     let at_once = ["mesh", parts, "--edge", "1", "-o", "case"];
     assert_refused(&dir, &at_once, &words);
     assert!(!dir.path("case").exists());
-    dir.stdout(&[
-        "relax",
-        parts,
-        "--count",
-        "30",
-        "--iterations",
-        "1",
-        "--out",
-        "run",
-        "--quiet",
-    ]);
-    assert_refused(&dir, &["mesh", "run", "-o", "case"], &words);
 }
 
 #[test]
