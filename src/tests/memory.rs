@@ -40,8 +40,8 @@ static HEAP: PeakAlloc = PeakAlloc;
 const IS_CHILD: &str = "CHEBLOYD_MEMORY_TEST";
 
 /// Cubes along an edge of the smaller and of the larger number of sites.
-const FEW: usize = 12;
-const MANY: usize = 18;
+const FEW: usize = 16;
+const MANY: usize = 22;
 
 /// Bytes per site that a run may take.
 const MOST_PER_SITE: f64 = 300.0;
