@@ -59,6 +59,10 @@ pub(crate) struct CellEdges {
 
 const UNNUMBERED: u32 = u32::MAX;
 
+/// Where two cuts of an edge are closer than this share of its length, as where it touches an edge of the surface,
+/// their order may be the wrong one, which would turn inside into outside.
+const APART: f64 = 1e-9;
+
 impl CellEdges {
     /// Finds every crossing's place on an edge of the cell, and the sides of the ends of crossed edges.
     pub(crate) fn cut(
@@ -93,8 +97,11 @@ impl CellEdges {
             let (Some(first), Some(last)) = (on_edge.first(), on_edge.last()) else {
                 continue;
             };
-            let alternate = on_edge.windows(2).all(|pair| pair[0].ends != pair[1].ends);
-            if !(alternate
+            let apart = APART * (end - start).norm_squared();
+            let in_order = on_edge.windows(2).all(|pair| {
+                pair[0].ends != pair[1].ends && pair[1].along - pair[0].along > apart
+            });
+            if !(in_order
                 && agree(&mut inside[from as usize], first.ends)
                 && agree(&mut inside[to as usize], !last.ends))
             {
