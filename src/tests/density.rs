@@ -19,7 +19,7 @@ use crate::geometry::polyhedron::Polyhedron;
 use crate::geometry::random::Random;
 use crate::integrals::mesh_moments::of_piece;
 use crate::integrals::polynomial::Polynomial;
-use crate::mesh::shapes::{bracket, icosphere, torus, unit_cube, unit_cube_tets};
+use crate::mesh::shapes::{icosphere, torus, unit_cube, unit_cube_tets};
 use crate::mesh::validate::{validate_surface, validate_tets};
 use crate::minimize::problem::Evaluation;
 use crate::relax::driver::drive;
@@ -301,28 +301,6 @@ fn a_wanted_size_weighs_the_same_in_every_form_of_the_domain() {
             );
             assert!((one.2 - other.2).amax() < 1e-9);
         }
-    }
-}
-
-/// Planes between boxes of the density lie on walls of the bracket and touch its hole.
-#[test]
-fn boxes_of_a_density_may_end_on_walls_and_touch_holes() {
-    let mesh = validate_surface(&bracket(8)).expect("closed").0;
-    let solid = SurfaceSolid::new(&mesh).expect("a volume");
-    let places = random_sites(1000, 1).into_iter();
-    let places = places.map(|share| Point3::new(2.0 * share.x, share.y, 1.5 * share.z));
-    let sites: Vec<_> = places
-        .filter(|place| solid.contains(place))
-        .take(100)
-        .collect();
-    for size in ["0.06 + 0.05*x", "0.06 + 0.05*y", "0.06 + 0.05*z"] {
-        let wanted = polynomial(size);
-        let sized = WeightedDomain::sized(Box::new(solid.clone()), &wanted, 1);
-        let space = Space::new(Box::new(sized.expect("positive")));
-        let cells = space.metrics(&sites, LINF).expect("a diagram");
-        let sum: f64 = cells.iter().map(|cell| cell.volume).sum();
-        let error = sum / solid.volume() - 1.0;
-        assert!(error.abs() < 1e-12, "{size}: {error:e}");
     }
 }
 

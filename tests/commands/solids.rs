@@ -500,6 +500,26 @@ fn scene_of(name: &str, count: usize) -> String {
     format!(r#"{{"domain": {{"surface": "{scenes}/{name}.off"}}, {sites}, {output}}}"#)
 }
 
+/// Cells' edges cross both walls where a core fills a shell, and planes between boxes of a density touch the
+/// bracket's hole: crossings in one place, in either order.
+#[test]
+fn walls_may_lie_on_each_other_and_touch_boxes_of_a_density() {
+    let dir = TestDir::new();
+    let once = ["--iterations", "1", "--no-pictures", "--no-cells-file"];
+    let core = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/tests/cases/shell-with-core-own-nodes.off"
+    );
+    let shell = ["relax", core, "--count", "30", "--out", "shell"];
+    dir.stdout(&[&shell[..], &once].concat());
+    let sized = r#"{"density": {"size": "0.06 + 0.05*x"}, "#;
+    dir.write(
+        "scene.json",
+        scene_of("bracket", 100).replacen('{', sized, 1),
+    );
+    relaxed(&dir, &[&["--seed", "2"], &once[..]].concat());
+}
+
 #[test]
 fn a_bracket_of_five_thousand_sites_descends_to_the_last_move() {
     let dir = TestDir::new();

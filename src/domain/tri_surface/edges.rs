@@ -98,9 +98,9 @@ impl CellEdges {
                 continue;
             };
             let apart = APART * (end - start).norm_squared();
-            let in_order = on_edge.windows(2).all(|pair| {
-                pair[0].ends != pair[1].ends && pair[1].along - pair[0].along > apart
-            });
+            let in_order = on_edge
+                .windows(2)
+                .all(|pair| pair[0].ends != pair[1].ends && pair[1].along - pair[0].along > apart);
             if !(in_order
                 && agree(&mut inside[from as usize], first.ends)
                 && agree(&mut inside[to as usize], !last.ends))
