@@ -98,9 +98,10 @@ impl PolyMesh {
         self.check_structure()?;
         let faces = self.cell_faces();
         let cells = (0..self.cell_count).into_par_iter();
-        let unsound: Vec<MeshCheckError> = cells
-            .filter_map(|cell| self.topology(&faces, cell).err())
-            .collect();
+        let unsound = cells.map_init(CellRing::default, |ring, cell| {
+            self.topology(&faces, cell, ring).err()
+        });
+        let unsound: Vec<MeshCheckError> = unsound.flatten_iter().collect();
         let is_open = |error: &&MeshCheckError| matches!(error, MeshCheckError::Open { .. });
         match unsound.iter().find(is_open) {
             None => Ok(unsound),
@@ -139,19 +140,21 @@ impl PolyMesh {
 
     fn check_face(&self, face: usize) -> Result<(), MeshCheckError> {
         let corners = self.face(face);
-        let is_there = |corner: &u32| (*corner as usize) < self.points.len();
-        let mut distinct: Vec<u32> = corners.iter().copied().filter(is_there).collect();
-        distinct.sort_unstable();
-        distinct.dedup();
+        let is_distinct = |place: usize| {
+            let corner = corners[place];
+            (corner as usize) < self.points.len() && !corners[..place].contains(&corner)
+        };
+        let distinct = (0..corners.len()).filter(|&place| is_distinct(place));
+        let distinct = distinct.count();
         let (owner, neighbor) = (self.owner[face], self.neighbor.get(face).copied());
         let highest = owner.max(neighbor.unwrap_or(0)) as usize;
-        if distinct.len() == corners.len() && corners.len() >= 3 && highest < self.cell_count {
+        if distinct == corners.len() && corners.len() >= 3 && highest < self.cell_count {
             return Ok(());
         }
         Err(MeshCheckError::Face {
             face,
             corners: corners.len(),
-            distinct: distinct.len(),
+            distinct,
             owner,
             neighbor,
             cells: self.cell_count,
@@ -186,35 +189,33 @@ impl PolyMesh {
     }
 
     /// Whether a cell is a closed ball.
-    fn topology(&self, faces: &CellFaces, cell: usize) -> Result<(), MeshCheckError> {
-        // Every edge by its ends in ascending order, and whether it is run downward.
-        let (mut runs, mut vertices) = (Vec::new(), Vec::new());
+    fn topology(
+        &self,
+        faces: &CellFaces,
+        cell: usize,
+        ring: &mut CellRing,
+    ) -> Result<(), MeshCheckError> {
+        ring.clear();
         for (face, is_owner) in faces.of(cell) {
             let corners = self.face(face);
-            vertices.extend_from_slice(corners);
+            ring.vertices.extend_from_slice(corners);
             let next = corners.iter().cycle().skip(1);
             for (&from, &to) in corners.iter().zip(next) {
-                runs.push((from.min(to), from.max(to), (from < to) != is_owner));
+                let edge = u64::from(from.min(to)) << 32 | u64::from(from.max(to));
+                ring.edges[usize::from((from < to) == is_owner)].push(edge);
             }
         }
-        vertices.sort_unstable();
-        vertices.dedup();
-        runs.sort_unstable();
-        let mut edges = 0;
-        for run in runs.chunk_by(|one, other| (one.0, one.1) == (other.0, other.1)) {
-            edges += 1;
-            let back = run.iter().filter(|(.., is_downward)| *is_downward).count();
-            if run.len() != 2 || back != 1 {
-                return Err(MeshCheckError::Open {
-                    cell,
-                    from: run[0].0,
-                    to: run[0].1,
-                    forward: (run.len() - back) as u32,
-                    back: back as u32,
-                });
-            }
+        ring.vertices.sort_unstable();
+        ring.vertices.dedup();
+        for edges in &mut ring.edges {
+            edges.sort_unstable();
         }
-        let (vertices, faces) = (vertices.len(), faces.of(cell).len());
+        let [one_way, other_way] = &ring.edges;
+        if one_way != other_way || one_way.windows(2).any(|pair| pair[0] == pair[1]) {
+            return Err(ring.open_edge(cell));
+        }
+        let (vertices, edges) = (ring.vertices.len(), one_way.len());
+        let faces = faces.of(cell).len();
         match vertices + faces == edges + 2 {
             true => Ok(()),
             false => Err(MeshCheckError::Euler {
@@ -223,6 +224,40 @@ impl PolyMesh {
                 edges,
                 faces,
             }),
+        }
+    }
+}
+
+/// The edges and vertices of a cell, in memory that serves one cell after another.
+#[derive(Debug, Default)]
+struct CellRing {
+    /// Edges run down and up, seen from outside, by their lower and their higher end.
+    edges: [Vec<u64>; 2],
+    vertices: Vec<u32>,
+}
+
+impl CellRing {
+    fn clear(&mut self) {
+        self.edges.iter_mut().for_each(Vec::clear);
+        self.vertices.clear();
+    }
+
+    /// The first edge of a cell that is not run once either way.
+    fn open_edge(&self, cell: usize) -> MeshCheckError {
+        let [down, up] = &self.edges;
+        let times = |edges: &[u64], edge: u64| edges.iter().filter(|&&other| other == edge).count();
+        let mut all: Vec<u64> = down.iter().chain(up).copied().collect();
+        all.sort_unstable();
+        let counts = |edge: u64| [up, down].map(|edges| times(edges, edge) as u32);
+        let open = all.into_iter().find(|&edge| counts(edge) != [1, 1]);
+        let edge = open.unwrap_or_default();
+        let [forward, back] = counts(edge);
+        MeshCheckError::Open {
+            cell,
+            from: (edge >> 32) as u32,
+            to: edge as u32,
+            forward,
+            back,
         }
     }
 }

@@ -8,17 +8,15 @@
 //! A facet is all polygons of one neighbor in one plane; on each line the polygons' edges add up, and what
 //! does not cancel bounds the facet. Edges are divided at all vertices of the diagram that lie on them.
 
-use std::collections::{BTreeMap, HashMap};
-
 use nalgebra::{Point3, Vector3};
 
-use crate::complex::grid_lines::{
-    DIRECTIONS, LineKey, Place, direction_of, line_of, line_through, parts_of, place_on,
-};
+use crate::complex::grid_facets::{GridCell, GridFacet, Polygons};
+use crate::complex::grid_lines::{LineKey, Place, PlacesOnLines, line_of};
 use crate::complex::loop_corner::LoopCorner;
 use crate::complex::loops::CellLoops;
 use crate::complex::mesh_builder::MeshBuilder;
 use crate::complex::numbered_facets::{NumberedFacet, is_paired, loops_of};
+use crate::complex::tied_facets::name_tied;
 use crate::complex::vertex_key::Shift;
 use crate::complex::wall_clip::WallClip;
 use crate::complex::wall_patches::WallPatches;
@@ -30,31 +28,12 @@ use crate::geometry::half_space::HalfSpace;
 use crate::geometry::label::Label;
 use crate::geometry::polyhedron::Polyhedron;
 use crate::mesh::poly_mesh::PolyMesh;
+use crate::parallel::map;
 use crate::voronoi::diagram::Diagram;
 use crate::voronoi::linf::cell::{LinfCell, Ties};
 
 /// Digits of a coordinate beyond the grid's step: half steps, doubled by sums of two, still fit in 53 bits.
 const DIGITS: i32 = 47;
-
-/// A plane of a cell's boundary: what is beyond, the normal's number, and the offset in half steps.
-type PlaneKey = (Label, u8, i64);
-
-/// Where signed edges begin and end on the lines of a plane, and how many.
-type Coverage = BTreeMap<LineKey, BTreeMap<i64, i32>>;
-
-/// The normals of planes, up to their sign: the directions with a component that is zero.
-const NORMALS: &[Place] = DIRECTIONS.split_at(9).0;
-
-/// A facet: what is beyond, its outward normal, and its directed edges.
-#[derive(Clone, Debug)]
-struct GridFacet {
-    label: Label,
-    normal: Place,
-    edges: Vec<[Place; 2]>,
-}
-
-/// The facets of all cells.
-type CellFacets = Vec<Vec<GridFacet>>;
 
 /// The grid, and the box and its periods on it.
 #[derive(Clone, Debug)]
@@ -68,30 +47,17 @@ struct WholeGrid {
     periods: Place,
 }
 
-/// Where cells end between two of their cones, sites are moved apart by steps of the grid, if that leaves the
-/// volumes of all cells as they are up to this share of the domain's.
-const SAME_VOLUME: f64 = 1e-13;
-
 /// Vertices are on a wall of a convex polyhedron that are so near to it, relative to the domain's size.
 const ON_WALL: f64 = 32.0 * f64::EPSILON;
 
 /// The mesh of the L∞ cells of sites in a box or a convex polyhedron, in site order. None where distinct
-/// sites are one on the grid, and where regions are tied that are more than rounding: there a cell does not
-/// know who is beyond.
+/// sites are one on the grid.
 pub(crate) fn linf_mesh(domain: &dyn DomainShape, sites: &[Point3<f64>]) -> Option<PolyMesh> {
     let grid = WholeGrid::of(domain)?;
     let (cuboid, sites) = grid.snapped(domain, sites)?;
-    let (volumes, cells) = grid.cells(&cuboid, &sites)?;
-    if let Some(cells) = cells {
-        return grid.mesh(domain, cells);
-    }
-    let (apart, cells) = grid.cells(&cuboid, &grid.apart(&cuboid, &sites))?;
-    let slack = SAME_VOLUME * cuboid.volume();
-    let mut pairs = volumes.iter().zip(&apart);
-    let is_same = pairs.all(|(one, other)| (one - other).abs() <= slack);
-    cells
-        .filter(|_| is_same)
-        .and_then(|cells| grid.mesh(domain, cells))
+    let mut cells = grid.cells(&cuboid, &sites)?;
+    name_tied(&mut cells, &grid.periods)?;
+    grid.mesh(domain, cells)
 }
 
 impl WholeGrid {
@@ -166,60 +132,35 @@ impl WholeGrid {
         Some((cuboid, moved))
     }
 
-    /// The volumes of all cells (L³), and their facets if none ends between two of its cones.
-    fn cells(
-        &self,
-        cuboid: &Cuboid,
-        sites: &[Point3<f64>],
-    ) -> Option<(Vec<f64>, Option<CellFacets>)> {
+    /// The facets of all cells.
+    fn cells(&self, cuboid: &Cuboid, sites: &[Point3<f64>]) -> Option<Vec<GridCell>> {
         let diagram = Diagram::new(cuboid, sites).ok()?;
-        let of_cell = |(): &mut (), cell: LinfCell<'_>| (cell.volume(), facets(self, &cell));
+        let of_cell = |(): &mut (), cell: LinfCell<'_>| facets(self, &cell);
         let cells = diagram.map_linf(Ties::ToSmallerIndex, of_cell).ok()?;
-        let (volumes, facets): (Vec<_>, Vec<_>) = cells.into_iter().unzip();
-        Some((volumes, facets.into_iter().collect()))
-    }
-
-    /// The sites, those of one coordinate moved apart along its axis by a step each.
-    fn apart(&self, cuboid: &Cuboid, sites: &[Point3<f64>]) -> Vec<Point3<f64>> {
-        let mut moved = sites.to_vec();
-        for axis in 0..3 {
-            let mut order: Vec<usize> = (0..sites.len()).collect();
-            order.sort_by(|&a, &b| sites[a][axis].total_cmp(&sites[b][axis]).then(a.cmp(&b)));
-            let mut last = f64::NEG_INFINITY;
-            for &site in &order {
-                let along = &mut moved[site][axis];
-                *along = along.max(last + 2.0 * self.unit);
-                last = *along;
-            }
-            // Those at the upper wall go the other way.
-            let mut next = self.walls[axis][1] as f64 * self.unit;
-            for &site in order.iter().rev() {
-                let along = &mut moved[site][axis];
-                *along = along.min(next);
-                next = *along - 2.0 * self.unit;
-            }
-        }
-        moved.iter().map(|site| cuboid.wrap(site)).collect()
+        cells.into_iter().collect()
     }
 
     /// The mesh of cells with these facets, within the domain; none if they do not fit together.
-    fn mesh(&self, domain: &dyn DomainShape, cells: CellFacets) -> Option<PolyMesh> {
+    fn mesh(&self, domain: &dyn DomainShape, cells: Vec<GridCell>) -> Option<PolyMesh> {
         let vertices = GridVertices::new(self, &cells);
-        let numbered = cells.into_iter().map(|facets| {
-            let facets = facets.into_iter();
-            facets.map(|facet| vertices.numbered(self, facet)).collect()
-        });
-        let mut cells: Vec<Vec<NumberedFacet>> = numbered.collect();
         let mut positions: Vec<_> = vertices.places.iter().map(|at| self.position(at)).collect();
-        drop(vertices);
-        if !domain.is_box() {
-            cells = self.clipped(domain, cells, &mut positions)?;
-        }
+        let numbered = |site: usize| -> Vec<NumberedFacet> {
+            let facets = cells[site].facets();
+            facets.map(|facet| vertices.numbered(self, facet)).collect()
+        };
         let periods = Vector3::from(self.periods.map(|steps| steps as f64 * self.unit));
-        let loops = cells.into_iter();
-        let loops: Vec<CellLoops> = loops
-            .map(|facets| loops_of(&facets, &positions, &periods))
-            .collect();
+        let loops: Vec<CellLoops> = if domain.is_box() {
+            map(cells.len(), &|site| {
+                loops_of(&numbered(site), &positions, &periods)
+            })
+        } else {
+            let all = map(cells.len(), &numbered);
+            let clipped = self.clipped(domain, all, &mut positions)?;
+            map(clipped.len(), &|site| {
+                loops_of(&clipped[site], &positions, &periods)
+            })
+        };
+        drop((cells, vertices));
         is_paired(&loops)
             .then(|| MeshBuilder::new(&loops, &positions, periods).build(&WallPatches::Each))
     }
@@ -306,29 +247,31 @@ fn sides_and_walls(domain: &dyn DomainShape) -> ([Option<Label>; 6], Vec<(HalfSp
 /// The vertices of all cells in the order of their places, and which of them lie on the lines of edges.
 struct GridVertices {
     places: Vec<Place>,
-    lines: HashMap<LineKey, Vec<i64>>,
+    on_lines: PlacesOnLines,
 }
 
 impl GridVertices {
-    fn new(grid: &WholeGrid, cells: &CellFacets) -> Self {
-        let mut lines: HashMap<LineKey, Vec<i64>> = HashMap::new();
-        let mut places: Vec<Place> = Vec::new();
-        for edge in cells.iter().flatten().flat_map(|facet| &facet.edges) {
-            lines.entry(line_of(edge)).or_default();
-            places.push(grid.wrapped(edge[0]).0);
-        }
+    fn new(grid: &WholeGrid, cells: &[GridCell]) -> Self {
+        let of_cells = map(cells.len(), &|site| {
+            let mut lines: Vec<_> = cells[site].edges().map(|edge| line_of(&edge)).collect();
+            lines.sort_unstable();
+            lines.dedup();
+            lines
+        });
+        let mut lines: Vec<LineKey> = Vec::with_capacity(of_cells.iter().map(Vec::len).sum());
+        of_cells
+            .into_iter()
+            .for_each(|of_cell| lines.extend(of_cell));
+        let places = cells.iter().flat_map(GridCell::places);
+        let mut places: Vec<Place> = places.map(|place| grid.wrapped(*place).0).collect();
         places.sort_unstable();
         places.dedup();
-        for vertex in places.iter().flat_map(|place| grid.copies(*place)) {
-            for (number, direction) in (0..).zip(&DIRECTIONS) {
-                let (key, along) = line_through(&vertex, number, direction);
-                if let Some(places) = lines.get_mut(&key) {
-                    places.push(along);
-                }
-            }
+        places.shrink_to_fit();
+        let copies = |vertex: usize| grid.copies(places[vertex]);
+        Self {
+            on_lines: PlacesOnLines::new(lines, places.len(), &copies),
+            places,
         }
-        lines.values_mut().for_each(|places| places.sort_unstable());
-        Self { places, lines }
     }
 
     /// A facet whose edges end at all vertices that lie on them.
@@ -340,7 +283,7 @@ impl GridVertices {
             LoopCorner::new(number as u32, shift)
         };
         let edges = facet.edges.iter();
-        let edges = edges.flat_map(|edge| parts_of(edge, &self.lines));
+        let edges = edges.flat_map(|edge| self.on_lines.parts_of(edge));
         NumberedFacet {
             label: facet.label,
             normal: Vector3::from(facet.normal.map(|along| along as f64)),
@@ -349,9 +292,9 @@ impl GridVertices {
     }
 }
 
-/// The facets of a cell; none where they are not on the grid or the cell ends between two of its cones.
-fn facets(grid: &WholeGrid, cell: &LinfCell<'_>) -> Option<Vec<GridFacet>> {
-    let mut planes: BTreeMap<PlaneKey, Coverage> = BTreeMap::new();
+/// The facets of a cell; none where they are not on the grid.
+fn facets(grid: &WholeGrid, cell: &LinfCell<'_>) -> Option<GridCell> {
+    let mut polygons = Polygons::default();
     let mut is_on_grid = true;
     cell.visit_boundary(|(label, ..), corners| {
         let places = corners
@@ -359,87 +302,9 @@ fn facets(grid: &WholeGrid, cell: &LinfCell<'_>) -> Option<Vec<GridFacet>> {
             .map(|corner| grid.place(&(cell.position + corner)));
         let added = places
             .collect::<Option<Vec<Place>>>()
-            .and_then(|places| add_polygon(&mut planes, label, &places));
+            .and_then(|places| polygons.add(label, &places));
         is_on_grid &= added.is_some();
     });
-    let facets = planes.iter().map(|(key, lines)| facet_of(key, lines));
-    let facets = facets.filter(|facet| facet.as_ref().is_none_or(|facet| !facet.edges.is_empty()));
-    let facets = facets.collect::<Option<Vec<_>>>().filter(|_| is_on_grid)?;
-    let is_known = |facet: &GridFacet| FacetKind::of(facet.label) != FacetKind::Inner;
-    facets.iter().all(is_known).then_some(facets)
-}
-
-/// Adds the edges of a polygon to those of its plane.
-fn add_polygon(
-    planes: &mut BTreeMap<PlaneKey, Coverage>,
-    label: Label,
-    places: &[Place],
-) -> Option<()> {
-    let offset = |normal: &Place, at: &Place| -> i64 { (0..3).map(|k| normal[k] * at[k]).sum() };
-    let mut through = (0..).zip(NORMALS).filter(|(_, normal)| {
-        places
-            .iter()
-            .all(|at| offset(normal, at) == offset(normal, &places[0]))
-    });
-    let (number, normal) = through.next()?;
-    if through.next().is_some() {
-        // All corners are on a line.
-        return Some(());
-    }
-    let lines = planes
-        .entry((label, number, offset(normal, &places[0])))
-        .or_default();
-    for (from, to) in places.iter().zip(places.iter().cycle().skip(1)) {
-        if from == to {
-            continue;
-        }
-        let (number, sign) = direction_of(from, to)?;
-        let [(key, start), (_, end)] =
-            [from, to].map(|at| line_through(at, number, &DIRECTIONS[usize::from(number)]));
-        let line = lines.entry(key).or_default();
-        *line.entry(start.min(end)).or_default() += sign;
-        *line.entry(start.max(end)).or_default() -= sign;
-    }
-    Some(())
-}
-
-/// The facet in a plane with what is left of its edges; none if they overlap.
-fn facet_of(&(label, normal, _): &PlaneKey, lines: &Coverage) -> Option<GridFacet> {
-    let mut edges = Vec::new();
-    for (key, line) in lines {
-        let (mut sign, mut since) = (0, 0);
-        for (&along, change) in line.iter().filter(|(_, change)| **change != 0) {
-            match sign {
-                0 => {}
-                1 => edges.push([since, along].map(|along| place_on(key, along))),
-                -1 => edges.push([along, since].map(|along| place_on(key, along))),
-                _ => return None,
-            }
-            (sign, since) = (sign + change, along);
-        }
-    }
-    let mut facet = GridFacet {
-        label,
-        normal: NORMALS[usize::from(normal)],
-        edges,
-    };
-    if facet.doubled_area() < 0.0 {
-        facet.normal = facet.normal.map(|along| -along);
-    }
-    Some(facet)
-}
-
-impl GridFacet {
-    /// The area along the normal, up to a positive factor.
-    fn doubled_area(&self) -> f64 {
-        let Some([origin, _]) = self.edges.first() else {
-            return 0.0;
-        };
-        let arm = |at: &Place| Vector3::from([0, 1, 2].map(|k| (at[k] - origin[k]) as f64));
-        let normal = Vector3::from(self.normal.map(|along| along as f64));
-        let edges = self.edges.iter();
-        edges
-            .map(|[from, to]| normal.dot(&arm(from).cross(&arm(to))))
-            .sum()
-    }
+    let facets = polygons.facets().filter(|_| is_on_grid)?;
+    Some(GridCell::new(&facets, cell.has_ties()))
 }

@@ -6,8 +6,8 @@
 //! cells, [`loops`] removes what rounding alone made, [`assemble`] pairs faces into a mesh,
 //! and [`check`] tests it. [`face_geometry`] and [`quality`] measure by the definitions of
 //! OpenFOAM's `checkMesh`, [`element`] recognizes hexahedra, prisms, pyramids and tetrahedra.
-//! [`linf_mesh`] does all of this for L∞ cells, without rounding, on [`grid_lines`], with [`numbered_facets`];
-//! [`wall_clip`] clips them to convex polyhedra.
+//! [`linf_mesh`] does all of this for L∞ cells, without rounding, on [`grid_lines`], with
+//! [`grid_facets`], [`tied_facets`] and [`numbered_facets`]; [`wall_clip`] clips them to convex polyhedra.
 //! [`collapse`] removes short edges from an [`edit_mesh`], [`straighten`] vertices of two edges; both keep to
 //! the limits of [`edit_shapes`]. [`solid_mesh`] does what a solid's walls need beyond that:
 //! [`wall_polygons`], [`wall_cut`], [`cell_union`], [`repair`], all on the surface ([`wall_projection`]).
@@ -28,6 +28,8 @@ pub(crate) mod edited_order;
 pub(crate) mod element;
 pub(crate) mod element_mesh;
 pub(crate) mod face_geometry;
+pub(crate) mod facet_overlap;
+pub(crate) mod grid_facets;
 pub(crate) mod grid_lines;
 pub(crate) mod identify;
 pub(crate) mod jacobian;
@@ -49,6 +51,7 @@ pub(crate) mod solid_mesh;
 pub(crate) mod sorted_faces;
 pub(crate) mod straighten;
 pub(crate) mod straighten_all;
+pub(crate) mod tied_facets;
 pub(crate) mod untangle;
 pub(crate) mod vertex_groups;
 pub(crate) mod vertex_key;

@@ -11,6 +11,7 @@ use std::collections::BinaryHeap;
 use nalgebra::DVector;
 
 use crate::minimize::compact_bfgs::CompactBfgs;
+use crate::minimize::variable_bounds::{VariableBounds, facing};
 
 /// A point in a box and the gradient there.
 #[derive(Clone, Copy, Debug)]
@@ -19,10 +20,8 @@ pub(crate) struct BoxedPoint<'a> {
     pub(crate) point: &'a [f64],
     /// `g = ∇f(x)`.
     pub(crate) gradient: &'a [f64],
-    /// `l`.
-    pub(crate) lower: &'a [f64],
-    /// `u`.
-    pub(crate) upper: &'a [f64],
+    /// The box.
+    pub(crate) bounds: VariableBounds<'a>,
 }
 
 /// The generalized Cauchy point.
@@ -90,18 +89,15 @@ pub(crate) fn cauchy_point(place: &BoxedPoint, model: &CompactBfgs) -> Option<Ca
             break;
         }
         let variable = breakpoint.variable;
-        point[variable] = if direction[variable] > 0.0 {
-            place.upper[variable]
-        } else {
-            place.lower[variable]
-        };
+        point[variable] = place.bounds.ahead(variable, direction[variable]);
         direction[variable] = 0.0;
         moving -= 1;
         segment.pass(place, &breakpoint, point[variable], model)?;
     }
-    for (variable, x) in point.iter_mut().enumerate() {
-        *x += segment.start * direction[variable];
-        *x = x.max(place.lower[variable]).min(place.upper[variable]);
+    let bounded = direction.iter().zip(place.bounds.iter());
+    for (x, (way, (lower, upper))) in point.iter_mut().zip(bounded) {
+        *x += segment.start * way;
+        *x = x.max(lower).min(upper);
     }
     Some(CauchyPoint {
         point,
@@ -113,12 +109,9 @@ pub(crate) fn cauchy_point(place: &BoxedPoint, model: &CompactBfgs) -> Option<Ca
 fn breakpoints(place: &BoxedPoint) -> (BinaryHeap<Breakpoint>, Vec<f64>) {
     let mut breakpoints = Vec::new();
     let mut direction = vec![0.0; place.point.len()];
-    for (variable, (&x, &slope)) in place.point.iter().zip(place.gradient).enumerate() {
-        let bound = if slope < 0.0 {
-            place.upper[variable]
-        } else {
-            place.lower[variable]
-        };
+    let variables = place.point.iter().zip(place.gradient);
+    for (variable, ((&x, &slope), bounds)) in variables.zip(place.bounds.iter()).enumerate() {
+        let bound = facing(bounds, -slope);
         let time = (x - bound) / slope;
         if slope == 0.0 || time <= 0.0 {
             continue;

@@ -29,17 +29,19 @@
 //! have given. argmin's executor drives all steps of a call; the state that it carries is its own,
 //! without parameters, of which it would keep copies.
 
+use std::borrow::Cow;
 use std::ops::ControlFlow;
 
 use argmin::core::{Error, Executor, IterState, KV, Problem, Solver, State, TerminationReason};
 
-use crate::minimize::blas1::{dot, largest_group};
+use crate::minimize::blas1::{dot_difference, farthest_group, largest_group};
 use crate::minimize::cauchy::{BoxedPoint, cauchy_point};
 use crate::minimize::compact_bfgs::CompactBfgs;
 use crate::minimize::lbfgsb_state::{LbfgsbError, LbfgsbOptions, LbfgsbState, check};
 use crate::minimize::line_search::{Line, LineSearch, Trial, line_search};
 use crate::minimize::problem::Termination;
 use crate::minimize::subspace::subspace_minimizer;
+use crate::minimize::variable_bounds::{VariableBounds, facing};
 
 /// Changes of the value below this share of it, times √n, are rounding: a long sum is good to
 /// about half an ulp per √term.
@@ -54,7 +56,8 @@ pub(crate) struct LbfgsbEnd {
     pub ended: Termination,
 }
 
-/// Minimizes a function over the box `lower ≤ x ≤ upper`, from where `state` is.
+/// Minimizes a function over the box `lower ≤ x ≤ upper`, from where `state` is. Bounds of one group hold for
+/// all groups.
 ///
 /// `objective(x, gradient)` fills the gradient and returns the value. `observer` is shown the state
 /// after every accepted step with the longest displacement of a group of variables, may take the
@@ -91,11 +94,11 @@ pub(crate) fn lbfgsb_within(
     options: &LbfgsbOptions,
     observer: impl FnMut(&mut LbfgsbState, f64) -> ControlFlow<()>,
 ) -> Result<LbfgsbEnd, LbfgsbError> {
-    check(&state, lower, upper, options)?;
+    let bounds = VariableBounds { lower, upper };
+    check(&state, bounds, options)?;
     let solver = Lbfgsb {
         bounded: BoxProblem {
-            lower,
-            upper,
+            bounds,
             bend,
             options,
         },
@@ -120,10 +123,7 @@ type Bookkeeping = IterState<(), (), (), (), (), f64>;
 /// The box, what holds steps to other sets, and the options of a run.
 #[derive(Clone, Copy)]
 struct BoxProblem<'a> {
-    /// `l`.
-    lower: &'a [f64],
-    /// `u`.
-    upper: &'a [f64],
+    bounds: VariableBounds<'a>,
     bend: Option<Bend<'a>>,
     options: &'a LbfgsbOptions,
 }
@@ -152,15 +152,12 @@ where
         bookkeeping: Bookkeeping,
     ) -> Result<(Bookkeeping, Option<KV>), Error> {
         let BoxProblem {
-            lower,
-            upper,
-            options,
-            ..
+            bounds, options, ..
         } = self.bounded;
         let state = &mut self.state;
         if let (0, Some(objective)) = (state.evaluations, &mut problem.problem) {
-            for (x, (lower, upper)) in state.point.iter_mut().zip(lower.iter().zip(upper)) {
-                *x = x.max(*lower).min(*upper);
+            for (x, (lower, upper)) in state.point.iter_mut().zip(bounds.iter()) {
+                *x = x.max(lower).min(upper);
             }
             state.value = objective(&state.point, &mut state.gradient);
             state.evaluations = 1;
@@ -267,11 +264,16 @@ impl BoxProblem<'_> {
         let mut target = self.target(state).ok_or(Termination::NoDescent)?;
         let is_bent = self.bend_toward(&state.point, &mut target);
         let mut line = LineToTarget::new(self, objective, state, target, is_bent);
-        let displacement = largest_group(&line.direction, self.options.group);
+        let displacement = line.length(self.options.group);
         let search = line.search(displacement)?;
         let found = line_search(&search, &mut line);
         let evaluations = line.evaluations;
-        let reached = found.map(|trial| (trial, line.point_at(trial.fraction), line.kept_gradient));
+        let reached = found.map(|trial| {
+            let point = point_at(trial.fraction, &state.point, &line.target, self.bounds);
+            let point = point.into_owned();
+            (trial, point, std::mem::take(&mut line.kept_gradient))
+        });
+        drop(line);
         state.evaluations = evaluations;
         let (trial, point, gradient) = reached?;
         let step = difference(&point, &state.point);
@@ -299,14 +301,14 @@ impl BoxProblem<'_> {
     /// the first model's bent step, times its curvature.
     fn projected_gradient(&self, state: &LbfgsbState) -> f64 {
         let Some(bend) = self.bend else {
-            return state.projected_gradient(self.lower, self.upper);
+            return state.projected_gradient(self.bounds);
         };
         let curvature = self.first_curvature(state);
         let mut step: Vec<f64> = state.gradient.iter().map(|g| -g / curvature).collect();
         if curvature > 0.0 && bend(&state.point, &mut step) {
             return step.iter().fold(0.0, |size: f64, s| size.max(s.abs())) * curvature;
         }
-        state.projected_gradient(self.lower, self.upper)
+        state.projected_gradient(self.bounds)
     }
 
     /// `θ` of the model without pairs.
@@ -323,8 +325,7 @@ impl BoxProblem<'_> {
         let place = BoxedPoint {
             point: &state.point,
             gradient: &state.gradient,
-            lower: self.lower,
-            upper: self.upper,
+            bounds: self.bounds,
         };
         let cauchy = cauchy_point(&place, &model)?;
         subspace_minimizer(&place, &model, cauchy)
@@ -342,7 +343,6 @@ struct LineToTarget<'a, F> {
     objective: &'a mut F,
     start: &'a LbfgsbState,
     target: Vec<f64>,
-    direction: Vec<f64>,
     /// Whether walls lie right behind the target.
     is_bent: bool,
     trial_gradient: Vec<f64>,
@@ -362,18 +362,17 @@ impl<'a, F: FnMut(&[f64], &mut [f64]) -> f64> LineToTarget<'a, F> {
             bounded,
             objective,
             start,
-            direction: difference(&target, &start.point),
             target,
             is_bent,
-            trial_gradient: vec![0.0; start.point.len()],
-            kept_gradient: vec![0.0; start.point.len()],
+            trial_gradient: Vec::new(),
+            kept_gradient: Vec::new(),
             evaluations: start.evaluations,
         }
     }
 
     /// What the line search needs to know.
     fn search(&self, displacement: f64) -> Result<LineSearch, Termination> {
-        let slope = dot(&self.start.gradient, &self.direction);
+        let slope = self.slope(&self.start.gradient);
         if displacement == 0.0 {
             return Err(Termination::AtRounding);
         }
@@ -382,7 +381,7 @@ impl<'a, F: FnMut(&[f64], &mut [f64]) -> f64> LineToTarget<'a, F> {
         }
         let largest = self.bounded.options.largest_step / displacement;
         let longest = self.longest_in_box().min(largest);
-        let root = (self.direction.len() as f64).sqrt();
+        let root = (self.target.len() as f64).sqrt();
         Ok(LineSearch {
             start: Trial {
                 fraction: 0.0,
@@ -402,33 +401,43 @@ impl<'a, F: FnMut(&[f64], &mut [f64]) -> f64> LineToTarget<'a, F> {
             return 1.0;
         }
         let mut longest = f64::INFINITY;
-        for (i, &d) in self
-            .direction
-            .iter()
-            .enumerate()
-            .filter(|(_, d)| **d != 0.0)
-        {
-            let bounds = if d > 0.0 {
-                self.bounded.upper
-            } else {
-                self.bounded.lower
-            };
-            longest = longest.min((bounds[i] - self.start.point[i]) / d);
+        let places = self.start.point.iter().zip(&self.target);
+        for ((start, target), bounds) in places.zip(self.bounded.bounds.iter()) {
+            let way = target - start;
+            if way != 0.0 {
+                longest = longest.min((facing(bounds, way) - start) / way);
+            }
         }
         longest.max(1.0)
     }
 
-    /// The point at a fraction of the line, inside the box; the target itself at 1.
-    fn point_at(&self, fraction: f64) -> Vec<f64> {
-        if fraction.to_bits() == 1.0_f64.to_bits() {
-            return self.target.clone();
-        }
-        let at = |i: usize| {
-            let moved = self.start.point[i] + fraction * self.direction[i];
-            moved.max(self.bounded.lower[i]).min(self.bounded.upper[i])
-        };
-        (0..self.direction.len()).map(at).collect()
+    /// The derivative along the line where the function has this gradient.
+    fn slope(&self, gradient: &[f64]) -> f64 {
+        dot_difference(gradient, &self.target, &self.start.point)
     }
+
+    /// How far the target is for the farthest group.
+    fn length(&self, group: usize) -> f64 {
+        farthest_group(&self.target, &self.start.point, group)
+    }
+}
+
+/// The point at a fraction of the way to the target, inside the box; the target itself at 1.
+fn point_at<'a>(
+    fraction: f64,
+    start: &[f64],
+    target: &'a [f64],
+    bounds: VariableBounds<'_>,
+) -> Cow<'a, [f64]> {
+    if fraction.to_bits() == 1.0_f64.to_bits() {
+        return Cow::Borrowed(target);
+    }
+    let bounded = start.iter().zip(target).zip(bounds.iter());
+    let at = bounded.map(|((start, target), (lower, upper))| {
+        let moved = start + fraction * (target - start);
+        moved.max(lower).min(upper)
+    });
+    Cow::Owned(at.collect())
 }
 
 impl<F: FnMut(&[f64], &mut [f64]) -> f64> Line for LineToTarget<'_, F> {
@@ -437,12 +446,17 @@ impl<F: FnMut(&[f64], &mut [f64]) -> f64> Line for LineToTarget<'_, F> {
             return None;
         }
         self.evaluations += 1;
-        let point = self.point_at(fraction);
-        let value = (self.objective)(&point, &mut self.trial_gradient);
+        let mut gradient = std::mem::take(&mut self.trial_gradient);
+        gradient.resize(self.target.len(), 0.0);
+        let (start, bounds) = (&self.start.point, self.bounded.bounds);
+        let point = point_at(fraction, start, &self.target, bounds);
+        let value = (self.objective)(&point, &mut gradient);
+        let slope = self.slope(&gradient);
+        self.trial_gradient = gradient;
         Some(Trial {
             fraction,
             value,
-            slope: dot(&self.trial_gradient, &self.direction),
+            slope,
         })
     }
 

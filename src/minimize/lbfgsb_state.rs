@@ -1,6 +1,7 @@
 //! The state of L-BFGS-B between two steps, its options, and the checks of both.
 
 use crate::minimize::history::History;
+use crate::minimize::variable_bounds::VariableBounds;
 
 /// All that decides how a run goes on: plain numbers, to be written and read by whoever needs
 /// to.
@@ -84,15 +85,14 @@ impl LbfgsbState {
 
     /// The largest component of the gradient, without those that push against a bound.
     #[must_use]
-    pub(crate) fn projected_gradient(&self, lower: &[f64], upper: &[f64]) -> f64 {
-        let bounds = lower.iter().zip(upper);
+    pub(crate) fn projected_gradient(&self, bounds: VariableBounds<'_>) -> f64 {
         let variables = self.point.iter().zip(&self.gradient);
         let pushed = |x: f64, slope: f64, lower: f64, upper: f64| {
             (x <= lower && slope > 0.0) || (x >= upper && slope < 0.0)
         };
         variables
-            .zip(bounds)
-            .filter(|((x, slope), (lower, upper))| !pushed(**x, **slope, **lower, **upper))
+            .zip(bounds.iter())
+            .filter(|((x, slope), (lower, upper))| !pushed(**x, **slope, *lower, *upper))
             .fold(0.0, |size, ((_, slope), _)| size.max(slope.abs()))
     }
 }
@@ -108,7 +108,8 @@ pub(crate) struct LbfgsbOptions {
     pub gradient_tolerance: f64,
     /// Converged once a step lowers the value by at most this share of it; zero never.
     pub value_tolerance: f64,
-    /// Consecutive variables whose displacement is measured together.
+    /// Consecutive variables whose displacement is measured together, and that may share their bounds with
+    /// all other groups.
     pub group: usize,
     /// How far the first trial moves the farthest group.
     pub first_step: f64,
@@ -188,14 +189,12 @@ pub enum LbfgsbError {
 /// Checks a problem before anything is evaluated.
 pub(crate) fn check(
     state: &LbfgsbState,
-    lower: &[f64],
-    upper: &[f64],
+    bounds: VariableBounds<'_>,
     options: &LbfgsbOptions,
 ) -> Result<(), LbfgsbError> {
-    check_lengths(state, lower, upper)?;
+    check_lengths(state, bounds, options.group)?;
     check_options(options)?;
-    for (variable, (&lower, &upper)) in lower.iter().zip(upper).enumerate() {
-        let value = state.point[variable];
+    for (variable, (&value, (lower, upper))) in state.point.iter().zip(bounds.iter()).enumerate() {
         let is_ordered = lower <= upper; // false for NaN
         if !is_ordered {
             return Err(LbfgsbError::NoRoom {
@@ -211,14 +210,19 @@ pub(crate) fn check(
     Ok(())
 }
 
-/// All vectors must have one entry per variable.
-fn check_lengths(state: &LbfgsbState, lower: &[f64], upper: &[f64]) -> Result<(), LbfgsbError> {
+/// All vectors must have one entry per variable, or bounds one per variable of a group.
+fn check_lengths(
+    state: &LbfgsbState,
+    bounds: VariableBounds<'_>,
+    group: usize,
+) -> Result<(), LbfgsbError> {
     let expected = state.point.len();
-    let vectors = [
-        ("the lower bound", lower),
-        ("the upper bound", upper),
-        ("the gradient", &state.gradient),
-    ];
+    let VariableBounds { lower, upper } = bounds;
+    let is_repeated =
+        lower.len() == group && upper.len() == group && expected.is_multiple_of(group.max(1));
+    let vectors = [("the lower bound", lower), ("the upper bound", upper)];
+    let vectors = vectors.into_iter().filter(|_| !is_repeated);
+    let vectors = vectors.chain([("the gradient", state.gradient.as_slice())]);
     let steps = state
         .history
         .steps()
@@ -226,7 +230,7 @@ fn check_lengths(state: &LbfgsbState, lower: &[f64], upper: &[f64]) -> Result<()
         .map(|s| ("a step", s.as_slice()));
     let changes = state.history.changes().iter();
     let changes = changes.map(|y| ("a change of the gradient", y.as_slice()));
-    for (what, vector) in vectors.into_iter().chain(steps).chain(changes) {
+    for (what, vector) in vectors.chain(steps).chain(changes) {
         if vector.len() != expected {
             return Err(LbfgsbError::Length {
                 what,

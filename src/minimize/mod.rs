@@ -10,7 +10,8 @@
 //! * [`lbfgsb`]: any number of variables, gradients only; \[BL\]'s choice for a cell, and the
 //!   solver of the global objective, on argmin's executor. Its [`lbfgsb_state`] holds the
 //!   [`history`] of pairs; a step takes the compact model (`compact_bfgs`), the generalized Cauchy
-//!   point (`cauchy`), the minimizer over the free variables (`subspace`) and a `line_search`.
+//!   point (`cauchy`), the minimizer over the free variables (`subspace`) and a `line_search`, all within
+//!   `variable_bounds`.
 //!
 //! [`problem`] holds evaluations, minima and why a run ended; an `objective` is a function that may
 //! know its higher derivatives. `blas1` has the sums over long vectors.
@@ -30,3 +31,4 @@ mod line_search;
 mod newton_step;
 mod prediction;
 mod subspace;
+mod variable_bounds;

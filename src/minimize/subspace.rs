@@ -14,6 +14,7 @@ use nalgebra::{DMatrix, DVector};
 use crate::minimize::cauchy::{BoxedPoint, CauchyPoint};
 use crate::minimize::compact_bfgs::CompactBfgs;
 use crate::minimize::history::Products;
+use crate::minimize::variable_bounds::facing;
 
 /// Subtraction is used below this share of held variables; above it summing the free ones
 /// costs about as much.
@@ -28,15 +29,14 @@ pub(crate) fn subspace_minimizer(
     model: &CompactBfgs,
     cauchy: CauchyPoint,
 ) -> Option<Vec<f64>> {
-    let free: Vec<bool> = (0..cauchy.point.len())
-        .map(|i| place.lower[i] < cauchy.point[i] && cauchy.point[i] < place.upper[i])
+    let bounded = || cauchy.point.iter().zip(place.bounds.iter());
+    let free: Vec<bool> = bounded()
+        .map(|(x, (lower, upper))| lower < *x && *x < upper)
         .collect();
     let step = free_step(place, model, &cauchy, &free)?;
-    let projected: Vec<f64> = (0..free.len())
-        .map(|i| {
-            let moved = cauchy.point[i] + step[i];
-            moved.max(place.lower[i]).min(place.upper[i])
-        })
+    let projected: Vec<f64> = bounded()
+        .zip(&step)
+        .map(|((x, (lower, upper)), step)| (x + step).max(lower).min(upper))
         .collect();
     let slope: f64 = (0..free.len())
         .map(|i| (projected[i] - place.point[i]) * place.gradient[i])
@@ -120,20 +120,13 @@ fn sum_of_rows(model: &CompactBfgs, free: &[bool], of_free: bool) -> DMatrix<f64
 /// `xᶜ + α d̂` with the largest `α ≤ 1` in the box (eq. 5.8).
 fn truncated(place: &BoxedPoint, mut point: Vec<f64>, step: &[f64]) -> Vec<f64> {
     let mut fraction = 1.0_f64;
-    for (i, &d) in step.iter().enumerate() {
-        let bound = if d > 0.0 {
-            place.upper[i]
-        } else {
-            place.lower[i]
-        };
+    for ((x, &d), bounds) in point.iter().zip(step).zip(place.bounds.iter()) {
         if d != 0.0 {
-            fraction = fraction.min((bound - point[i]) / d);
+            fraction = fraction.min((facing(bounds, d) - x) / d);
         }
     }
-    for (i, x) in point.iter_mut().enumerate() {
-        *x = (*x + fraction * step[i])
-            .max(place.lower[i])
-            .min(place.upper[i]);
+    for ((x, d), (lower, upper)) in point.iter_mut().zip(step).zip(place.bounds.iter()) {
+        *x = (*x + fraction * d).max(lower).min(upper);
     }
     point
 }

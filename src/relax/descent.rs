@@ -101,11 +101,11 @@ pub(crate) fn descend<const D: usize, S: RelaxationSpace<D>>(
         trials.borrow_mut().push(Totals::of_objective(&value));
         value.energy
     };
-    let (lower, upper) = box_bounds(space, count);
+    let (lower, upper) = box_bounds(space);
     let solver = solver_options(space, options, count);
     let bend = |point: &[f64], step: &mut [f64]| bend_along_walls(space, point, step);
     let walls: Option<Bend<'_>> = if space.is_box() { None } else { Some(&bend) };
-    let within = [&*lower, &*upper];
+    let within = [lower.as_slice(), upper.as_slice()];
     lbfgsb_within(objective, state, within, walls, &solver, |state, _| {
         let trials = std::mem::take(&mut *trials.borrow_mut());
         let is_taken = |trial: &&Totals| trial.energy.to_bits() == state.value().to_bits();
@@ -159,19 +159,15 @@ fn solver_options<const D: usize>(
     }
 }
 
-/// The bounds of all variables: the domain's box, none along periodic axes and none where the walls are
+/// The bounds of every site: the domain's box, none along periodic axes and none where the walls are
 /// not those of a box.
-fn box_bounds<const D: usize>(
-    space: &impl RelaxationSpace<D>,
-    count: usize,
-) -> (Vec<f64>, Vec<f64>) {
+fn box_bounds<const D: usize>(space: &impl RelaxationSpace<D>) -> ([f64; D], [f64; D]) {
     let (bounds, periods) = (space.bounds(), space.periods());
-    let bound = |end: &Point<f64, D>, open: f64| {
-        let of_axis: [f64; D] = std::array::from_fn(|k| match periods[k] {
+    let bound = |end: &Point<f64, D>, open: f64| -> [f64; D] {
+        std::array::from_fn(|k| match periods[k] {
             None if space.is_box() => end[k],
             _ => open,
-        });
-        of_axis.repeat(count)
+        })
     };
     (
         bound(&bounds.min, f64::NEG_INFINITY),

@@ -158,16 +158,58 @@ fn l_infinity_cells_of_convex_polyhedra_share_their_faces_to_the_bit() {
             let volume: f64 = volumes(&mesh, &sites).iter().sum();
             assert!((volume / solid.volume() - 1.0).abs() < 1e-12, "{name}");
         }
-        let mut lattice = jittered(5, 1e-6);
-        lattice.retain(|site| solid.contains(site));
-        assert_fits(name, &solid, &lattice);
+        let sites = [
+            jittered(5, 1e-6),
+            lattice_places(7.0, 90, 8),
+            level_sites(&[2], 40, 9),
+        ];
+        for mut sites in sites {
+            sites.retain(|site| solid.contains(site));
+            assert_fits(name, &solid, &sites);
+        }
+    }
+}
+
+/// Random sites with a coordinate in common along each of `axes`.
+fn level_sites(axes: &[usize], count: usize, seed: u64) -> Vec<Point3<f64>> {
+    let mut sites = random_sites(count, seed);
+    for site in &mut sites {
+        axes.iter().for_each(|&axis| site[axis] = 0.375);
+    }
+    sites
+}
+
+/// Random places of a lattice of `steps` along each axis, every one once, in random order.
+fn lattice_places(steps: f64, count: usize, seed: u64) -> Vec<Point3<f64>> {
+    let mut sites: Vec<Point3<f64>> = Vec::new();
+    for site in random_sites(count, seed) {
+        let place = Point3::from(site.coords.map(|x| ((x * steps).floor() + 0.5) / steps));
+        if !sites.contains(&place) {
+            sites.push(place);
+        }
+    }
+    sites
+}
+
+#[test]
+fn tied_cells_share_their_faces_to_the_bit() {
+    let unit = Cuboid::unit();
+    let torus = Cuboid::new(unit.bounds(), [true; 3]).expect("a box");
+    let cases = [
+        ("two", level_sites(&[1, 2], 2, 3)),
+        ("rod", level_sites(&[0, 2], 20, 4)),
+        ("sheet", level_sites(&[1], 60, 5)),
+        ("few places", lattice_places(5.0, 60, 6)),
+        ("many places", lattice_places(20.0, 200, 7)),
+    ];
+    for (name, sites) in cases {
+        assert_fits(name, &unit, &sites);
+        assert_fits(name, &torus, &sites);
     }
 }
 
 #[test]
-fn tied_cells_and_sites_of_one_place_have_no_shared_mesh() {
-    let level = [[0.25, 0.5, 0.5], [0.75, 0.5, 0.5]].map(Point3::from);
-    assert!(linf_mesh(&Cuboid::unit(), &level).is_none());
+fn sites_of_one_place_on_the_grid_have_no_shared_mesh() {
     let close = [[0.25, 0.5, 0.5], [0.25 + 1e-16, 0.5, 0.5]].map(Point3::from);
     assert!(linf_mesh(&Cuboid::unit(), &close).is_none());
 }

@@ -121,6 +121,11 @@ impl LinfCell<'_> {
         });
     }
 
+    /// Whether its site has a coordinate of another one nearby.
+    pub(crate) fn has_ties(&self) -> bool {
+        self.has_ties
+    }
+
     /// Passes the polygons of all cones' boundaries with the keys of their facets, and whether they are
     /// sides of a cone.
     fn visit_polygons(&self, mut visit: impl FnMut(FacetKey, &Fragment, bool)) {
