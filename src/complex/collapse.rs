@@ -17,6 +17,9 @@ use crate::complex::wall_projection::WallProjection;
 /// Cosine of how far a face may turn: 35 degrees.
 const TURN: f64 = 0.819_152_044_288_991_8;
 
+/// Faces of this area, relative to the square of the reach, are none: only one that is none may become another.
+const NO_AREA: f64 = 1e-14;
+
 /// What may happen to an edge.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct EdgeCollapse {
@@ -201,7 +204,7 @@ pub(crate) fn try_collapse(
     Some((before, after))
 }
 
-/// Whether a face that is not small turns too far.
+/// Whether a face that is not small turns too far, or one is lost.
 fn turn(mesh: &mut EditMesh, faces: &[u32], before: &[Vector3<f64>], reach: f64) -> bool {
     faces.iter().zip(before).any(|(&face, then)| {
         if mesh.faces[face as usize].is_empty() {
@@ -209,7 +212,8 @@ fn turn(mesh: &mut EditMesh, faces: &[u32], before: &[Vector3<f64>], reach: f64)
         }
         let now = mesh.face_shape(face).area;
         let (large, small) = (then.norm(), now.norm());
-        small <= 1e-14 * reach * reach
+        let is_none = |area: f64| area <= NO_AREA * reach * reach;
+        is_none(small) && !is_none(large)
             || large > 4.0 * reach * reach && then.dot(&now) < TURN * large * small
     })
 }

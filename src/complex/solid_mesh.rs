@@ -31,6 +31,9 @@ const LOST: f64 = 0.009;
 /// Rounding of places, in sides of the mean cell.
 const ROUNDING: f64 = 1e-9;
 
+/// Vertices nearer to each other than this, in sides of the mean cell, are at one place for a solver.
+const SAME_PLACE: f64 = 1e-6;
+
 /// How walls and edges are cleaned.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Cleanup {
@@ -130,6 +133,10 @@ fn clean(
         repair.stuck.clear();
     }
     repair.run();
+    if share > 0.0 {
+        // Vertices that were moved to one place of the surface.
+        collapse(repair.mesh, SAME_PLACE * side, Some(walls));
+    }
     repair.join_slivers();
     repair.failing()
 }
