@@ -34,7 +34,7 @@ pub struct DescentOptions {
     /// The order p ≥ 1 of the energy.
     pub order: u32,
     /// How many steps the model of the curvature remembers; as many as suit the cells where it is none (ten,
-    /// of L∞ cells in space six).
+    /// of L∞ cells in space three).
     pub memory: Option<usize>,
     /// Converged once no component of the projected gradient is larger than this share of
     /// s^(2+p), s the side of the mean cell, times the mean density.

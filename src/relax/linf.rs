@@ -77,13 +77,13 @@ impl<'a> LinfCells<'a> {
         Ok(Diagram::borrowed(self.domain, &self.sites)?.with_stop(&self.stop))
     }
 
-    fn map<Answer: Send>(
+    fn map<Answer: Copy + Send + Sync + 'static>(
         &self,
         ties: Ties,
         of_cell: impl Fn(&mut LinfCellInDomain<'_, '_>) -> Answer + Sync,
     ) -> Result<Vec<Answer>, DiagramError> {
         let diagram = self.diagram()?;
-        diagram.map_linf(ties, |memory: &mut LinfCellMemory, cell| {
+        diagram.map_linf_copied(ties, |memory: &mut LinfCellMemory, cell| {
             of_cell(&mut LinfCellInDomain::new(self.domain, &cell, memory))
         })
     }

@@ -146,7 +146,7 @@ pub struct QuasiNewton {
     /// Stop when no component of the projected gradient is larger than this share of s^(2+p), s the
     /// side of the mean cell, times the mean density.
     pub gradient_tolerance: f64,
-    /// How many steps the model of the curvature remembers; ten if left out, of L∞ cells in space six.
+    /// How many steps the model of the curvature remembers; ten if left out, of L∞ cells in space three.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub memory: Option<usize>,
     /// How many of Lloyd's moves come first, on every level.
@@ -175,7 +175,7 @@ pub struct Anneal {
     pub seed: u64,
     /// The most steps of a level's first and last descent.
     pub first_steps: u64,
-    /// How many steps the model of the curvature remembers; ten if left out, of L∞ cells in space six.
+    /// How many steps the model of the curvature remembers; ten if left out, of L∞ cells in space three.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub memory: Option<usize>,
     /// A descent ends when no component of the projected gradient is larger than this share of

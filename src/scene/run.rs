@@ -163,7 +163,8 @@ fn placed_in<const D: usize>(
     scene: &Scene,
 ) -> Result<PlacedSites<D>, Error> {
     scene.sites.announced().map_or(Ok(()), memory::check)?;
-    let placed = place(scene, region)?;
+    let mut placed = place(scene, region)?;
+    placed.sites.shrink_to_fit();
     memory::check(placed.sites.len() as u64)?;
     Ok(placed)
 }

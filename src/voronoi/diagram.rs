@@ -359,9 +359,16 @@ impl<'a> Diagram<'a> {
         &self,
         of_cell: impl Fn(&mut Scratch, Cell<'_>) -> T + Sync,
     ) -> Result<Vec<T>, DiagramError> {
-        let tree = self.tree()?;
-        let runs = self.runs_of_places(self.built(tree, of_cell))?;
-        let places = tree.places_of_sites();
+        self.copy_places(self.built(self.tree()?, of_cell))
+    }
+
+    /// As [`Diagram::map_places`] for results that are copied, which all threads do together.
+    pub(crate) fn copy_places<Memory: Default + Send, T: Copy + Send + Sync + 'static>(
+        &self,
+        one: impl Fn(&mut Memory, usize) -> Result<T, Duplicate> + Sync,
+    ) -> Result<Vec<T>, DiagramError> {
+        let runs = self.runs_of_places(one)?;
+        let places = self.tree()?.places_of_sites();
         let of_site = |site: usize| {
             let place = places[site] as usize;
             runs[place / CELLS_PER_TASK][place % CELLS_PER_TASK]
@@ -372,14 +379,13 @@ impl<'a> Diagram<'a> {
         Ok(results)
     }
 
-    /// Computes `one` for every place of the tree, in parallel, and returns the results in site order.
+    /// Computes `one` for every place of the tree, in parallel; the results, none missing, in site order.
     pub(crate) fn map_places<Memory: Default + Send, T: Send>(
         &self,
         one: impl Fn(&mut Memory, usize) -> Result<T, Duplicate> + Sync,
     ) -> Result<Vec<T>, DiagramError> {
         let runs = self.runs_of_places(one)?;
-        let mut results: Vec<Option<T>> = Vec::new();
-        results.resize_with(self.len(), || None);
+        let mut results: Vec<Option<T>> = (0..self.len()).map(|_| None).collect();
         let sites = self.tree()?.sites().chunks(CELLS_PER_TASK);
         for (run, sites) in runs.into_iter().zip(sites) {
             if self.is_stopped() {
@@ -389,7 +395,7 @@ impl<'a> Diagram<'a> {
                 results[site as usize] = Some(result);
             }
         }
-        Ok(results.into_iter().flatten().collect())
+        Ok(results.into_iter().map_while(|result| result).collect())
     }
 
     /// Computes `one` for every place of the tree, in parallel; the results in runs of [`CELLS_PER_TASK`].
@@ -428,8 +434,7 @@ impl<'a> Diagram<'a> {
         self.stream_places(self.built(self.tree()?, of_cell), take)
     }
 
-    /// Computes `one` for every place of the tree and passes the results to `take` as
-    /// [`Diagram::stream`] does.
+    /// As [`Diagram::stream`], with what `one` computes for every place of the tree.
     pub(crate) fn stream_places<Memory: Default + Send, T: Send, Failure: From<DiagramError>>(
         &self,
         one: impl Fn(&mut Memory, usize) -> Result<T, Duplicate> + Sync,
@@ -453,14 +458,9 @@ impl<'a> Diagram<'a> {
     }
 
     fn error(&self, halt: Halt) -> DiagramError {
-        match halt {
-            Halt::Duplicate(duplicate) => self.duplicate(duplicate),
-            Halt::Stopped => DiagramError::Stopped,
-        }
-    }
-
-    fn duplicate(&self, duplicate: Duplicate) -> DiagramError {
-        let Duplicate { first, second } = duplicate;
+        let Halt::Duplicate(Duplicate { first, second }) = halt else {
+            return DiagramError::Stopped;
+        };
         let position = self.position(first);
         // Of several sites in one place, any two may have been found.
         let is_there = |&site: &u32| (self.position(site) - position).norm_squared() <= 0.0;

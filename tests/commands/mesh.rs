@@ -707,6 +707,17 @@ fn tables_of_cells_and_faces_balance() {
         "--cells-table",
         "e.csv",
     ];
+    // A tied region belongs to the first.
+    dir.stdout(&arguments);
+    dir.write("close.csv", "0.25,0.5,0.5\n0.25000000000000006,0.5,0.5\n");
+    let arguments = arguments.map(|word| {
+        if word == "level.csv" {
+            "close.csv"
+        } else {
+            word
+        }
+    });
+    let arguments = [&arguments[..], &["--force"]].concat();
     assert_refused(&dir, &arguments, &["tables of L∞ cells", "--cells l2"]);
 }
 

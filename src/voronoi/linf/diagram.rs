@@ -3,8 +3,10 @@
 use nalgebra::Point3;
 
 use crate::voronoi::diagram::{Diagram, DiagramError};
+use crate::voronoi::kd_tree::tree::KdTree;
 use crate::voronoi::linf::cell::{LinfCell, LinfCellBuilder, Ties};
 use crate::voronoi::linf::search::nearest;
+use crate::voronoi::search::Duplicate;
 
 impl Diagram<'_> {
     /// As [`Diagram::map`], for the L∞ cells.
@@ -16,13 +18,33 @@ impl Diagram<'_> {
         ties: Ties,
         of_cell: impl Fn(&mut Scratch, LinfCell<'_>) -> T + Sync,
     ) -> Result<Vec<T>, DiagramError> {
-        let (domain, tree) = (self.domain(), self.tree()?);
-        self.map_places(
-            |(builder, scratch): &mut (LinfCellBuilder, Scratch), place| {
-                let cell = builder.build(domain, tree, place, ties)?;
-                Ok(of_cell(scratch, cell))
-            },
-        )
+        self.map_places(self.built_linf(self.tree()?, ties, of_cell))
+    }
+
+    /// As [`Diagram::map_copied`], for the L∞ cells.
+    ///
+    /// # Errors
+    /// As [`Diagram::map_linf`].
+    pub(crate) fn map_linf_copied<Scratch: Default + Send, T: Copy + Send + Sync + 'static>(
+        &self,
+        ties: Ties,
+        of_cell: impl Fn(&mut Scratch, LinfCell<'_>) -> T + Sync,
+    ) -> Result<Vec<T>, DiagramError> {
+        self.copy_places(self.built_linf(self.tree()?, ties, of_cell))
+    }
+
+    /// What `of_cell` says of the L∞ cell in a place.
+    fn built_linf<Scratch, T>(
+        &self,
+        tree: &KdTree,
+        ties: Ties,
+        of_cell: impl Fn(&mut Scratch, LinfCell<'_>) -> T + Sync,
+    ) -> impl Fn(&mut (LinfCellBuilder, Scratch), usize) -> Result<T, Duplicate> + Sync {
+        let domain = self.domain();
+        move |(builder, scratch), place| {
+            let cell = builder.build(domain, tree, place, ties)?;
+            Ok(of_cell(scratch, cell))
+        }
     }
 
     /// As [`Diagram::stream`], for the L∞ cells.
