@@ -47,8 +47,8 @@ const MOST_PATCHES: usize = 100_000;
 /// Up to so many cells share their points in `cells.vtu`: about 0.5 GB while they are paired.
 const MOST_SHARED: usize = 100_000;
 
-/// Up to so many L∞ cells share theirs, which have several times as many: about 1 GB.
-const MOST_SHARED_LINF: usize = 20_000;
+/// Up to so many L∞ cells share theirs, which have several times as many: about 1 GB, and 0.8 ms a cell.
+const MOST_SHARED_LINF: usize = 50_000;
 
 /// How far above the middle of the domain its cells are cut, in sides of a mean cell: the middle
 /// itself is a wall of cells for every lattice of an even number of layers.

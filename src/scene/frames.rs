@@ -55,7 +55,22 @@ pub struct FrameFile {
     pub file: PathBuf,
 }
 
+impl Turn {
+    fn rotation(&self) -> Rotation3<f64> {
+        let axis = Unit::new_normalize(Vector3::from(self.axis));
+        Rotation3::from_axis_angle(&axis, self.degrees.to_radians())
+    }
+}
+
 impl FrameChoice {
+    /// The one frame of all cells.
+    pub(crate) fn of_all(&self) -> Option<Rotation3<f64>> {
+        match self {
+            Self::Turn(turn) => Some(turn.rotation()),
+            Self::Rule(_) | Self::File(_) => None,
+        }
+    }
+
     pub(crate) fn anchor(&mut self, folder: &Path) {
         if let Self::File(FrameFile { file }) = self {
             *file = folder.join(&file);
@@ -102,11 +117,7 @@ impl FrameChoice {
             Self::Rule(Rule::Boundary) => boundary_frames(domain, sites)
                 .map(Frames::PerSite)
                 .map_err(|error| Error::value("frames", error.to_string())),
-            Self::Turn(turn) => {
-                let axis = Unit::new_normalize(Vector3::from(turn.axis));
-                let angle = turn.degrees.to_radians();
-                Ok(Frames::One(Rotation3::from_axis_angle(&axis, angle)))
-            }
+            Self::Turn(turn) => Ok(Frames::One(turn.rotation())),
             Self::File(FrameFile { file }) => read(file, sites.len()).map(Frames::PerSite),
         }
     }

@@ -34,4 +34,5 @@ pub mod run;
 pub mod site_file;
 pub(crate) mod site_table;
 pub mod sites;
+mod turned_lattice;
 pub(crate) mod xyz;

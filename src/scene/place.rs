@@ -10,24 +10,30 @@ use std::cmp::Ordering;
 use std::fmt;
 use std::sync::atomic;
 
-use nalgebra::Point;
+use nalgebra::{Point, Point3, Rotation3, SVector};
 
 use crate::domain::domain::Domain;
 use crate::domain::planar::PlaneDomain;
 use crate::domain::random_points::{source_in_plane, source_in_solid};
+use crate::domain::shape::DomainShape;
 use crate::geometry::bounds::Bounds;
 use crate::geometry::random::{PointSource, Random, points_inside};
 use crate::parallel::{RUN, map, map_runs};
 use crate::scene::description::Scene;
 use crate::scene::error::Error;
+use crate::scene::frames::FrameChoice;
 use crate::scene::memory;
 use crate::scene::numbers::point;
 use crate::scene::site_file;
 use crate::scene::sites::{Grid, Random as RandomSites, Sites};
+use crate::scene::turned_lattice::turned_lattice;
 use crate::voronoi::diagram::StopFlag;
 
 /// Makes a source of points closer to a domain than its bounding box is, if there is one.
 type Closer<'a, const D: usize> = Box<dyn Fn() -> Option<PointSource<'static, D>> + Sync + 'a>;
+
+/// Lists the vertices of a domain's boundary; none in the plane.
+type Vertices<'a> = Box<dyn Fn() -> Vec<Point3<f64>> + Sync + 'a>;
 
 /// Says whether a point lies in a closed domain.
 pub type Contains<'a, const D: usize> = Box<dyn Fn(&Point<f64, D>) -> bool + Sync + 'a>;
@@ -44,6 +50,8 @@ pub struct SiteRegion<'a, const D: usize> {
     pub(crate) volume: Option<f64>,
     /// For domains that fill next to nothing of their bounding box.
     pub(crate) closer: Closer<'a, D>,
+    /// The vertices of the domain's boundary.
+    pub(crate) vertices: Vertices<'a>,
     /// Ends checks early: they then refuse nothing, and what stands on them ends as well.
     pub(crate) stop: StopFlag,
 }
@@ -58,6 +66,7 @@ impl<const D: usize> SiteRegion<'_, D> {
             contains: Box::new(move |point| bounds.contains(point)),
             volume: None,
             closer: Box::new(|| None),
+            vertices: Box::new(Vec::new),
             stop: None,
         }
     }
@@ -71,6 +80,7 @@ impl<const D: usize> SiteRegion<'_, D> {
             contains: Box::new(|point| domain.contains(point)),
             volume: (!domain.is_box()).then(|| domain.volume()),
             closer: Box::new(|| source_in_solid(domain.shape())),
+            vertices: Box::new(|| vertices_of(domain.shape())),
             stop: None,
         }
     }
@@ -84,6 +94,7 @@ impl<const D: usize> SiteRegion<'_, D> {
             contains: Box::new(|point| domain.contains(point)),
             volume: None,
             closer: Box::new(|| source_in_plane(domain)),
+            vertices: Box::new(Vec::new),
             stop: None,
         }
     }
@@ -143,7 +154,10 @@ pub fn place<const D: usize>(
     region: &SiteRegion<'_, D>,
 ) -> Result<PlacedSites<D>, Error> {
     let (mut sites, mut notes): (Vec<Point<f64, D>>, _) = match &scene.sites {
-        Sites::Random(random) => (random_or_lattice(random, region)?, Vec::new()),
+        Sites::Random(random) => {
+            let turn = scene.frames.as_ref().and_then(FrameChoice::of_all);
+            (random_or_lattice(random, turn, region)?, Vec::new())
+        }
         Sites::Grid(grid) => (grid_sites(grid, region)?, Vec::new()),
         Sites::List(list) => (list.iter().map(|row| point(row)).collect(), Vec::new()),
         Sites::File(path) => {
@@ -173,18 +187,37 @@ pub fn place<const D: usize>(
     })
 }
 
+/// Vertices of the convex hull of a domain, and perhaps others.
+fn vertices_of(domain: &dyn DomainShape) -> Vec<Point3<f64>> {
+    if let Some(surface) = domain.surface_mesh() {
+        return surface.vertices.clone();
+    }
+    let mut vertices: Vec<_> = domain.boundary().into_iter().flatten().collect();
+    if vertices.is_empty() {
+        let Bounds { min, max } = domain.bounds();
+        vertices.extend((0..8).map(|number| {
+            Point3::from(SVector::from_fn(|axis, _| {
+                [min, max][number >> axis & 1][axis]
+            }))
+        }));
+    }
+    vertices
+}
+
 /// The rounded counts of edges along the sides of the region's box.
 fn sides<const D: usize>(edge: f64, region: &SiteRegion<'_, D>) -> [f64; D] {
     let extent = region.bounds.extent();
     std::array::from_fn(|axis| (extent[axis] / edge).round().max(1.0))
 }
 
-/// Random sites, or those of a lattice: as many as asked for, or as cubes of an edge fill the domain.
+/// Random sites, or those of a lattice along the axes of the cells' one frame: as many as asked for, or as cubes of
+/// an edge fill the domain.
 ///
 /// # Errors
 /// [`Error::TooManySites`] for more than memory holds, [`Error::NoRoom`], [`Error::EmptyGrid`].
 fn random_or_lattice<const D: usize>(
     random: &RandomSites,
+    turn: Option<Rotation3<f64>>,
     region: &SiteRegion<'_, D>,
 ) -> Result<Vec<Point<f64, D>>, Error> {
     let volume = region.volume.unwrap_or(region.bounds.extent().product());
@@ -196,6 +229,16 @@ fn random_or_lattice<const D: usize>(
     let in_box: f64 = sides.iter().product();
     if random.lattice {
         memory::check(in_box as u64)?;
+        if let Some(turn) = turn {
+            let sites = turned_lattice(&(region.vertices)(), edge, turn);
+            let sites = sites.map(|site| Point::from(SVector::from_fn(|axis, _| site[axis])));
+            let held: Vec<Point<f64, D>> = sites.filter(|site| region.holds(site)).collect();
+            return if held.is_empty() {
+                Err(Error::EmptyGrid)
+            } else {
+                Ok(held)
+            };
+        }
         let counts = sides.map(|count| count as usize).to_vec();
         let (jitter, seed) = (0.0, random.seed);
         return grid_sites(
@@ -473,6 +516,7 @@ mod tests {
             contains: Box::new(triangle),
             volume: None,
             closer: Box::new(|| None),
+            vertices: Box::new(Vec::new),
             stop: None,
         };
         let sites = random_sites(500, 1, &region).expect("half of the square is room");

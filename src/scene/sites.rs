@@ -41,7 +41,8 @@ pub struct Random {
     #[serde(default = "one")]
     pub seed: u64,
     /// Whether the sites are those points of the cubic lattice over the domain's bounding box that the
-    /// domain holds, as many as come nearest to the count, without those whose cells are slivers.
+    /// domain holds, as many as come nearest to the count, without those whose cells are slivers. With one frame for
+    /// all cells the lattice and the box are along its axes.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub lattice: bool,
 }

@@ -278,6 +278,29 @@ fn sites_outside_a_solid_are_named_or_dropped() {
     assert_all_in(&message, &["all sites lie outside the domain"]);
 }
 
+/// A cube turned by asin 0.6: along its own axes 27 sites have cubes for cells.
+#[test]
+fn lattices_lie_along_the_one_frame_of_all_cells() {
+    let dir = TestDir::new();
+    let turned = [[0.8, 0.6, 0.0], [-0.6, 0.8, 0.0], [0.0, 0.0, 1.0]];
+    let corners = CORNERS.map(|corner| {
+        [0, 1, 2].map(|axis| (0..3).map(|side| corner[side] * turned[side][axis]).sum())
+    });
+    dir.write("cube.off", off(&corners, &TRIANGLES));
+    let degrees = 0.6_f64.asin().to_degrees();
+    let more = format!(
+        r#""frames": {{"axis": [0, 0, 1], "degrees": {degrees}}},
+           "sites": {{"random": {{"count": 27, "seed": 1, "lattice": true}}}}"#
+    );
+    let domain = r#"{"surface": "cube.off"}"#;
+    dir.write(
+        "scene.json",
+        format!(r#"{{"domain": {domain}, {more}, "method": {{"lloyd": {{"iterations": 1}}}}}}"#),
+    );
+    let (percent, _) = relaxed(&dir, &[]);
+    assert!((percent[0] - 100.0).abs() < 1e-9, "{percent:?}");
+}
+
 #[test]
 fn grids_are_cropped_to_the_solid() {
     let dir = TestDir::new();
