@@ -25,7 +25,8 @@ const NO_FLAT_TABLES: &str = "tables are of cells in space: set \"dimension\": 3
      --faces-table";
 
 const NO_LINF_TABLES: &str = "tables of L∞ cells need faces that neighbors share, which there are in a box or a \
-     convex polyhedron, sites apart by more than its last digits; leave out --cells-table and --faces-table, or say --cells l2";
+     convex polyhedron, sites apart by more than its last digits; leave out --cells-table and --faces-table, \
+     or say --cells l2";
 
 /// Options for tables.
 #[derive(Debug, Args)]

@@ -98,8 +98,8 @@ impl PolyMesh {
         self.check_structure()?;
         let faces = self.cell_faces();
         let cells = (0..self.cell_count).into_par_iter();
-        let unsound = cells.map_init(CellRing::default, |ring, cell| {
-            self.topology(&faces, cell, ring).err()
+        let unsound = cells.map_init(CellBoundary::default, |boundary, cell| {
+            self.topology(&faces, cell, boundary).err()
         });
         let unsound: Vec<MeshCheckError> = unsound.flatten_iter().collect();
         let is_open = |error: &&MeshCheckError| matches!(error, MeshCheckError::Open { .. });
@@ -193,28 +193,28 @@ impl PolyMesh {
         &self,
         faces: &CellFaces,
         cell: usize,
-        ring: &mut CellRing,
+        boundary: &mut CellBoundary,
     ) -> Result<(), MeshCheckError> {
-        ring.clear();
+        boundary.clear();
         for (face, is_owner) in faces.of(cell) {
             let corners = self.face(face);
-            ring.vertices.extend_from_slice(corners);
+            boundary.vertices.extend_from_slice(corners);
             let next = corners.iter().cycle().skip(1);
             for (&from, &to) in corners.iter().zip(next) {
                 let edge = u64::from(from.min(to)) << 32 | u64::from(from.max(to));
-                ring.edges[usize::from((from < to) == is_owner)].push(edge);
+                boundary.edges[usize::from((from < to) == is_owner)].push(edge);
             }
         }
-        ring.vertices.sort_unstable();
-        ring.vertices.dedup();
-        for edges in &mut ring.edges {
+        boundary.vertices.sort_unstable();
+        boundary.vertices.dedup();
+        for edges in &mut boundary.edges {
             edges.sort_unstable();
         }
-        let [one_way, other_way] = &ring.edges;
+        let [one_way, other_way] = &boundary.edges;
         if one_way != other_way || one_way.windows(2).any(|pair| pair[0] == pair[1]) {
-            return Err(ring.open_edge(cell));
+            return Err(boundary.open_edge(cell));
         }
-        let (vertices, edges) = (ring.vertices.len(), one_way.len());
+        let (vertices, edges) = (boundary.vertices.len(), one_way.len());
         let faces = faces.of(cell).len();
         match vertices + faces == edges + 2 {
             true => Ok(()),
@@ -230,13 +230,13 @@ impl PolyMesh {
 
 /// The edges and vertices of a cell, in memory that serves one cell after another.
 #[derive(Debug, Default)]
-struct CellRing {
+struct CellBoundary {
     /// Edges run down and up, seen from outside, by their lower and their higher end.
     edges: [Vec<u64>; 2],
     vertices: Vec<u32>,
 }
 
-impl CellRing {
+impl CellBoundary {
     fn clear(&mut self) {
         self.edges.iter_mut().for_each(Vec::clear);
         self.vertices.clear();
@@ -245,7 +245,9 @@ impl CellRing {
     /// The first edge of a cell that is not run once either way.
     fn open_edge(&self, cell: usize) -> MeshCheckError {
         let [down, up] = &self.edges;
-        let times = |edges: &[u64], edge: u64| edges.iter().filter(|&&other| other == edge).count();
+        // Both are sorted.
+        let below = |edges: &[u64], edge: u64| edges.partition_point(|&other| other < edge);
+        let times = |edges: &[u64], edge: u64| below(edges, edge + 1) - below(edges, edge);
         let mut all: Vec<u64> = down.iter().chain(up).copied().collect();
         all.sort_unstable();
         let counts = |edge: u64| [up, down].map(|edges| times(edges, edge) as u32);

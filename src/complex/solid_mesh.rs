@@ -3,7 +3,8 @@
 //! The conforming complex has all triangles of the surface on its walls. Then, in this order: the faces of a
 //! cell's walls are merged ([`wall_polygons`](crate::complex::wall_polygons)), chains straightened, small
 //! pieces joined to neighbors, bad cells improved ([`repair`](crate::complex::repair)), short edges collapsed,
-//! and what is bad still improved again; slivers that are left join a neighbor.
+//! and what is bad still improved again; vertices that came to one place become one, slivers that are left join a
+//! neighbor.
 
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -56,15 +56,8 @@ impl Diagram<'_> {
         of_cell: impl Fn(LinfCell<'_>) -> T + Sync,
         take: impl FnMut(usize, T) -> Result<(), Failure>,
     ) -> Result<(), Failure> {
-        let (domain, tree) = (self.domain(), self.tree()?);
-        let one = |builder: &mut LinfCellBuilder, place| {
-            Ok(of_cell(builder.build(
-                domain,
-                tree,
-                place,
-                Ties::ToSmallerIndex,
-            )?))
-        };
+        let of_cell = |(): &mut (), cell: LinfCell<'_>| of_cell(cell);
+        let one = self.built_linf(self.tree()?, Ties::ToSmallerIndex, of_cell);
         self.stream_places(one, take)
     }
 
